@@ -20,7 +20,7 @@ import freebody as fb
 from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_notes import contents, steps
 from support.sources import SOURCES, place
 
@@ -55,8 +55,7 @@ EXECUTES = {
 KNOWN = {
     ("locks.py", "import_module"): "modules of the table of public names, and those that are there",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
-    ("targets/llvm/gufunc.py", "import_module"): "a constant: NumPy's own module",
-    ("targets/target.py", "import_module"): "modules of the table of targets",
+    ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",
     ("sweeps/run.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
@@ -65,7 +64,7 @@ KNOWN = {
         "targets/llvm/machine.py",
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
-    ("targets/cuda/assembly.py", "parse_assembly"): "the same, for GPUs",
+    ("targets/cuda/plan.py", "parse_assembly"): "the same, for GPUs",
     ("targets/cuda/driver.py", "bindings"): "assembles PTX that LLVM has made of that text",
     (
         "targets/llvm/loader.py",
@@ -73,16 +72,18 @@ KNOWN = {
     ): "what was compiled from that text, or found in the user's own cache",
     ("targets/llvm/loader.py", "CDLL"): "constants: the C library, and on Windows the system's",
     ("targets/llvm/loader.py", "parse_assembly"): "an empty text",
-    ("targets/llvm/gufunc.py", "from_address"): "a field of a ufunc that was just made",
+    ("targets/llvm/cpu.py", "from_address"): "a field of a ufunc that was just made",
     ("targets/llvm/fastcall.py", "pythonapi"): "constant names of CPython's functions",
-    ("targets/llvm/gufunc.py", "pythonapi"): "constant names of CPython's functions",
+    ("targets/llvm/cpu.py", "pythonapi"): "constant names of CPython's functions",
     (
         "formats/masses.py",
         "trimesh",
     ): "bytes of four formats of shapes, only where estimate_inertia asks for it",
-    ("targets/llvm/gufunc.py", "PYFUNCTYPE"): "functions of NumPy's table",
-    ("targets/llvm/repeat.py", "CFUNCTYPE"): "a constant text that was compiled",
-    ("targets/llvm/scan.py", "CFUNCTYPE"): "code of a verified Program, and how it is called",
+    ("targets/llvm/cpu.py", "PYFUNCTYPE"): "functions of NumPy's table",
+    (
+        "targets/llvm/scan.py",
+        "CFUNCTYPE",
+    ): "a constant text that was compiled, code of a verified Program, and how it is called",
     (
         "freebody_notes/checks/calls.py",
         "eval",
@@ -197,9 +198,9 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
         with pytest.raises(ProgramError, match="is not a word"):
             compile_program(dataclasses.replace(made, name=name), target=target)
     with pytest.raises(ProgramError, match="is not a word"):
-        Unit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
+        SourceUnit(dataclasses.replace(made, outputs=(Argument(name, (1,)),)), "f")
     with pytest.raises(ProgramError, match="is not a word"):
-        Unit(made, name)
+        SourceUnit(made, name)
 
 
 @pytest.mark.parametrize(
@@ -208,14 +209,14 @@ def test_a_name_from_outside_is_refused_in_a_program(name):
 def test_a_remark_that_could_end_a_comment_is_refused(remark):
     made = trace("f", lambda x: ([x[0]],), [Argument("q", (1,))], [Argument("y", (1,))])
     with pytest.raises(ProgramError, match="a comment must not contain"):
-        Unit(made, "f", (remark,))
+        SourceUnit(made, "f", (remark,))
 
 
 def test_inputs_that_are_called_like_the_emitted_texts_own_words_are_renamed():
     inputs = [Argument(x, (1,)) for x in ("batch", "xp", "sin", "v0", "f", "q")]
     program = trace("f", lambda *x: ([sum(y[0] for y in x)],), inputs, [Argument("y", (1,))])
     scope: dict = {}
-    exec(LANGUAGES["numpy"].emit(Unit(program, "f")), scope)
+    exec(LANGUAGES["numpy"].emit(SourceUnit(program, "f")), scope)
     assert scope["f"](*(np.array([float(k)]) for k in range(6))).tolist() == [15.0]
 
 

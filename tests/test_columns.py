@@ -12,9 +12,9 @@ import pytest
 
 import freebody as fb
 from freebody.kernels import lookup
-from freebody.kernels.arguments import arguments
 from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.tracing import arguments
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along
 from support.helpers import refused

@@ -26,10 +26,8 @@ from freebody.kernels.tracing import program
 from freebody.program import Argument, Program, trace
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import KernelError, compile_program
-from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.driver import missing
 from freebody.targets.cuda.emit import TOGETHER, emit
-from freebody.targets.cuda.part import part
 from freebody.targets.cuda.parts import (
     ALIVE,
     FEW,
@@ -37,11 +35,13 @@ from freebody.targets.cuda.parts import (
     LARGEST,
     OUTPUTS,
     ROOM,
+    part,
     parts,
     prepared,
 )
+from freebody.targets.cuda.plan import ptx
 from freebody.targets.llvm.machine import host
-from freebody.targets.text import Unit, cuda
+from freebody.targets.text import SourceUnit, cuda
 from freebody.ways_out.self_test_samples import vectors
 from support import gpu
 from support.extras import extra
@@ -368,7 +368,7 @@ def test_one_result_after_the_other_keeps_less_of_a_tree_alive():
 
 def test_a_program_without_numbers_is_an_entry_all_the_same(tmp_path):
     empty = trace("nothing", lambda q: ([],), [Argument("q", (2,))], [Argument("y", (0,))])
-    text = cuda.CUDA.emit(Unit(empty, "nothing"))
+    text = cuda.CUDA.emit(SourceUnit(empty, "nothing"))
     assert re.findall(r"\.entry (\w+)\(", text) == ["nothing"]
     gpu.assembled(text, tmp_path)
     (found,) = gpu.run(empty, [np.ones((3, 2))])

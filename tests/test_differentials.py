@@ -12,7 +12,7 @@ from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
 from freebody.ways_out import differentials
 from freebody.ways_out.differentials import Differentiable, length, of_quantities
-from freebody.ways_out.kernel_or_quantities import asked
+from freebody.ways_out.kernel_or_quantities import requested
 
 STEP = 1e-30
 
@@ -47,7 +47,7 @@ def given(program, seed=5):
 
 
 def quantity(model, names, **options):
-    meant = asked("test", model, names, options)
+    meant = requested("test", model, names, options)
     return of_quantities(meant), meant.given
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.ways_out.recursion_names import MEANINGS
+from freebody.ways_out.program_description import MEANINGS
 
 LINE = re.compile(r"    const double (\w+) = (.*);")
 

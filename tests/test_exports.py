@@ -30,7 +30,7 @@ from freebody.kernels.formulas import FORMULAS
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from freebody.ways_out.self_test_samples import vectors
@@ -55,7 +55,7 @@ def having(table: str) -> list[str]:
 def package(program: Program, folder: Path, language: str, dtype: str = "float64") -> None:
     """As fb.export does it, of any program."""
     files = LANGUAGES[language].package(
-        Unit(program, program.name, dtype=dtype), vectors(program, dtype)
+        SourceUnit(program, program.name, dtype=dtype), vectors(program, dtype)
     )
     for name, text in files.items():
         (folder / name).write_text(text, encoding="ascii")
@@ -220,7 +220,7 @@ def test_a_language_that_marks_its_variables_marks_each():
         "",
         variable="${word}",
     )
-    unit = Unit(everything(), "everything")
+    unit = SourceUnit(everything(), "everything")
     words = words_of(unit, ())
     written = "\n".join(lines(statements(unit, words, spelling, ()), spelling, ""))
     assert len(re.findall(r"\$\w", written)) > 100

@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody.targets.xla import operation as xla
-from freebody.targets.xla.batch_axes import arranged
+from freebody.targets.xla.operation import arranged
 from freebody.ways_out import differentials
 from freebody.ways_out.differentials import Differentiable
 from support.extras import extra

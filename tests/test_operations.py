@@ -23,7 +23,7 @@ from freebody.targets import compile_program
 from freebody.targets.interpreter import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
 from freebody.targets.target import target_named
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 from support.programs import every_target
 
 NAMED = sorted(elementary.FUNCTIONS)
@@ -350,7 +350,7 @@ def test_python_text(name):
     inputs = [Argument(x, ()) for x in "xyz"[: operation.arity]]
     program = trace("f", lambda *x: (elementary.FUNCTIONS[name](*x),), inputs, [Argument("r", ())])
     space = {}
-    exec(LANGUAGES["numpy"].emit(Unit(program, program.name)), space)
+    exec(LANGUAGES["numpy"].emit(SourceUnit(program, program.name)), space)
     columns = np.random.default_rng(1).uniform(0.1, 0.9, (operation.arity, 20))
     np.testing.assert_array_equal(
         space["f"](*columns), compile_program(program, target="numpy")(*columns)

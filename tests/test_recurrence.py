@@ -9,9 +9,8 @@ import pytest
 from freebody.elementary import minimum, sin
 from freebody.program import Argument, trace
 from freebody.targets import compile_program
-from freebody.targets.in_turn import Placed, in_turn
-from freebody.targets.llvm import repeat
-from freebody.targets.recurrence import recurrence
+from freebody.targets.in_turn import Placed, in_turn, recurrence
+from freebody.targets.llvm import scan
 
 STEPS = 7
 
@@ -71,7 +70,7 @@ def test_no_steps_are_none():
 def test_states_may_stay_where_they_are_or_go_elsewhere(target: str, samples: int, monkeypatch):
     """Of five steps the results of two are kept; a row for all steps, numbers for all samples."""
     # as where two threads compile it at once: each must keep its own
-    monkeypatch.setattr(repeat, "_repeat", repeat._repeat.__wrapped__)
+    monkeypatch.setattr(scan, "_repeat", scan._repeat.__wrapped__)
     kernel = compile_program(PROGRAM, target=target)
     state, rows, low = given(samples)
     kept = np.full((samples, 4, 3, 2), np.nan)[:, :, 1].swapaxes(0, 1)

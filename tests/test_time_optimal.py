@@ -20,7 +20,7 @@ from freebody.cli.app import run
 from freebody.motion.optimal.geometric_path import grid, sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
-from freebody.targets import recurrence as recurrences
+from freebody.targets import in_turn as recurrences
 from support import real_files
 from support.extras import extra
 

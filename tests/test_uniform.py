@@ -12,7 +12,7 @@ import pytest
 from freebody.elementary import cos, sign, sin, sqrt
 from freebody.errors import ShapeError
 from freebody.program import Argument, passes, trace
-from freebody.program.hoist import hoist
+from freebody.program.passes import hoist
 from freebody.targets import compile_program
 from freebody.targets.interpreter import Interpreter
 from support.programs import assert_close, direct, random_program, samples

@@ -12,15 +12,18 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from freebody.targets.cuda import assembly, plan
+from freebody.targets.cuda import plan
 from support import gpu
 
 _texts: dict[str, str] = {}
 _kept: list[object] = []
 
 
+_ptx_of_llvm = plan.ptx
+
+
 def _ptx(text: str) -> str:
-    made = assembly.ptx(text)
+    made = _ptx_of_llvm(text)
     _texts[made] = text
     return made
 

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.kernels.arguments import arguments, chosen, shape
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.tracing import arguments, chosen, shape
 from freebody.model.model import Model
 
 

@@ -1,26 +1,28 @@
 """Articulated bodies: forward dynamics in a time linear in the number of bodies (Featherstone 2008,
-table 7.1)."""
+table 7.1), in motion and force vectors of one column, angular part first."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from freebody.algorithms.crba import momentum_of, own_inertia
-from freebody.algorithms.kinematics import joint_poses
-from freebody.algorithms.plucker import columns, inertia_matrix, parts, transform
+from freebody.algorithms.crba import Composite, momentum_of, own_inertia
+from freebody.algorithms.kinematics import Column, Pose, joint_poses
 from freebody.algorithms.rnea import External, friction_and_spring
 from freebody.algorithms.world_axes import cross_force, cross_motion
 from freebody.elementary import Scalar
-from freebody.model.tree import Tree
+from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import (
+    AnySpace,
     Matrix,
     Vector,
     add,
     combine,
     congruence,
     dot,
+    identity,
     neg,
     plus,
+    product,
     scale,
     sub,
     symmetric,
@@ -38,8 +40,8 @@ def aba(
     )
     space = tree.space
     joints = joint_poses(tree, q)
-    X = [transform(space, pose) for pose in joints]
-    S = [columns(body) for body in tree.bodies]
+    X = [_transform(space, pose) for pose in joints]
+    S = [_columns(body) for body in tree.bodies]
     v: list[Vector] = []
     c: list[Vector] = []
     IA: list[Matrix] = []
@@ -47,12 +49,12 @@ def aba(
     for i, body in enumerate(tree.bodies):
         joint = combine(S[i], body.rates(qd))
         v.append(joint if body.parent < 0 else add(times(X[i], v[body.parent]), joint))
-        own, velocity = own_inertia(space, body), parts(space, v[i])
-        c_w, c_v = cross_motion(space, velocity, parts(space, joint))
+        own, velocity = own_inertia(space, body), _parts(space, v[i])
+        c_w, c_v = cross_motion(space, velocity, _parts(space, joint))
         n, f = cross_force(space, velocity, momentum_of(space, own, velocity))
         c.append(c_w + c_v)
         pA.append(n + f)
-        IA.append(inertia_matrix(space, own))
+        IA.append(_inertia_matrix(space, own))
     for i, force, moment in external:
         pA[i] = sub(pA[i], moment + force)
     eliminated: list[list[tuple[int, Vector, Vector, Scalar, Scalar]]] = [[] for _ in tree.bodies]
@@ -94,3 +96,42 @@ def _less(inertia: Matrix, U: Vector, inverse: Scalar) -> Matrix:
     """inertia - U Uᵀ / d."""
     scaled = scale(inverse, U)
     return symmetric(len(U), lambda i, j: inertia[i][j] - U[i] * scaled[j])
+
+
+def _size_angular(space: AnySpace) -> int:
+    """Number of angular entries."""
+    return len(space.zero_angular)
+
+
+def _parts(space: AnySpace, column: Vector) -> Column:
+    """(angular, linear) part of a column."""
+    a = _size_angular(space)
+    return column[:a], column[a:]
+
+
+def _columns(body: TreeBody) -> tuple[Vector, ...]:
+    """Motion columns of a joint."""
+    return tuple(w + v for w, v in body.columns)
+
+
+def _transform(space: AnySpace, pose: Pose) -> Matrix:
+    """X that takes motions of the parent to motions of the child at (R, p): ω' = Rᵀ ω, v' = Rᵀ (v +
+    ω × p)."""
+    R, p = pose
+    E = transposed(R)
+    a = _size_angular(space)
+    turn = transposed(tuple(space.turn(E, unit) for unit in identity(a)))
+    moved = product(E, transposed(tuple(space.cross(unit, p) for unit in identity(a))))
+    top = tuple(row + (0.0,) * space.dim for row in turn)
+    return top + tuple(m + e for m, e in zip(moved, E, strict=True))
+
+
+def _inertia_matrix(space: AnySpace, composite: Composite) -> Matrix:
+    """The 6×6 (plane: 3×3) inertia about the origin."""
+    m, h, inertia = composite
+    hx = space.skew(h)
+    top = tuple(i + row for i, row in zip(space.inertia_matrix(inertia), hx, strict=True))
+    bottom = tuple(
+        row + scale(m, unit) for row, unit in zip(transposed(hx), identity(space.dim), strict=True)
+    )
+    return top + bottom

@@ -94,8 +94,8 @@ _Seen = tuple[
     Callable[[int], list[Column]],
     Callable[[int, Column], Column],
 ]
-"""Of each body the columns of its joint; what gives their momenta, (moment, force) at an origin,
-when they are needed; and what a force of a body is to the next one inward."""
+"""For each body the columns of its joint; their momenta, (moment, force) at an origin, made when
+they are needed; and a force of the body as it acts on the next one inward."""
 
 
 def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
@@ -115,7 +115,7 @@ def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
 
 
 def _in_one_frame(tree: Tree, joints: list[Pose]) -> _Seen:
-    """All in the axes of one body, so that nothing is turned on the way inward.
+    """Inertias and columns in the axes of one body, so that nothing is turned on the way inward.
 
     Inertias are still about the origin of their own body: about a far one they would lose digits.
     What goes inward is moved once, to the common origin.

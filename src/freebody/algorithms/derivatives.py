@@ -36,8 +36,8 @@ from freebody.spatial import Matrix, Vector, dot, identity, neg, scale, transpos
 
 @dataclass
 class Derivatives:
-    """Of tau by q, q̇ and q̈ (the last is M), or of q̈ by q, q̇ and tau (the last is M⁻¹): each nv
-    × nv."""
+    """Derivatives of tau by q, q̇ and q̈ (the last is M), or of q̈ by q, q̇ and tau (the last is
+    M⁻¹): each nv × nv."""
 
     by_q: Matrix
     by_qd: Matrix

@@ -57,8 +57,8 @@ def tip_wrench(tree: Tree, q: Vector, frame: str, tau: Vector) -> Vector:
 
 
 def wrench_rows(nv: int, six: int, dim: int) -> int:
-    """How many rows of a wrench are asked of nv torques: the force alone where they are too few for
-    all."""
+    """The number of a wrench's rows that nv torques can determine: the force alone where they are
+    too few for all."""
     return six if nv >= six else dim
 
 

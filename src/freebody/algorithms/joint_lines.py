@@ -1,4 +1,4 @@
-"""How the lines lie along which joints turn and slide: what decides which closed form fits an arm.
+"""Lines along which joints turn and slide: how they lie decides which closed form fits an arm.
 
 Numbers alone, told once for an arm.
 """
@@ -24,7 +24,7 @@ def perpendicular(a: Array, b: Array) -> bool:
 
 
 def off_axis(screw: Screw, point: Array) -> float:
-    """How far a point (3,) is from a screw's axis (m)."""
+    """The distance of a point (3,) from a screw's axis (m)."""
     arm = point - screw.p
     return _size(arm - (arm @ screw.w) * screw.w)
 

@@ -164,9 +164,9 @@ class BodyMotions:
     """[ω̇×] + [ω×][ω×] of each body."""
 
 
-Named = Callable[[str, int, Vector], Vector]
-"""What later steps of a recursion are given for a vector (its name in the record, its body, its
-value): the value itself, or in a derivation a name for it."""
+VectorNaming = Callable[[str, int, Vector], Vector]
+"""(name in the record, body, value) -> the vector that later steps of a recursion are given: the
+value itself, or in a derivation a name for it."""
 
 
 def unnamed(name: str, body: int, value: Vector) -> Vector:
@@ -180,7 +180,7 @@ def outward(
     qd: Vector,
     qdd: Vector,
     base_acceleration: Vector | None = None,
-    named: Named = unnamed,
+    named: VectorNaming = unnamed,
 ) -> BodyMotions:
     """Outward recursion (4.6-4.11; 6.16-6.22 revolute, 6.23-6.27 prismatic, in one form).
 

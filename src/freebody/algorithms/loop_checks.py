@@ -22,8 +22,7 @@ from freebody.algorithms.loop_constraints import (
     loop_ends,
     one_if_positive,
 )
-from freebody.algorithms.loop_scales import scales
-from freebody.algorithms.rounding import no_finer
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.elementary import Scalar, absolute, maximum, minimum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, times
@@ -31,7 +30,8 @@ from freebody.spatial import Matrix, Vector, dot, times
 CLOSED = 1e-6
 """Gap, relative to the mechanism's length, from which a loop counts as open."""
 LEFT = 1e-6
-"""Of an equation of accelerations, relative to its terms: more is no rounding."""
+"""The residual of an equation of accelerations, relative to its terms, above which it is no
+rounding."""
 PIVOT = 1e-4
 """The smallest pivot of the quick solution relative to the largest, below which another takes over.
 Rounding there is 1e-16 over the pivot, and motions through singular positions carry it on: a double
@@ -40,10 +40,10 @@ LIGHT = 1e10
 """The mechanism's inertia over that which resists a loop; rad/s²: more than that comes of a
 division by rounding."""
 _FOLLOWS = 1e-8
-"""The same of an equation that was left out: near singular positions one that does not follow from
-the others is hardly left, either."""
+"""The residual, relative to its terms, of an equation that was left out: near singular positions
+one that does not follow from the others leaves hardly more."""
 _ROUNDINGS = 4096.0
-"""The same in units of rounding, of numbers of 32 bits."""
+"""The residual in units of rounding, for numbers of 32 bits."""
 _IDLE = 1e-12  # a pivot of M, relative to its entry on the diagonal, that may be rounding
 # cosine between axes that a loop holds together, below which it is closed the wrong way round
 _FORWARD = 0.5
@@ -57,7 +57,7 @@ def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
 
 
 def closure_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Scalar]:
-    """Of loops that are closed, the right way round, and stay closed at the rates."""
+    """Margins of loops that are closed, the right way round, and stay closed at the rates."""
     rows, rates = scales(tree)
     margins = [CLOSED**2 - x for x in _by_loop(tree, rows, constraint(tree, q))]
     for loop, (a, b) in zip(tree.loops, loop_ends(tree, q), strict=True):
@@ -72,7 +72,7 @@ def closure_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Sca
 
 
 def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
-    """Of accelerations that keep the loops closed."""
+    """The margin of accelerations that keep the loops closed."""
     terms, left = _left_by(tree, q, qd, qdd, range(tree.constraints))
     return LEFT * terms - left
 
@@ -80,7 +80,7 @@ def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
 def following_margins(
     tree: Tree, q: Vector, qd: Vector, qdd: Vector, counting: Counting | None
 ) -> list[Scalar]:
-    """Of accelerations that the equations left out allow, too."""
+    """Margins of accelerations that the equations left out allow, too."""
     others = counting.left_out(tree) if counting else ()
     if not counting or not others:
         return []
@@ -102,8 +102,8 @@ def _left_by(
 def solution_margins(
     tree: Tree, M: Matrix, factors: Factors, found: Constrained, counting: Counting | None
 ) -> list[Scalar]:
-    """Of accelerations that were found with equations that are independent and an inertia that
-    resists every motion.
+    """Margins of accelerations that were found with equations that are independent and an inertia
+    that resists every motion.
 
     M and its factors; counting: the equations that were taken, None is all.
     """

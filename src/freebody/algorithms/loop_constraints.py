@@ -28,9 +28,8 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
-from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length
+from freebody.algorithms.loop_scales import equations_of_lengths, mechanism_length, no_finer
 from freebody.algorithms.rnea import External
-from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sign, sqrt
 from freebody.model.tree import Tree, TreeLoop
 from freebody.spatial import (
@@ -67,7 +66,8 @@ class Counting(NamedTuple):
 
     rows: tuple[int, ...]
     slack: float = 0.0
-    """What rounding of the model's numbers may leave of the others, relative to their terms."""
+    """The residual that rounding of the model's numbers may leave of the other equations, relative
+    to their terms."""
 
     def left_out(self, tree: Tree) -> tuple[int, ...]:
         """The others."""
@@ -302,7 +302,8 @@ def independence(tree: Tree, pivots: Vector, counting: Counting | None = None) -
 
 
 def _as_angles(tree: Tree) -> Vector:
-    """What makes the equations comparable: 1 of angles, of lengths one over the mechanism's own."""
+    """The factors that make the equations comparable: 1 of angles, of lengths one over the
+    mechanism's own."""
     per_length = 1.0 / mechanism_length(tree)
     return tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
 
@@ -313,7 +314,7 @@ to project with."""
 _OPEN = 1e-5
 """rad, or lengths of the mechanism: loops that a Newton step leaves open by more are not closed."""
 _ROUNDINGS = 128.0
-"""Both in units of rounding, of numbers of 32 bits."""
+"""Both limits in units of rounding, for numbers of 32 bits."""
 
 
 def one_if_positive(*margins: Scalar) -> Scalar:
@@ -325,7 +326,7 @@ def one_if_positive(*margins: Scalar) -> Scalar:
 
 
 def kept(values: tuple[Any, ...], counting: Counting | None) -> tuple[Any, ...]:
-    """Of one value an equation those of the equations that count; None: all."""
+    """The values of the equations that count, from a value for every equation; None: all."""
     return values if counting is None else tuple(values[k] for k in counting.rows)
 
 
@@ -370,13 +371,13 @@ def solved(S: list[list[Scalar]], right: Vector) -> tuple[Vector, Vector]:
 
 
 def loop_ends(tree: Tree, q: Vector) -> list[tuple[Pose, Pose]]:
-    """Where the frames of each loop stand in the world."""
+    """The poses of each loop's frames in the world."""
     world = world_poses(tree, joint_poses(tree, q))
     return [_ends(tree, world, loop) for loop in tree.loops]
 
 
 def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:
-    """Where frames A and B stand in the world."""
+    """The poses of frames A and B in the world."""
     a, b = loop.frames
     return frame_pose(tree, world, a), frame_pose(tree, world, b)
 

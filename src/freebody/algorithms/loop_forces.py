@@ -25,9 +25,8 @@ from freebody.algorithms.loop_constraints import (
     one_if_positive,
     solved,
 )
-from freebody.algorithms.loop_scales import scales
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.algorithms.rnea import Recursion, rnea
-from freebody.algorithms.rounding import no_finer
 from freebody.elementary import Scalar, maximum, minimum, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, times, transposed
@@ -36,9 +35,9 @@ _PIVOT = 1e-3
 """The smallest entry of R's diagonal relative to the largest, from which columns are regular enough
 to divide by."""
 _LEFT = 1e-9
-"""Of a scaled equation: what rounding leaves of one that follows from others."""
+"""The residual of a scaled equation that rounding leaves where it follows from others."""
 _ROUNDINGS = 4096.0
-"""The same in units of rounding, of numbers of 32 bits."""
+"""The residual in units of rounding, for numbers of 32 bits."""
 
 
 class Partition(NamedTuple):
@@ -47,7 +46,8 @@ class Partition(NamedTuple):
     rows: tuple[int, ...]
     """Equations that determine all that the loops determine."""
     dependent: tuple[int, ...]
-    """As many coordinates that they determine; the undriven ones are among them."""
+    """The coordinates that these equations determine, as many as there are equations; the undriven
+    ones are among them."""
     driven: tuple[int, ...]
     """The others, and maybe more."""
 
@@ -59,11 +59,11 @@ class Orthogonal:
     units: tuple[Vector, ...]
     """Columns of Q."""
     triangle: tuple[Vector, ...]
-    """Of each column its entries of R down to the diagonal."""
+    """For each column its entries of R down to the diagonal."""
 
     @property
     def margins(self) -> list[Scalar]:
-        """What is positive where the columns are independent enough to divide by."""
+        """Margins that are positive where the columns are independent enough to divide by."""
         sizes = [column[-1] for column in self.triangle]
         return [reduce(minimum, sizes) - _PIVOT * reduce(maximum, sizes)] if sizes else []
 
@@ -113,14 +113,14 @@ class _Split:
     """Φ_q at one position, scaled and split."""
 
     factors: Orthogonal
-    """Of A, the columns of the dependent coordinates."""
+    """Factors of A, the columns of the dependent coordinates."""
     independent: tuple[int, ...]
     columns: Matrix
     """Columns of Φ_q, of the partition's equations alone."""
     phi: Matrix
     """Rows of Φ_q, all of them."""
     row_scale: Vector
-    """Of all equations: multiplied by it they are angles."""
+    """Factors (m,) that make angles of the residuals of all equations."""
     rate_scale: Vector
     """Rates divided by it are angular."""
 
@@ -134,9 +134,9 @@ def drive_torques(tree: Tree, q: Vector, needed: Vector, partition: Partition) -
     + Xᵀ n_dependent.
     """
     split = _split(tree, q, partition)
-    asked = tuple(s * n for s, n in zip(split.rate_scale, needed, strict=True))
-    loads = split.factors.solve_transposed(tuple(asked[k] for k in partition.dependent))
-    power = tuple(asked[k] - dot(split.columns[k], loads) for k in split.independent)
+    angular = tuple(s * n for s, n in zip(split.rate_scale, needed, strict=True))
+    loads = split.factors.solve_transposed(tuple(angular[k] for k in partition.dependent))
+    power = tuple(angular[k] - dot(split.columns[k], loads) for k in split.independent)
     also = [i for i, k in enumerate(partition.dependent) if k in partition.driven]
     found: list[Scalar] = [0.0] * tree.nv
     if also:

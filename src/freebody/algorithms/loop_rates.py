@@ -13,18 +13,17 @@ from functools import reduce
 from freebody.algorithms.loop_checks import largest
 from freebody.algorithms.loop_constraints import solved
 from freebody.algorithms.loop_forces import Orthogonal, Partition, orthogonal, scaled_jacobian
-from freebody.algorithms.loop_scales import scales
-from freebody.algorithms.rounding import no_finer
+from freebody.algorithms.loop_scales import no_finer, scales
 from freebody.elementary import Scalar, absolute, maximum
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, sub, transposed
 
 ALLOWED = 1e-8
-"""What a scaled equation may leave, relative to the largest angular rate: more, and the values
+"""The residual of a scaled equation, relative to the largest angular rate, above which the values
 given contradict it."""
 _ROUNDINGS = 4096.0
-"""The same in units of rounding, of numbers of 32 bits: a thousand for columns that may be nearly
-dependent, and a few for sums."""
+"""The residual in units of rounding, for numbers of 32 bits: a thousand for columns that may be
+nearly dependent, and a few for sums."""
 
 
 def nearest(
@@ -65,8 +64,8 @@ def led(
     held: Sequence[int],
     equations: Sequence[int],
 ) -> tuple[Vector, list[Scalar]]:
-    """The same, with the rates of the coordinates `held` as they are given; by equations that tell
-    all."""
+    """(x (nv,) with Φ_q x = right (m,) that has the rates of the coordinates `held` as they are
+    given; margins that are positive where this is it); by equations that tell all."""
     rows, rates = scales(tree)
     phi = scaled_jacobian(tree, q)
     wanted = tuple(s * c for s, c in zip(rows, right, strict=True))

@@ -1,9 +1,9 @@
-"""What makes lengths and angles of a closed chain compare: everything becomes an angle, over the
-mechanism's length."""
+"""How quantities of a closed chain compare: lengths become angles, over the mechanism's length, and
+a difference counts as rounding below a limit that suits numbers of any length."""
 
 from __future__ import annotations
 
-from freebody.elementary import Scalar, maximum, sqrt
+from freebody.elementary import Scalar, epsilon, maximum, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Vector, dot
 
@@ -21,8 +21,8 @@ def mechanism_length(tree: Tree) -> Scalar:
 
 
 def scales(tree: Tree) -> tuple[Vector, Vector]:
-    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that make angles of what is
-    of lengths."""
+    """(factors (m,) of the loop equations, divisors (nv,) of the rates) that turn lengths into
+    angles."""
     length = mechanism_length(tree)
     per_length = 1.0 / length
     rows = tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
@@ -55,6 +55,14 @@ def repeating(tree: Tree) -> tuple[bool, ...]:
         for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
             found[k] = found[k] and _vanishes(linear) and ratio == round(ratio)
     return tuple(found)
+
+
+def no_finer(limit: float, x: Scalar, roundings: float) -> Scalar:
+    """The relative limit, or so many roundings of numbers with few digits where these are more.
+
+    roundings: how many units of rounding of x's type a compared value may well have gathered.
+    """
+    return maximum(limit, roundings * epsilon(x))
 
 
 def _vanishes(vector: Vector) -> bool:

@@ -1,5 +1,5 @@
-"""What must act on a free body so that it moves as it does: ΣF = m a and ΣM = Ḣ about its joint's
-origin.
+"""The equations of a free body: the forces ΣF = m a and moments ΣM = Ḣ about its joint's origin
+that must act so that it moves as it does. Notes 3.1, 3.2, 6.1, 6.2.
 
 Notes 3.1, 3.2, 6.1, 6.2. It takes the bodies' poses with their first and second time derivatives,
 whatever these come from; the rate of angular momentum is R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second
@@ -40,7 +40,7 @@ class Moving(NamedTuple):
 
 
 class BodyResiduals(NamedTuple):
-    """Of every body of the model, about its joint's origin, world axes."""
+    """Residuals of every body of the model, about its joint's origin, world axes."""
 
     force: Matrix
     """ΣF - m a."""
@@ -56,7 +56,7 @@ def balance(
     wrenches: Sequence[Vector],
     external: Sequence[tuple[str, Vector]],
 ) -> BodyResiduals:
-    """How well reactions and external wrenches, world axes, explain a motion.
+    """The residuals that reactions and external wrenches, world axes, leave of a motion.
 
     moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
     them; external: (frame, wrench) of each load.
@@ -84,7 +84,7 @@ def balance(
 
 @dataclass
 class _Acting:
-    """What acts on each body of the model: forces, and moments about its joint's origin."""
+    """The loads on each body of the model: forces, and moments about its joint's origin."""
 
     moment: Callable[[Vector, Vector], Vector]
     origins: dict[int, Vector]

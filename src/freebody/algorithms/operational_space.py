@@ -66,7 +66,7 @@ def operational_space(
 def where_sure(
     tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], values: Vector | Matrix
 ) -> Any:
-    """Values that ask for independent rows of a frame's Jacobian; NaN where these are not surely
+    """Values that need independent rows of a frame's Jacobian; NaN where these are not surely
     independent."""
     J = tuple(jacobian(tree, q, frame)[r] for r in rows)
     return nan_unless(surely_independent(J), q, tuple(values))

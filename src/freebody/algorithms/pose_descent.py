@@ -7,19 +7,18 @@ from collections.abc import Callable, Sequence
 
 from freebody.algorithms.loop_constraints import solved
 from freebody.elementary import Scalar, absolute, less, maximum, minimum, sqrt, where
+from freebody.model.tree import Pose
 from freebody.spatial import Matrix, Vector, dot, product, scale, sub, transposed
 
 LEAST_DAMPING = 1e-14
 _HALF_TURN = 1e-12
 """The least of 1 + cos of an angle by which is divided."""
 
-Pose = tuple[Matrix, Vector]
-
 
 def missing(at: Pose, target: Pose, rows: Sequence[int], scales: Vector) -> tuple[Vector, Scalar]:
-    """What is missing (rows,) of the counted rows, linear ones first, world axes: the way, and of
-    the turn by θ the vector 2 sin(θ/2) along its axis, which is longest at a half turn; and the
-    square of its length.
+    """The difference (rows,) between a pose and its target, of the counted rows, linear ones first,
+    world axes: the way, and of the turn by θ the vector 2 sin(θ/2) along its axis, which is longest
+    at a half turn; and the square of its length.
 
     scales: by which linear and angular rows are multiplied.
     """

@@ -40,8 +40,9 @@ def lightened(tree: Tree) -> Tree:
 
 
 def regroup(tree: Tree, composites: list[Composite], named: bool = False) -> list[Composite]:
-    """The same from given ones; linear in them. named: nothing is handed to what lies between the
-    primitives of one joint, which is no body of the model and has no parameters with names."""
+    """Regrouped parameters from given ones; linear in them. named: nothing is handed to what lies
+    between the primitives of one joint, which is no body of the model and has no parameters with
+    names."""
     space, result = tree.space, list(composites)
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
@@ -85,7 +86,7 @@ def kept(tree: Tree, i: int) -> tuple[str, ...]:
 
 
 def _along(body: TreeBody) -> int | None:
-    """Which coordinate axis of its own frame a body turns about, if it is one."""
+    """The coordinate axis of its own frame about which a body turns, if it is one."""
     size = [abs(x) if isinstance(x, float) else None for x in body.axis]
     return size.index(1.0) if sorted(size, key=str) == [0.0, 0.0, 1.0] else None
 

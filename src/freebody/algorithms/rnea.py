@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 
 from freebody.algorithms.kinematics import (
     BodyMotions,
-    Named,
+    VectorNaming,
     joint_poses,
     outward,
     unnamed,
@@ -57,7 +57,7 @@ def rnea(
     qdd: Vector,
     external: Sequence[External] = (),
     gravity: str = "base",
-    named: Named = unnamed,
+    named: VectorNaming = unnamed,
 ) -> Recursion:
     """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's
     weight. named: what stands for each vector in what follows from it."""
@@ -114,7 +114,7 @@ def rnea(
 def joint_torque(
     body: TreeBody, n: Vector, f: Vector, q: Vector, qd: Vector, qdd: Vector
 ) -> Vector:
-    """What the motor of a joint must give, along each of its columns."""
+    """The torque that the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
         torques[0] = (
@@ -135,7 +135,7 @@ def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
     )
 
 
-def _fields(tree: Tree, motion: BodyMotions, named: Named) -> list[Vector]:
+def _fields(tree: Tree, motion: BodyMotions, named: VectorNaming) -> list[Vector]:
     """The gravity field in each body's axes."""
     fields: list[Vector] = []
     for i, (body, (R, _)) in enumerate(zip(tree.bodies, motion.joints, strict=True)):

@@ -1,4 +1,5 @@
-"""One step of a simulation as straight-line arithmetic, of any tree and any joints.
+"""One step of a simulation as straight-line arithmetic, of any tree and any joints; forward
+dynamics where dry friction or a stop holds some coordinates.
 
 Positions move on their manifold: q ⊕ x is where the constant rates x lead in unit time
 (`kinematics.moved`), and of q = q₀ ⊕ x the rates of x are those of the joint behind the
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, without
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
@@ -17,16 +19,16 @@ from freebody.algorithms.loop_constraints import Counting, constrained_motion, o
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
-from freebody.spatial import Vector, add, scale, sub
+from freebody.spatial import Matrix, Vector, add, dot, scale, sub
 
-State = tuple[Vector, Vector]
+MotionState = tuple[Vector, Vector]
 """(q, q̇)."""
 
 Acceleration = Callable[[float, Vector, Vector], Vector]
-"""q̈ of the part of the step that has passed (0 to 1), q and q̇."""
+"""(part of the step that has passed (0 to 1), q, q̇) -> q̈."""
 
-Loads = Callable[[float, Vector], Sequence[External]]
-"""External wrenches on the bodies, of the part of the step that has passed and q."""
+StageWrenches = Callable[[float, Vector], Sequence[External]]
+"""(part of the step that has passed, q) -> external wrenches on the bodies."""
 
 FRICTION_WIDTH = 1e-3
 """rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c
@@ -35,19 +37,21 @@ sign(q̇)."""
 
 def semi_implicit(
     tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
-) -> State:
+) -> MotionState:
     """Semi-implicit (symplectic) Euler: q̇₁ = q̇ + h q̈, then q₁ = q ⊕ h q̇₁. Of order 1."""
     qd1 = add(qd, scale(h, acceleration(0.0, q, qd)))
     return moved(tree, q, scale(h, qd1)), qd1
 
 
-def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration) -> State:
+def runge_kutta(
+    tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acceleration
+) -> MotionState:
     """The classical method of order 4; positions by Munthe-Kaas (1998): stages in the coordinates x
     of q ⊕ x."""
     half, sixth = 0.5 * h, h * (1.0 / 6.0)
     v1, a1 = qd, acceleration(0.0, q, qd)
 
-    def stage(part: float, length: Scalar, rates: Vector, change: Vector) -> State:
+    def stage(part: float, length: Scalar, rates: Vector, change: Vector) -> MotionState:
         """(ẋ, q̈) where x = length · rates and q̇ has changed by length · change."""
         x, v = scale(length, rates), add(qd, scale(length, change))
         return coordinate_rates(tree, x, v), acceleration(part, moved(tree, q, x), v)
@@ -64,7 +68,7 @@ def runge_kutta(tree: Tree, q: Vector, qd: Vector, h: Scalar, acceleration: Acce
 
 @dataclass(frozen=True)
 class Linearised:
-    """What acts at the joints besides the robot's own drives, linear in the state: tau at a state,
+    """Torques at the joints besides the robot's own drives, linear in the state: tau at a state,
     how much less for each second that the state moves on at its rates, and how much less for each
     unit of q and q̇ of a joint (diagonals, at least 0)."""
 
@@ -75,7 +79,8 @@ class Linearised:
 
 
 Law = Callable[[float, float, Vector, Vector], Linearised]
-"""Of the parts of the step at which a stage of it begins and ends, and q and q̇ at its beginning."""
+"""(parts of the step at which a stage of it begins and ends, q and q̇ at its beginning) -> the
+torques of the stage."""
 
 
 def held(tau: Vector) -> Law:
@@ -98,7 +103,7 @@ class Feedback:
     kd: Vector
 
     def law(self, tree: Tree, tau: Vector, h: Scalar) -> Law:
-        """With tau, over a step of h."""
+        """The law of feedback around tau, over a step of h."""
 
         def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:
             aim = self.q_ref
@@ -116,11 +121,11 @@ def implicit(
     q: Vector,
     qd: Vector,
     h: Scalar,
-    loads: Loads,
+    loads: StageWrenches,
     law: Law,
     counting: Counting | None = None,
     width: Scalar = FRICTION_WIDTH,
-) -> State:
+) -> MotionState:
     """Linearly implicit Euler, extrapolated once (Deuflhard 1985): of order 2, stable however stiff
     the drives are.
 
@@ -132,7 +137,7 @@ def implicit(
     """
     half = 0.5 * h
 
-    def euler(state: State, start: float, end: float, length: Scalar) -> State:
+    def euler(state: MotionState, start: float, end: float, length: Scalar) -> MotionState:
         given = law(start, end, *state)
         return _implicit_euler(tree, *state, length, loads(end, state[0]), given, counting, width)
 
@@ -152,7 +157,7 @@ def _implicit_euler(
     given: Linearised,
     counting: Counting | None,
     width: Scalar,
-) -> State:
+) -> MotionState:
     """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
@@ -176,8 +181,8 @@ def _implicit_euler(
 
 
 def _slopes(tree: Tree, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
-    """Of each rate: viscous friction, stiffness of springs, and smooth Coulomb friction over the
-    rate."""
+    """Slopes of the torque by each rate and position: viscous friction, stiffness of springs, and
+    smooth Coulomb friction over the rate."""
     viscous, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
@@ -193,8 +198,40 @@ def _each(factors: Vector, values: Vector) -> Vector:
     return tuple(a * x for a, x in zip(factors, values, strict=True))
 
 
-def on_loops(tree: Tree, q: Vector, reached: State, counting: Counting | None) -> State:
+def on_loops(tree: Tree, q: Vector, reached: MotionState, counting: Counting | None) -> MotionState:
     """The state reached from q, brought back onto the loops; that of a tree as it is."""
     if not tree.loops:
         return reached
     return onto_loops(tree, *reached, factor(tree, crba(tree, q)), counting)
+
+
+class HeldMotion(NamedTuple):
+    """The motion of a tree some of whose coordinates are held, by dry friction or by a stop: q̈
+    (nv,), 0 of those; the torques that hold them (nv,), 0 of the others; M (nv, nv)."""
+
+    qdd: Vector
+    reaction: Vector
+    M: Matrix
+
+
+def held_motion(tree: Tree, q: Vector, forces: Vector, held: Vector) -> HeldMotion:
+    """M q̈ = forces + reaction, with q̈ = 0 and a reaction where held is 1, no reaction where it is
+    0.
+
+    The rows and columns of what is held are taken out of M and replaced by those of the identity,
+    so that one program serves every choice.
+    """
+    M = crba(tree, q)
+    free = tuple(1.0 - x for x in held)
+    rows = tuple(
+        tuple(_entry(x, free[i] * free[j], held[i], i == j) for j, x in enumerate(row))
+        for i, row in enumerate(M)
+    )
+    right = tuple(a * f for a, f in zip(free, forces, strict=True))
+    qdd = substitute(tree, factor(tree, rows), right)
+    lacking = sub(tuple(dot(row, qdd) for row in M), forces)
+    return HeldMotion(qdd, tuple(h * x for h, x in zip(held, lacking, strict=True)), M)
+
+
+def _entry(x: Scalar, free: Scalar, held: Scalar, diagonal: bool) -> Scalar:
+    return free * x + held if diagonal else free * x

@@ -22,7 +22,7 @@ _NOISE = 1e-14
 _NO_LENGTH = 1e-150
 """Square of the length of a row that is 0; not so small that its own square is."""
 LOST = 1e-12
-"""Of the largest singular value: one that is smaller is none."""
+"""The singular value, relative to the largest, below which it is none."""
 
 
 def singular_values(A: Matrix) -> tuple[tuple[Vector], Scalar]:
@@ -49,7 +49,7 @@ def singular_values(A: Matrix) -> tuple[tuple[Vector], Scalar]:
 
 def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
     """((unit vectors U, one a row; singular values s), 1 where they are sure, else 0) with A Aᵀ =
-    Uᵀ diag(s²) U, as `told`."""
+    Uᵀ diag(s²) U, as `vectors_and_values`."""
     turned = _turned(A, identity(len(A)), _SWEEPS[len(A)])
     squares, whole = _squares(turned)
     sure: Scalar = 1.0
@@ -65,10 +65,10 @@ def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
         found[i] = _chosen(swapped, b, a), maximum(first, second)
         found[j] = _chosen(swapped, a, b), minimum(first, second)
     ways, sizes = zip(*found, strict=True)
-    return told(ways, sizes), sure
+    return vectors_and_values(ways, sizes), sure
 
 
-def told(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
+def vectors_and_values(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
     """Unit vectors and their singular values, the largest first, such that of each vector the first
     entry that is more than half as large as the largest is positive, and values that are lost are
     0."""
@@ -103,7 +103,7 @@ def _turned(A: Matrix, carried: Matrix, sweeps: int) -> list[tuple[Vector, Vecto
 
 
 def _squares(rows: list[tuple[Vector, Vector]]) -> tuple[list[Scalar], Scalar]:
-    """Of the lengths of rows, and their sum, not 0 where all are."""
+    """The squares of the lengths of rows, and their sum, not 0 where all are."""
     squares = [dot(row, row) for row, _ in rows]
     return squares, reduce(operator.add, squares, _NO_LENGTH / _NOISE**2)
 

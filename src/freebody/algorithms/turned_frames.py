@@ -45,7 +45,7 @@ def turned_frames(tree: Tree) -> Tree:
 
 
 def _numbers(tree: Tree) -> Iterator[Scalar]:
-    """All that placements, angles and masses are made of."""
+    """The numbers of which placements, angles and masses are made."""
     for body in tree.bodies:
         yield from (*sum(body.R, ()), *body.p, body.coordinates.offset)
         for mass in body.masses:
@@ -53,7 +53,7 @@ def _numbers(tree: Tree) -> Iterator[Scalar]:
 
 
 def _count(tree: Tree) -> int:
-    """How many of them an operation is needed for."""
+    """The number of them for which an operation is needed."""
     return sum(abs(x) not in (0.0, 1.0) for x in _numbers(tree))
 
 

@@ -1,4 +1,4 @@
-"""All bodies in one frame, and what hangs on each: the common ground of C and the derivatives.
+"""Bodies in one frame, with what hangs on each: the common ground of C and the derivatives.
 
 The frame is that of one body where it is now, at rest: nothing here depends on where the robot
 stands, and no inertia is taken about a far point. Motions are pairs (ω, v) and forces pairs (n, f)

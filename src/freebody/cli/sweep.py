@@ -180,7 +180,7 @@ def _states(
 ) -> Any:
     """The last axis: states, or a motion."""
     from freebody.any_chain.kernel_options import chosen_option
-    from freebody.kernels.arguments import arguments
+    from freebody.kernels.tracing import arguments
     from freebody.motion.default_motion import default_motion
     from freebody.motion.files.csv_files import read_motion
     from freebody.trees.states import random_state

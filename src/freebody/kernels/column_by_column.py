@@ -27,15 +27,15 @@ LARGEST = 64
 
 
 class _InParts:
-    """What is computed by several kernels, and could be one."""
+    """A computation by several kernels that could be one program."""
 
     def __init__(self, inputs: tuple[Argument, ...], whole: Callable[[], Program]):
         self.inputs, self._whole = inputs, whole
 
     @cached_property
     def program(self) -> Program:
-        """What is computed, as one program, which is traced when it is first asked for and run by
-        nothing here: it grows with the square of the robot."""
+        """The whole computation as one program, traced on first access and run by nothing here: it
+        grows with the square of the robot."""
         return self._whole()
 
 

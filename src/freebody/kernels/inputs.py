@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, MissingValueError, ModelError
 from freebody.lazy import cached_property
 from freebody.model.families import of_member
 from freebody.model.model import Model
-from freebody.model.named_numbers import Name, Parameters, found, known, written
+from freebody.model.named_numbers import ModelParameter, Name, Parameters, found, known, written
 from freebody.model.parameter_formulas import FollowingParameter
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
@@ -26,7 +26,7 @@ from freebody.targets.call_errors import BatchError
 
 @dataclass(frozen=True)
 class Placeholder(Parameter):
-    """What stands in a model in the place of a number that a kernel is given."""
+    """A parameter that stands in a model in the place of a number that a kernel is given."""
 
     index: int = 0
 
@@ -47,8 +47,8 @@ class InputReader(QuantityReader):
 
 @dataclass(frozen=True)
 class KernelInputs:
-    """Names of the numbers that a kernel is given, in the order of `fb.parameters`, and a model
-    with placeholders in them."""
+    """The numbers of a model that a kernel is given: their names, in the order of `fb.parameters`,
+    and the model with placeholders in them."""
 
     names: tuple[str, ...]
     values: Array
@@ -80,24 +80,13 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
     records = Parameters(model)
     meant = {record.name for pattern in wanted for record in records.matching(pattern)}
     for record in records:
-        if record.limit and record.name in meant:
-            raise FreebodyError(
-                f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
-            )
-        if record.formula and record.name in meant:
-            raise FreebodyError(
-                f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
-                f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
-                f"{record.name}={record.name}."
-            )
-    varied = {
-        r.name for r in records if isinstance(r.value, np.ndarray) and not (r.limit or r.formula)
-    }
-    if (
-        model.family and not meant | varied
-    ):  # only limits differ: one number tells the family's shape
-        varied = {next(record.name for record in records if not record.limit)}
-    chosen = [record for record in records if record.name in meant | varied]
+        if record.name in meant:
+            _require_input(function, record)
+    chosen = [
+        record for record in records if record.name in meant or _differs_among_members(record)
+    ]
+    if model.family and not chosen:  # only limits differ: one number tells the family's shape
+        chosen = [next(record for record in records if not record.limit)]
     names = tuple(record.name for record in chosen)
     placeholders = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(names)}
     columns = [np.nan if record.value is None else record.value for record in chosen]
@@ -111,6 +100,25 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
     return KernelInputs(names, values, written(model, placeholders))
 
 
+def _require_input(function: str, record: ModelParameter) -> None:
+    """Refuse a number that no kernel reads, or that follows from others."""
+    if record.limit:
+        raise FreebodyError(
+            f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
+        )
+    if record.formula:
+        raise FreebodyError(
+            f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
+            f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
+            f"{record.name}={record.name}."
+        )
+
+
+def _differs_among_members(record: ModelParameter) -> bool:
+    """Whether members of a family have each their own of a number that a kernel reads."""
+    return isinstance(record.value, np.ndarray) and not (record.limit or record.formula)
+
+
 @dataclass(frozen=True)
 class NamedNumbers:
     """The entries of p: their names, the model's own values (..., k), and the model."""
@@ -121,7 +129,7 @@ class NamedNumbers:
 
     @cached_property
     def at(self) -> dict[str, int]:
-        """Which entry has a name."""
+        """The index of the entry that has a name."""
         return {name: k for k, name in enumerate(self.names)}
 
     @cached_property
@@ -131,7 +139,7 @@ class NamedNumbers:
         return tuple(name for name, lacks in zip(self.names, lacking, strict=True) if lacks)
 
     def place(self, key: Name) -> int:
-        """Which entry of p has that name."""
+        """The index of the entry of p that has that name."""
         name = found(known(self.model), key, self.model)
         if name not in self.at:
             raise FreebodyError(
@@ -154,12 +162,18 @@ class InputKernel:
     Called with p, with p={name: value}, where other numbers are the model's, or without, with the
     model's own numbers.
 
-    Attributes:
-        model: whose numbers these are.
-        kernel: the compiled function, which takes p as its last argument.
-        parameters: names of the entries of p.
-        values: p of the model itself, of a family (*family, k).
-        named: these names and values.
+    Attributes
+    ----------
+    model
+        Whose numbers these are.
+    kernel
+        The compiled function, which takes p as its last argument.
+    parameters
+        Names of the entries of p.
+    values
+        p of the model itself, of a family (*family, k).
+    named
+        These names and values.
     """
 
     def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):
@@ -172,8 +186,8 @@ class InputKernel:
         self._refuse_beyond_range()
 
     def _refuse_beyond_range(self) -> None:
-        """A number of the model that is infinite as one of the kernel's would be NaN in all that
-        follows from it, as a number that is not finite is."""
+        """Refuse a number of the model that is infinite as one of the kernel's: it would be NaN in
+        all that follows from it, as a number that is not finite is."""
         with np.errstate(over="ignore"):
             beyond = np.isinf(self.values.astype(self.kernel.dtype))
         if beyond.any():
@@ -203,8 +217,8 @@ class InputKernel:
         return self.kernel(*arrays, out=out, threads=threads, **options)
 
     def numbers(self, given: Any = None) -> Any:
-        """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all
-        of them."""
+        """p (..., k) of a call: an array as it is, of {name: value} the rest the model's own,
+        without it all of them."""
         if given is None and not self.named.missing:
             return self.values
         if type(given) is dict and self._held is not None:
@@ -218,8 +232,10 @@ class InputKernel:
             name = self.parameters[self.named.place(key)]
             columns[name] = as_floats("fb.kernel", f"p[{name!r}]", value)
         self.named.require({self.named.at[name] for name in columns})
-        if not columns:
-            return self.values
+        return self._with_columns(columns) if columns else self.values
+
+    def _with_columns(self, columns: dict[str, Array]) -> Array:
+        """p with the given values of some entries, by name, the rest the model's own."""
         try:
             shape = np.broadcast_shapes(
                 self.values.shape[:-1], *(x.shape for x in columns.values())
@@ -236,7 +252,7 @@ class InputKernel:
         return numbers
 
     def _of_floats(self, given: dict[Name, Any]) -> Array | None:
-        """The same of names in full with a number each, which is not to take microseconds; None for
+        """p of names in full with a number each, quickly, since a call takes microseconds; None for
         others."""
         numbers = self.values.copy()
         for name, value in given.items():
@@ -255,8 +271,8 @@ class InputKernel:
 
 
 class _QuickInputKernel(InputKernel):
-    """One whose calls with plain arrays, p among them, go to the kernel's C function: Python finds
-    it in the slot."""
+    """A kernel whose calls with plain arrays, p among them, go to its C function: Python finds it
+    in the slot."""
 
     __slots__ = ("__call__",)
 

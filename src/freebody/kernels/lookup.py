@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from freebody.errors import FreebodyError
-from freebody.kernels.arguments import arguments
 from freebody.kernels.column_by_column import LARGEST, ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
-from freebody.kernels.tracing import program
+from freebody.kernels.tracing import arguments, program
 from freebody.model.model import Model
 from freebody.model.named_numbers import Name
 from freebody.program import Argument, Program
@@ -60,8 +59,8 @@ def in_columns(
     fetch_product: Callable[[str], Any],
     fetch_some: Callable[[tuple[str, ...]], Any],
 ) -> ColumnKernel | KernelList | None:
-    """Of a large robot, the matrices among the quantities by columns; None where all are one
-    program.
+    """The kernel of a large robot's quantities, the matrices among them by columns; None where all
+    are one program.
 
     fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the
     quantities.

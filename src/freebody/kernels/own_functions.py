@@ -41,19 +41,39 @@ def compile(  # noqa: A001  the name that users look for
     """Your own function, such as a controller or a cost, compiled; called like the kernels of
     `fb.kernel`.
 
-    function: called once, with traced scalars: for each input, by its name, a nested tuple of its
-    core shape (a bare scalar for shape ()). It adds, multiplies, divides, raises to whole powers,
-    uses `freebody.math` and what `fb.formula` gives, and may build lists and NumPy arrays of such
-    scalars; it cannot branch on their values. inputs: {name: core shape}, an integer for a vector:
-    {"q": 6, "gain": ()}; names are words of a-z, 0-9 and _. outputs: the same of what is returned:
-    the value itself if there is one, else a tuple in this order; a dict by name does too. None: as
-    returned, {name: value}, or one value, which is called "result". by: inputs by which each output
-    is differentiated as well (exactly, in forward mode). Behind the outputs follow their
-    derivatives, of core shape (*output, *input), called dtau_dq for tau by q; of each output in
-    turn, by each. dtype, target, width: as for `fb.kernel`. Returns k(*inputs, out=None,
-    threads=None): one output, or a tuple. The function is not kept; a pickle has its program. A
-    sample with an input that is not finite has NaN in all outputs. Raises GraphError where the
-    function cannot be traced, ProgramError where shapes do not fit.
+    Parameters
+    ----------
+    function
+        Called once, with traced scalars: for each input, by its name, a nested tuple of its core
+        shape (a bare scalar for shape ()). It adds, multiplies, divides, raises to whole powers,
+        uses `freebody.math` and what `fb.formula` gives, and may build lists and NumPy arrays of
+        such scalars; it cannot branch on their values. It is not kept; a pickle has its program.
+    inputs
+        {name: core shape}, an integer for a vector: {"q": 6, "gain": ()}; names are words of a-z,
+        0-9 and _.
+    outputs
+        {name: core shape} of the results: the value itself if there is one, else a tuple in this
+        order; a dict by name does too. None: as returned, {name: value}, or one value, which is
+        called "result".
+    by
+        Inputs by which each output is differentiated as well (exactly, in forward mode). Behind the
+        outputs follow their derivatives, of core shape (*output, *input), called dtau_dq for tau by
+        q; of each output in turn, by each.
+    dtype, target, width
+        As for `fb.kernel`.
+
+    Returns
+    -------
+    Kernel
+        k(*inputs, out=None, threads=None): one output, or a tuple. A sample with an input that is
+        not finite has NaN in all outputs.
+
+    Raises
+    ------
+    GraphError
+        A function that cannot be traced.
+    ProgramError
+        Results whose shapes do not fit.
     """
     if not callable(function):
         raise KindError("fb.compile", "function", function, "a function of scalars")
@@ -144,7 +164,7 @@ def _require_parameters(function: Callable[..., Any], title: str, names: list[st
 
 
 def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> Any:
-    """What the function returns; an error that says what it did to traced scalars."""
+    """The function's result; an error that says what the function did to traced scalars."""
     try:
         return function(**given)
     except GraphError:
@@ -183,7 +203,7 @@ def _differentiated(
 
 
 def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> dict[str, Array]:
-    """What was returned, by name, as arrays of objects of the shapes that are wanted."""
+    """The returned values by name, as arrays of objects of the shapes that are wanted."""
     if isinstance(returned, Mapping):
         values = dict(returned)
     elif wanted is None or len(wanted) == 1:
@@ -258,7 +278,7 @@ def _each(array: Array, function: Callable[[Any], Any]) -> Array:
 def _derivatives(
     label: str, array: Array, directions: dict[str, tuple[int, ...]]
 ) -> dict[str, Array]:
-    """Of one output by each of some inputs."""
+    """The derivatives of one output by each of some inputs."""
     sizes = [prod(shape) for shape in directions.values()]
     _require_few(f"the derivatives of {label}", array.size * sum(sizes))
     rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]

@@ -66,7 +66,8 @@ class Bound:
         return self.kernel(*arrays, *self.numbers, out=out, threads=threads)
 
     def by_columns(self) -> Bound:
-        """For arrays with an axis more in front of their core, along which robots do not differ."""
+        """The kernel for arrays with an axis more in front of their core, along which robots do not
+        differ."""
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
 
     def checked(self, every: bool = False, kept: bool = False) -> Callable[..., Any]:
@@ -91,8 +92,7 @@ class Bound:
 
 
 def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
-    """The kernel of the model's structure, compiled when it is first asked for, with the model's
-    numbers."""
+    """The kernel of the model's structure, compiled on first use, with the model's numbers."""
     found = known(model, names, option)
     if found is None:
         large = in_columns(
@@ -112,7 +112,8 @@ def fetch(model: Model, names: tuple[str, ...], option: Option) -> Bound:
 
 
 def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
-    """The same if it has been compiled before, for this model or another of its structure."""
+    """The kernel if it has been compiled before, for this model or another of its structure; None
+    otherwise."""
     place = names, option, "structure"
     found = model.compiled.get(place)
     if found is None:
@@ -123,7 +124,8 @@ def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 
 def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
-    """The same, for who keeps what it makes of it."""
+    """The kernel if it has been compiled before, not kept with the model, for callers that keep
+    what they make of it."""
     compiled = model.structure.kernels.get(_key(model, names, option))
     if compiled is None:
         return None
@@ -132,8 +134,8 @@ def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 
 def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
-    """Of a kernel among those of a structure: the option with the frames' places instead of their
-    names."""
+    """The key of a kernel among those of a structure: the option with the frames' places instead of
+    their names."""
     if option == PLAIN and True not in map(_shows_drives, names):
         return names
     frames = tuple([frame_form(model, name) for name in _frames(option)])
@@ -142,7 +144,7 @@ def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...
 
 
 PLAIN = Option()
-"""Nothing chosen."""
+"""The option without any choice."""
 
 Over = Callable[[Sequence[Scalar]], Tree]
 """Scalars in the place of a model's numbers -> its tree."""
@@ -156,7 +158,8 @@ def _frames(option: Option) -> tuple[str, ...]:
 
 
 def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
-    """Which joints have a drive, where an output has entries for each that has one."""
+    """For each joint whether it has a drive; None where no output has entries for each that has
+    one."""
     return has_drive(model) if any(map(_shows_drives, names)) else None
 
 
@@ -166,8 +169,8 @@ def _shows_drives(name: str) -> bool:
 
 
 def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Array:
-    """Those that a kernel reads, of a family (*family, k) also where its members have these in
-    common."""
+    """The numbers that a kernel reads, of a family (*family, k) also where its members have these
+    in common."""
     numbers, frames = model.numbers, _frames(option)
     if frames:
         numbers = joined(
@@ -213,8 +216,8 @@ def _compiled_over(
     made: Callable[[Argument, Over], Program],
     drives_shown: tuple[bool, ...] | None,
 ) -> Compiled:
-    """Traced over scalars in the place of the numbers, of which those that nothing needs are left
-    out again."""
+    """The kernel of a program over scalars in the place of the numbers; those that nothing needs
+    are left out again."""
     count = sum(
         pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option)
     )

@@ -5,6 +5,6 @@ trace -> Program -> passes -> segments.
 """
 
 from freebody.program.program import Argument, Program, ProgramError, verify
-from freebody.program.trace import trace
+from freebody.program.tracer import trace
 
 __all__ = ["Argument", "Program", "ProgramError", "trace", "verify"]

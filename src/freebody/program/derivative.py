@@ -14,7 +14,7 @@ from typing import Any
 from freebody.elementary import Scalar
 from freebody.program.evaluate import evaluated, flat, free_prefix, nested
 from freebody.program.program import Argument, Program
-from freebody.program.trace import trace
+from freebody.program.tracer import trace
 from freebody.scalars.dual import Outer, slopes
 
 
@@ -129,7 +129,7 @@ def applied_back(
 
 
 def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> list[Argument]:
-    """So many of each of the arguments, as uniform inputs."""
+    """Arguments for so many vectors of each of these arguments, as uniform inputs."""
     prefix = free_prefix("vectors", program.inputs)
     return [
         Argument(f"{prefix}{k}", (count, *x.shape), uniform=True) for k, x in enumerate(arguments)
@@ -139,7 +139,7 @@ def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> lis
 def _rows(
     table: Program, program: Program, by: Sequence[int], given: Sequence[Any]
 ) -> list[list[Any]]:
-    """Of each output the rows of its Jacobian, by all inputs `by` one after the other."""
+    """The rows of each output's Jacobian, by all inputs `by` one after the other."""
     found = iter(evaluated(table, given))
     rows = []
     for output in program.outputs:

@@ -41,7 +41,7 @@ def values(program: Program, inputs: Sequence[Any]) -> list[Scalar]:
 
 
 def free_prefix(prefix: str, arguments: Sequence[Argument]) -> str:
-    """With which no name of the arguments begins."""
+    """A prefix with which no name of the arguments begins."""
     while any(argument.name.startswith(prefix) for argument in arguments):
         prefix += "_"
     return prefix

@@ -9,7 +9,7 @@ from typing import Any
 from freebody.elementary import Scalar, maximum, where
 from freebody.program.evaluate import VALUES, flat, free_prefix, nested, values
 from freebody.program.program import Argument, Program
-from freebody.program.trace import trace
+from freebody.program.tracer import trace
 from freebody.scalars.dual import Outer, slopes
 from freebody.scalars.operations import OPERATIONS
 
@@ -67,8 +67,8 @@ def _gradient(
 def _partials(
     program: Program, index: int, found: list[Scalar], moves: list[bool], counts: Scalar
 ) -> list[tuple[int, Scalar, Scalar]]:
-    """Of a node: the operands that move, the derivative by each, and whether it counts (1, or a
-    scalar that is 0 or 1).
+    """Partial derivatives of a node: the operands that move, the derivative by each, and whether it
+    counts (1, or a scalar that is 0 or 1).
 
     Behind a choice only what was chosen counts: the derivative of what was not may be infinite, and
     0 times that is no number. So derivatives are chosen, not weighted.
@@ -97,7 +97,7 @@ def _partials(
 
 
 def _depends(program: Program, places: set[int]) -> list[bool]:
-    """Of each node, whether it follows from the input scalars at these places."""
+    """For each node whether it follows from the input scalars at these places."""
     found: list[bool] = []
     for index, op in enumerate(program.op):
         if op == "input":

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
-from freebody.program.program import Program, verify
+from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import ARITY
 
 SHORT = 700
@@ -139,58 +139,72 @@ def schedule(program: Program) -> Program:
     one with the youngest operand; in a long one the first as traced. Inputs and constants do not
     count: they can be read again from where they are.
     """
-    count = len(program)
-    short = count < SHORT
-    leaf = [ARITY[op] == 0 for op in program.op]
-    operands = [
-        tuple({i for i in program.operands(index) if not leaf[i]}) for index in range(count)
-    ]
-    readers: list[list[int]] = [[] for _ in range(count)]
-    for index, those in enumerate(operands):
-        for operand in those:
-            readers[operand].append(index)
-    unread = [len(those) for those in readers]  # readers of each node that are still to come
-    missing = [len(those) for those in operands]
-    frees = [sum(unread[i] == 1 for i in those) for those in operands]
-    height = _heights(operands) if short else []
-    place = [-1] * count
-    order = [index for index in range(count) if leaf[index]]
-    ready: list[tuple[int, ...]] = []
+    return _reordered(program, _NodeOrder(program).run())
 
-    def push(index: int) -> None:
-        rank = -frees[index], index
-        if short:
-            youngest = max((place[i] for i in operands[index]), default=0)
-            rank = -frees[index], -height[index], -youngest, index
-        heapq.heappush(ready, rank)
 
-    def put(index: int) -> None:
-        place[index] = len(order)
-        order.append(index)
-        for reader in readers[index]:
-            missing[reader] -= 1
-            if not missing[reader]:
-                push(reader)
-        for operand in operands[index]:
-            unread[operand] -= 1
-            if unread[operand] == 1:
-                last = next(reader for reader in readers[operand] if place[reader] < 0)
-                frees[last] += 1
-                if not missing[last]:
-                    push(last)
+class _NodeOrder:
+    """The order of a program's nodes in the making: which are put, and which are ready to be.
 
-    for index in range(count):
-        if not leaf[index] and not operands[index]:
-            push(index)
-    while ready:
-        index = heapq.heappop(ready)[-1]
-        if place[index] < 0:  # else it was pushed again since with a better rank
-            put(index)
-    return _reordered(program, order)
+    operands, readers: of each node, inputs and constants left out. unread: readers of each node
+    that are still to come. missing: operands of each node that are not put yet. frees: operands of
+    which each node is the last reader. height: see `_heights`; empty for a long program.
+    """
+
+    def __init__(self, program: Program):
+        count = len(program)
+        leaf = [ARITY[op] == 0 for op in program.op]
+        self.operands = [
+            tuple({i for i in program.operands(index) if not leaf[i]}) for index in range(count)
+        ]
+        self.readers: list[list[int]] = [[] for _ in range(count)]
+        for index, those in enumerate(self.operands):
+            for operand in those:
+                self.readers[operand].append(index)
+        self.unread = [len(those) for those in self.readers]
+        self.missing = [len(those) for those in self.operands]
+        self.frees = [sum(self.unread[i] == 1 for i in those) for those in self.operands]
+        self.short = count < SHORT
+        self.height = _heights(self.operands) if self.short else []
+        self.place = [-1] * count
+        self.order = [index for index in range(count) if leaf[index]]
+        self.ready: list[tuple[int, ...]] = []
+        for index in range(count):
+            if not leaf[index] and not self.operands[index]:
+                self._push(index)
+
+    def run(self) -> list[int]:
+        """All nodes in their final order."""
+        while self.ready:
+            index = heapq.heappop(self.ready)[-1]
+            if self.place[index] < 0:  # else it was pushed again since with a better rank
+                self._put(index)
+        return self.order
+
+    def _push(self, index: int) -> None:
+        rank = -self.frees[index], index
+        if self.short:
+            youngest = max((self.place[i] for i in self.operands[index]), default=0)
+            rank = -self.frees[index], -self.height[index], -youngest, index
+        heapq.heappush(self.ready, rank)
+
+    def _put(self, index: int) -> None:
+        self.place[index] = len(self.order)
+        self.order.append(index)
+        for reader in self.readers[index]:
+            self.missing[reader] -= 1
+            if not self.missing[reader]:
+                self._push(reader)
+        for operand in self.operands[index]:
+            self.unread[operand] -= 1
+            if self.unread[operand] == 1:
+                last = next(r for r in self.readers[operand] if self.place[r] < 0)
+                self.frees[last] += 1
+                if not self.missing[last]:
+                    self._push(last)
 
 
 def _heights(operands: Sequence[Sequence[int]]) -> list[int]:
-    """How long the longest chain is that rests on a node, in `STRIDE`s."""
+    """The length of the longest chain that rests on each node, in `STRIDE`s."""
     height = [0] * len(operands)
     for index in range(len(operands) - 1, -1, -1):
         for operand in operands[index]:
@@ -211,6 +225,73 @@ def optimise(program: Program) -> Program:
     for apply in PASSES.values():
         program = apply(program)
     return verify(program)
+
+
+def hoist(program: Program) -> tuple[Program, Program]:
+    """The program cut in two parts: the first computes once a call what follows from uniform inputs
+    alone, the second all else for every sample.
+
+    The first part has what were the uniform inputs, and one output: what it computes of them. The
+    second has the other inputs, and one uniform input, the last: the scalars of the uniform ones,
+    then that output.
+    """
+    place = _places(program)
+    known = sum(x.size for x in program.inputs if x.uniform)
+    handed = _handed(program)
+    once = replace(
+        program,
+        name=f"{program.name}_once",
+        inputs=tuple(replace(x, uniform=False) for x in program.inputs if x.uniform),
+        outputs=(Argument("computed", (len(handed),)),),
+        a=tuple(
+            place[a] if op == "input" else a for op, a in zip(program.op, program.a, strict=True)
+        ),
+        results=tuple(handed),
+    )
+    sampled = [x for x in program.inputs if not x.uniform]
+    first = sum(x.size for x in sampled)
+    number = {index: first + known + k for k, index in enumerate(handed)}
+    uniform = program.uniform
+    op, a, b, c = list(program.op), list(program.a), list(program.b), list(program.c)
+    for index in range(len(program)):
+        if index in number:
+            op[index], a[index], b[index], c[index] = "input", number[index], -1, -1
+        elif op[index] == "input":
+            a[index] = place[a[index]] + first * uniform[index]
+    every = replace(
+        program,
+        inputs=(*sampled, Argument("uniform", (known + len(handed),), uniform=True)),
+        op=tuple(op),
+        a=tuple(a),
+        b=tuple(b),
+        c=tuple(c),
+    )
+    return drop_dead(once), drop_dead(every)
+
+
+def _handed(program: Program) -> list[int]:
+    """The nodes that are computed once a call and read for every sample, or are results."""
+    uniform = program.uniform
+    read = set(program.results)
+    for index, once in enumerate(uniform):
+        if not once:
+            read.update(program.operands(index))
+    return [
+        index
+        for index, op in enumerate(program.op)
+        if uniform[index] and ARITY[op] and index in read
+    ]
+
+
+def _places(program: Program) -> list[int]:
+    """For each scalar of the inputs its place among those of the uniform ones, or among those of
+    the others."""
+    sizes, places = {False: 0, True: 0}, []
+    for argument in program.inputs:
+        for _ in range(argument.size):
+            places.append(sizes[argument.uniform])
+            sizes[argument.uniform] += 1
+    return places
 
 
 class _RewrittenNodes:

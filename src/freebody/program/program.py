@@ -173,11 +173,13 @@ def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:
 def verify(program: Program) -> Program:
     """The program itself, if it is a valid one.
 
-    Raises:
-        ProgramError: naming the first broken rule: known operations, operands that precede,
-            positions in range, finite constants, one result for each output scalar, sizes of at
-            least 0, names used once, and names that are words: they stand in generated text, so
-            that a name from outside must not get here.
+    Raises
+    ------
+    ProgramError
+        Naming the first broken rule: known operations, operands that precede, positions in range,
+        finite constants, one result for each output scalar, sizes of at least 0, names used once,
+        and names that are words: they stand in generated text, so that a name from outside must not
+        get here.
     """
 
     def demand(truth: bool, rule: str) -> None:
@@ -216,7 +218,7 @@ def verify(program: Program) -> Program:
 
 
 def _fault(program: Program, index: int) -> str:
-    """What is wrong with one node; "" if nothing is."""
+    """The fault of one node in words; "" if it has none."""
     op, row = program.op[index], (program.a[index], program.b[index], program.c[index])
     if op not in ARITY:
         return f"%{index}: unknown operation {op!r}; known: {', '.join(ARITY)}"

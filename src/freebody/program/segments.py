@@ -161,7 +161,8 @@ def _stored(program: Program, steps: list[list[int]], results: Iterable[int]) ->
 
 
 def _arriving(program: Program, steps: list[list[int]], stored: list[list[int]]) -> list[list[int]]:
-    """What each step reads that comes from another step, or from an input of every sample."""
+    """The values that each step reads and that come from another step, or from an input of every
+    sample."""
     sampled = program.sampled_size
     found = []
     for nodes, results in zip(steps, stored, strict=True):

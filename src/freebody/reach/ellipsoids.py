@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.singular_values import left_singular_vectors, told
+from freebody.algorithms.singular_values import left_singular_vectors, vectors_and_values
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.inverse.problem.task import row_names, rows_of
@@ -106,7 +106,7 @@ def _decomposed(J: Array) -> tuple[Array, Array]:
     sizes = np.zeros(U.shape[:-1])
     sizes[..., : s.shape[-1]] = s
     vectors = (tuple(x) for x in np.moveaxis(U, (-1, -2), (0, 1)))
-    ways, values = told(tuple(vectors), tuple(np.moveaxis(sizes, -1, 0)))
+    ways, values = vectors_and_values(tuple(vectors), tuple(np.moveaxis(sizes, -1, 0)))
     return np.moveaxis(np.array(ways), (0, 1), (-2, -1)), np.stack(values, axis=-1)
 
 

@@ -15,7 +15,7 @@ from freebody.algorithms.operational_space import nan_unless
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import frame_of
+from freebody.kernels.formulas.record import frame_of
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model
 from freebody.program import Argument, Program, trace

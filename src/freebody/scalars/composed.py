@@ -39,11 +39,11 @@ class Factor(NamedTuple):
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """What factors are sorted by: variables first."""
+        """The rank by which factors are sorted: variables first."""
         return self.function, self.of if isinstance(self.of, str) else self.of.key
 
 
-Monomial = tuple[tuple[Factor, int], ...]
+FactorPowers = tuple[tuple[Factor, int], ...]
 
 
 def _written(power: tuple[Factor, int]) -> str:
@@ -58,7 +58,7 @@ class Composed:
 
     __array_ufunc__ = None
 
-    def __init__(self, terms: Mapping[Monomial, Fraction]):
+    def __init__(self, terms: Mapping[FactorPowers, Fraction]):
         if len(terms) > LARGEST:
             raise FreebodyError(f"the function has more than {LARGEST} terms.")
         self.terms = {m: c for m, c in terms.items() if c}
@@ -129,7 +129,7 @@ class Composed:
         return -self + other
 
     def __mul__(self, other: Any) -> Composed:
-        terms: dict[Monomial, Fraction] = {}
+        terms: dict[FactorPowers, Fraction] = {}
         for a, x in self.terms.items():
             for b, y in self.of(other).terms.items():
                 for monomial, coefficient in _product(a, b, x * y).terms.items():
@@ -208,7 +208,7 @@ _DERIVATIVES: dict[str, Any] = {
     "exp": lambda u: _function("exp", u),
     "log": lambda u: u**-1,
 }
-"""Of each function, by its argument."""
+"""The derivative of each function, by its argument."""
 
 _KNOWN: dict[tuple[str, Any], int] = {
     ("sin", 0): 0,
@@ -241,11 +241,11 @@ def _value(factor: Factor, values: Mapping[str, Any]) -> Any:
     return inner if factor.function == "sum" else NUMERIC[factor.function](inner)
 
 
-def _key(monomial: Monomial) -> tuple[Any, ...]:
+def _key(monomial: FactorPowers) -> tuple[Any, ...]:
     return tuple((factor.key, exponent) for factor, exponent in monomial)
 
 
-def _product(a: Monomial, b: Monomial, coefficient: Fraction) -> Composed:
+def _product(a: FactorPowers, b: FactorPowers, coefficient: Fraction) -> Composed:
     """The normal form of coefficient · a · b."""
     exponents: dict[Factor, int] = {}
     growth = Composed({})
@@ -267,8 +267,7 @@ def _product(a: Monomial, b: Monomial, coefficient: Fraction) -> Composed:
 
 
 def _folded(factor: Factor, exponent: int) -> tuple[Composed | None, int]:
-    """What a power is beside a lower one of its factor, and the exponent of that: sin³ is
-    (1 - cos²) sin."""
+    """A factor that a power splits off, and the exponent that is left: sin³ is (1 - cos²) sin."""
     if factor.function == "sin" and exponent >= 2:
         c = _function("cos", factor.of)
         return (1 - c * c) ** (exponent // 2), exponent % 2

@@ -19,7 +19,7 @@ from freebody.scalars.nodes import ONE, ZERO, GraphError, Nodes
 
 @dataclass(frozen=True)
 class Operation:
-    """What one operation is, whatever computes it.
+    """One operation, for whatever computes it.
 
     number: of floats; folds constants.
     partials: (value, *operands) -> the partial derivative by each operand; None: constant wherever
@@ -86,7 +86,7 @@ def _absolute(g: Nodes, a: int) -> int | None:
 
 
 def _epsilon(g: Nodes, a: int) -> int | None:
-    """That of an input which the operand comes from: they are of one type."""
+    """The unit of rounding of an input from which the operand comes: they are of one type."""
     while ARITY[g.op[a]]:
         operands = (g.a[a], g.b[a], g.c[a])
         a = next(i for i in operands if i >= 0 and i not in g.constant_of)

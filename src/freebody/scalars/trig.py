@@ -21,7 +21,8 @@ from freebody.scalars.generators import sign_of, waves_of
 from freebody.scalars.rational import exactly, rational_sin_cos
 
 LARGEST = 2 * 10**8
-"""Of a polynomial: terms times generators, which is about the bytes that it takes."""
+"""The largest size of a polynomial: terms times generators, which is about the bytes that it
+takes."""
 _MOST_WORK = (
     2 * 10**9
 )  # the same of a product before its terms are collected; FLINT aborts where memory ends

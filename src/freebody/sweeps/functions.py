@@ -13,9 +13,9 @@ import numpy as np
 from freebody.any_chain.kernel_options import chosen_option
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed
-from freebody.kernels.arguments import arguments
 from freebody.kernels.formulas import FORMULAS, INPUTS
 from freebody.kernels.inputs import InputKernel
+from freebody.kernels.tracing import arguments
 from freebody.model.doubts import ALL
 from freebody.model.model import Model
 from freebody.model.named_numbers import found, known

@@ -1,4 +1,4 @@
-"""Which argument of a kernel's call is to blame, where NumPy has refused it."""
+"""Errors of a kernel's call: they name the argument that is to blame where NumPy has refused it."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def explained(
 def _of_out(
     program: Program, dtype: np.dtype[Any], batch: tuple[int, ...], out: Any
 ) -> Exception | None:
-    """What is wrong with the arrays to write to."""
+    """The error of the arrays to write to."""
     name, outputs = program.name, program.outputs
     given = out if isinstance(out, tuple) else (out,)
     if len(given) != len(outputs):

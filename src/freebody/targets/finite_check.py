@@ -36,7 +36,7 @@ def sound(
     every: bool = False,
     kept: bool = False,
 ) -> Any:
-    """What the kernel makes of the arrays; None where one is no plain array or list, or an entry
+    """The kernel's results for the arrays; None where one is no plain array or list, or an entry
     may have overflowed.
 
     Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output

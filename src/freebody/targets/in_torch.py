@@ -34,7 +34,7 @@ DTYPES = {torch.float64: "float64", torch.float32: "float32"}
 
 
 class TensorProgram:
-    """A program for tensors of one type, and those of its derivatives as they are asked for.
+    """A program for tensors of one type, and those of its derivatives, made on first use.
 
     key: what stands for it in a graph.
     """
@@ -52,7 +52,7 @@ class TensorProgram:
 
     @cached_property
     def kernel(self) -> Kernel:
-        """What computes."""
+        """The kernel that computes the program."""
         return compile_program(self.program, target=self.target, dtype=DTYPES[self.dtype])
 
     def gradient(self, by: Positions, of: Positions) -> TensorProgram:
@@ -168,7 +168,7 @@ def _gradients(
     needed: Sequence[bool],
     weights: Sequence[Tensor | None],
 ) -> list[Tensor | None]:
-    """Of each input that needs one its gradient, of the input's shape."""
+    """The gradient by each input that needs one, of the input's shape."""
     found: list[Tensor | None] = [None] * len(tensors)
     of = tuple([k for k, weight in enumerate(weights) if weight is not None])
     by = tuple([k for k, wanted in enumerate(needed) if wanted])
@@ -216,7 +216,8 @@ class _Evaluate(torch.autograd.Function):
 
 
 class _Recorded(torch.autograd.Function):
-    """The same where no transform is under way: PyTorch then calls it in half the time."""
+    """The evaluation of a program where no transform is under way: PyTorch then calls it in half
+    the time."""
 
     @staticmethod
     def forward(ctx: Any, function: TensorProgram, *tensors: Tensor) -> Any:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.targets.kernel import Kernel
+from freebody.targets.threads import cpus, run_split
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +34,7 @@ def in_turn(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int, sam
     if kernel.loop is None:
         _one_by_one(kernel, arguments, steps)
         return
-    from freebody.targets.llvm.repeat import repeated
+    from freebody.targets.llvm.scan import repeated
 
     program = kernel.program
     first, moves, strides, inner, placed = [], [], [], [], []
@@ -61,7 +62,8 @@ def in_turn(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int, sam
 
 
 def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, tuple[int, ...]]:
-    """From step to step, from sample to sample, and of the core; 0 where it is the same."""
+    """Strides of an argument from step to step, from sample to sample, and of the core; 0 where it
+    is the same."""
     batch, shape, own = x.ndim - core, x.shape, x.strides
     rows, lanes = shape[0] if batch == 2 else 1, shape[batch - 1] if batch else 1
     assert rows in (1, steps), (rows, steps)
@@ -70,7 +72,7 @@ def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, t
 
 
 def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int) -> None:
-    """The same without compiled code."""
+    """The calls one after the other without compiled code."""
     cores = [len(x.shape) for x in kernel.program.inputs + kernel.program.outputs]
     count = len(kernel.program.inputs)
     for k in range(steps):
@@ -79,7 +81,57 @@ def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int)
 
 
 def _at(x: Array | Placed, core: int, k: int) -> Array:
-    """What an argument is at step k."""
+    """An argument at step k."""
     if isinstance(x, Placed):
         return x.arrays[x.which[k]][x.row[k]]
     return x[k if len(x) > 1 else 0] if x.ndim == core + 2 else x
+
+
+_FEW = 3
+"""Samples that are as soon done one by one, by code for a single one."""
+_FEWEST = 16
+"""Samples that a further thread is woken for, at least: whole vectors."""
+
+
+def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
+    """A kernel applied again and again: states (T + 1, N, s) from the first one (N, s), and inputs
+    (T, N, …) of T steps.
+
+    Arrays of float64 with any strides; a sequence whose axis runs backwards takes the steps from
+    its end. Nothing is broadcast.
+    """
+    count, batch = sequences[0].shape[0], first.shape[0]
+    states = np.empty((count + 1, *first.shape))
+    states[0] = first
+    if not (count and batch):
+        return states
+    if kernel.loop is not None and batch <= _FEW:
+        _alone(kernel, [states, *sequences])
+        return states
+    worth = 2 * kernel.samples_of_a_thread / count
+    threads = max(1, min(cpus(), int(batch / max(_FEWEST, worth))))
+
+    def steps(own: Array, *given: Array) -> None:
+        in_turn(kernel, (own[:-1], *given, own[1:]), count, own.shape[1])
+
+    if threads == 1:
+        steps(states, *sequences)
+        return states
+    by_sample = [np.moveaxis(x, 1, 0) for x in (states, *sequences)]
+
+    def part(*arrays: np.ndarray, out: tuple[np.ndarray, ...]) -> None:
+        steps(*(np.moveaxis(x, 0, 1) for x in (*out, *arrays)))
+
+    cores = [x.ndim - 1 for x in by_sample]
+    run_split(part, by_sample[1:], by_sample[:1], [*cores[1:], cores[0]], (batch,), threads)
+    return states
+
+
+def _alone(kernel: Kernel, arrays: Sequence[Array]) -> None:
+    """Sample by sample: states, then sequences, whose entries are to lie in one piece each."""
+    from freebody.targets.llvm.scan import scan
+
+    scanned = scan(kernel)
+    whole = [x if x[0, 0].flags.c_contiguous else np.ascontiguousarray(x) for x in arrays]
+    for k in range(arrays[0].shape[1]):
+        scanned(*(x[:, k] for x in whole))

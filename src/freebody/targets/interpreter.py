@@ -25,7 +25,7 @@ BLOCK = 1024
 
 
 FUNCTION = {name: NUMERIC.get(name, record.number) for name, record in OPERATIONS.items()}
-"""What each operation is over arrays."""
+"""Each operation over arrays."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,7 @@ class Interpreter:
 
     steps: tuple[tuple[Callable[..., Any], int, tuple[int, ...]], ...]
     registers: tuple[float | None, ...]
-    """What they hold at first: the constants."""
+    """The registers at first: constants, and None."""
     inputs: tuple[tuple[int, int], ...]
     """Registers of the inputs that are read, with their positions among the scalars of all
     inputs."""

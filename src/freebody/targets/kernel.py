@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from freebody import locks
 from freebody.arrays import is_count
 from freebody.lazy import cached_property
-from freebody.program.hoist import hoist
+from freebody.program.passes import hoist
 from freebody.program.program import Argument, Program, verify
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import result_memory
@@ -32,7 +32,8 @@ _SLICE = 50 * _WORTH
 not wait for long."""
 
 _MOVE = 4.0
-"""What an entry read or written costs where a batch does not fit into the processor's caches."""
+"""The cost of an entry read or written where a batch does not fit into the processor's caches, in
+additions."""
 
 
 class BatchLoop(NamedTuple):
@@ -56,15 +57,24 @@ class Kernel:
     uniform input has leading axes, `per_sample` answers. A sample with an input that is not finite
     has NaN in all outputs; no other sample is touched. The GIL is released.
 
-    Attributes:
-        program: what was traced.
-        target: where it runs, a name of `TARGETS`.
-        width: samples in a vector; 1 with NumPy.
-        dtype: NumPy's type of the numbers that it computes with and returns.
-        ufunc: what runs, without the checks: a np.ufunc, or a function called like one with NumPy.
-        signature: core sizes as NumPy writes them.
-        few: samples that are answered at once, by one thread into new memory.
-        loop: the machine code of the batch, for other libraries; None where the target has none.
+    Attributes
+    ----------
+    program
+        What was traced.
+    target
+        Where it runs, a name of `TARGETS`.
+    width
+        Samples in a vector; 1 with NumPy.
+    dtype
+        NumPy's type of the numbers that it computes with and returns.
+    ufunc
+        What runs, without the checks: a np.ufunc, or a function called like one with NumPy.
+    signature
+        Core sizes as NumPy writes them.
+    few
+        Samples that are answered at once, by one thread into new memory.
+    loop
+        The machine code of the batch, for other libraries; None where the target has none.
     """
 
     loop: BatchLoop | None = None
@@ -104,15 +114,23 @@ class Kernel:
     def __call__(self, *arrays: ArrayLike, out: Any = None, threads: int | None = None) -> Any:
         """The output, or the tuple of outputs.
 
-        Args:
-            arrays: one for each input, shape (..., *core).
-            out: array or tuple of arrays to write to, of the whole shape.
-            threads: how many share the batch; by default as many as the work is worth.
+        Parameters
+        ----------
+        arrays
+            One for each input, shape (..., *core).
+        out
+            Array or tuple of arrays to write to, of the whole shape.
+        threads
+            How many share the batch; by default as many as the work is worth.
 
-        Raises:
-            ShapeError: wrong core shape.
-            BatchError: batch shapes that do not broadcast.
-            KernelError: wrong number or type of arguments, or an `out` that cannot be written to.
+        Raises
+        ------
+        ShapeError
+            Wrong core shape.
+        BatchError
+            Batch shapes that do not broadcast.
+        KernelError
+            Wrong number or type of arguments, or an `out` that cannot be written to.
         """
         if len(arrays) > len(self.program.inputs):  # NumPy would write to the last
             raise explained(self.program, self.dtype, arrays, out, TypeError())
@@ -154,8 +172,8 @@ class Kernel:
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any] | None:
-        """The same where all is sound too, see `finite_check.sound`, the four entries at each of
-        `units` of unit length."""
+        """A function as of `quick`, where all is sound too, see `finite_check.sound`: the four
+        entries at each of `units` are of unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
@@ -187,14 +205,12 @@ class Kernel:
             return self.ufunc(*values) if out is None else self.ufunc(*values, out=out)
         if threads is None:
             threads = max(1, min(cpus(), int(count * self._cost / _WORTH)))
+        if given:
+            values = _apart(values, given)
         outs = given or tuple(
             result_memory.empty(batch + argument.shape, self.dtype)
             for argument in self.program.outputs
         )
-        if given:  # of what is written over, a copy is read, as NumPy does
-            values = [
-                x.copy() if any(np.may_share_memory(x, y) for y in given) else x for x in values
-            ]
         if threads == 1 and count <= self._longest:
             self.ufunc(*values, out=outs)
         else:
@@ -208,8 +224,8 @@ class Kernel:
             )
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
-        """As the kernel's own numbers, where that is another real type; what cannot be is left for
-        NumPy to refuse."""
+        """The array with the kernel's own numbers, where it has those of another real type; what
+        cannot be converted is left for NumPy to refuse."""
         if array.dtype == self.dtype or not np.can_cast(array.dtype, self.dtype, "same_kind"):
             return array
         return array.astype(self.dtype)
@@ -241,7 +257,8 @@ class Kernel:
 
     @property
     def asked_width(self) -> int | None:
-        """What is to be asked for, so that another program of the target has the same width."""
+        """The width to compile another program with, so that it has the same; None where the target
+        has no vectors."""
         return self.width if target_named(self.target).widths[self.dtype.name] else None
 
     def __repr__(self) -> str:
@@ -249,9 +266,14 @@ class Kernel:
 
     @cached_property
     def source(self) -> str:
-        """What runs, as text: LLVM on the CPU; with NumPy the program's own listing, which runs
+        """The text of what runs: LLVM on the CPU; with NumPy the program's own listing, which runs
         node by node."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
+
+
+def _apart(values: list[np.ndarray], written: tuple[Any, ...]) -> list[np.ndarray]:
+    """The arrays, of those that are written over copies: NumPy reads them so, too."""
+    return [x.copy() if any(np.may_share_memory(x, y) for y in written) else x for x in values]
 
 
 def signature(inputs: Sequence[Argument], outputs: Sequence[Argument]) -> str:
@@ -268,17 +290,24 @@ def compile_program(
 ) -> Kernel:
     """The kernel of a program.
 
-    Args:
-        program: from `trace`.
-        target: "cpu", "cpu:" with a level, "numpy" or "cuda"; by default the environment's
-            FREEBODY_TARGET, else the CPU where LLVM is.
-        width: samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what
-            suits the CPU. Both are read once, when a process first needs a kernel.
-        dtype: "float64" or "float32", of the numbers that come in, are computed with and come out.
+    Parameters
+    ----------
+    program
+        From `trace`.
+    target
+        "cpu", "cpu:" with a level, "numpy" or "cuda"; by default the environment's FREEBODY_TARGET,
+        else the CPU where LLVM is.
+    width
+        Samples in a vector (2, 4, 8; 16 of float32); by default FREEBODY_WIDTH, else what suits the
+        CPU. Both are read once, when a process first needs a kernel.
+    dtype
+        "float64" or "float32", of the numbers that come in, are computed with and come out.
 
-    Raises:
-        KernelError: an unknown target, width or dtype, or one that this machine lacks something
-            for; a constant beyond the range of the dtype.
+    Raises
+    ------
+    KernelError
+        An unknown target, width or dtype, or one that this machine lacks something for; a constant
+        beyond the range of the dtype.
     """
     target = chosen_target(target)
     with locks.KERNELS:
@@ -318,10 +347,10 @@ def _in_range(program: Program, dtype: str) -> Program:
 RECENT = 32
 """Kernels that are kept although nobody has them any more, for the next who asks for one."""
 
-_Key = tuple[str, str, int | None, str, Hashable]
-_kernels: weakref.WeakValueDictionary[_Key, Kernel] = weakref.WeakValueDictionary()
-_recent: OrderedDict[_Key, Kernel] = OrderedDict()
-"""Those that were asked for last, the last one at the end."""
+_KernelKey = tuple[str, str, int | None, str, Hashable]
+_kernels: weakref.WeakValueDictionary[_KernelKey, Kernel] = weakref.WeakValueDictionary()
+_recent: OrderedDict[_KernelKey, Kernel] = OrderedDict()
+"""The kernels that were fetched last, the last one at the end."""
 
 
 def _has_scalars(program: Program) -> bool:

@@ -1,9 +1,8 @@
-"""What a target is: a record of how programs run somewhere; the table of all, and what is chosen of
-it."""
+"""A target is a record of how programs run somewhere; of the table of all one is chosen, and a
+width of its vectors."""
 
 from __future__ import annotations
 
-import importlib
 import importlib.util
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
@@ -17,21 +16,14 @@ from freebody.targets import settings
 if TYPE_CHECKING:
     from freebody.targets.kernel import Kernel
 
-TARGETS = {
-    "cpu": "freebody.targets.llvm.cpu",
-    "numpy": "freebody.targets.numpy_target",
-    "cuda": "freebody.targets.cuda.target",
-}
-"""Targets by name: the module of each, imported on first use, has its record as `TARGET`."""
-
 
 class KernelError(FreebodyError, TypeError):
-    """A kernel asked for or called in a way it does not know."""
+    """A kernel requested or called in a way that does not exist."""
 
 
 @dataclass(frozen=True)
 class Target:
-    """Where programs run: emits, compiles, loads, and makes what is called.
+    """A target, on which programs run: it emits, compiles, loads, and makes what is called.
 
     build: the kernel of a verified program, for a width (None: what suits) and a type of number.
     source: what runs, as text, for a width. widths: for each type of number that it computes with,
@@ -54,11 +46,16 @@ class Target:
     kinds: Mapping[str, Callable[[], Target]] = field(default_factory=dict)
 
 
+TARGETS: dict[str, Callable[[], Target]] = {}
+"""Targets by name: a function that imports the record on first use. `freebody.targets`, which is
+imported before any target, fills it."""
+
+
 @cache
 def target_named(name: str) -> Target:
     """The record of a target of the table, or of a kind of one."""
     name, _, kind = name.partition(":")
-    record: Target = importlib.import_module(TARGETS[name]).TARGET
+    record = TARGETS[name]()
     return record.kinds[kind]() if kind else record
 
 

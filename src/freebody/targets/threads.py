@@ -52,14 +52,22 @@ def run_split(
     An interrupt drops the parts that nobody has begun, and waits no longer than a part takes; what
     is being computed keeps its arrays.
 
-    Args:
-        ufunc: releases the GIL.
-        arrays: inputs, of batch shapes that broadcast to `batch`.
-        outs: outputs, of the whole batch shape, that overlap nothing.
-        cores: number of core axes of each input, then of each output.
-        batch: the broadcast batch shape, at least one axis.
-        threads: how many at most, the caller's among them.
-        longest: samples that a part may have.
+    Parameters
+    ----------
+    ufunc
+        Releases the GIL.
+    arrays
+        Inputs, of batch shapes that broadcast to `batch`.
+    outs
+        Outputs, of the whole batch shape, that overlap nothing.
+    cores
+        Number of core axes of each input, then of each output.
+    batch
+        The broadcast batch shape, at least one axis.
+    threads
+        How many at most, the caller's among them.
+    longest
+        Samples that a part may have.
     """
     inputs, parts = len(arrays), list(_parts(batch, threads, longest))
     todo, done = deque(parts), SimpleQueue[BaseException | None]()
@@ -134,7 +142,7 @@ def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
 
 
 def _start(wanted: int) -> int:
-    """Have as many helpers as that, or as many as the system gives; how many may be asked."""
+    """Start so many helpers, or as many as the system gives; how many there are."""
     global _helpers
     with _lock:
         try:

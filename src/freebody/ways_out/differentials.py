@@ -30,7 +30,7 @@ from freebody.program.derivative import (
 )
 from freebody.program.evaluate import evaluated
 from freebody.spatial import dot, identity, transposed
-from freebody.ways_out.kernel_or_quantities import Asked
+from freebody.ways_out.kernel_or_quantities import QuantityRequest
 
 LONGEST = 20_000
 """Operations up to which a whole Jacobian is one program; it compiles in about two seconds."""
@@ -114,10 +114,11 @@ def length(program: Program) -> int:
     return sum(program.operations.values())
 
 
-def of_quantities(asked: Asked) -> Differentiable:
-    """What is asked of a model; its p is uniform."""
-    model, names, option, given, by = asked
-    p, over = asked.p(uniform=True), given.tree if given else None
+def of_quantities(request: QuantityRequest) -> Differentiable:
+    """The program of some quantities of a model, with the programs of its derivatives; its p is
+    uniform."""
+    model, names, option, given, by = request
+    p, over = request.p(uniform=True), given.tree if given else None
     for name in names:
         if FORMULAS[name].by_columns and model.nv > LARGEST:
             raise FreebodyError(

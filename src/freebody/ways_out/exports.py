@@ -19,8 +19,8 @@ from freebody.model.model import Model
 from freebody.outputs.folder import write_folder
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
-from freebody.targets.text import LANGUAGES, Unit
-from freebody.ways_out.kernel_or_quantities import Asked, asked
+from freebody.targets.text import LANGUAGES, SourceUnit
+from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
 from freebody.ways_out.program_description import ProgramDescription, of_program
 from freebody.ways_out.self_test_samples import vectors
 
@@ -37,14 +37,36 @@ def source(
     """Text of a function that computes one quantity, or several that share their work, in another
     language.
 
-    what: a model and `names` of quantities, or a kernel of fb.compile. names, options: as for
-    `fb.kernel` (frame, reference, wrench_frames, rows, by, and inputs: numbers of the model that
-    are given as p at each call). language: "c", "cpp", "javascript" (a module),
-    "javascript-script", "rust", "julia", "matlab" (Octave too), "numpy", "jax", "casadi", "cuda"
-    (PTX). name: of the function, by default the quantities'. dtype: "float64", or "float32" (c,
-    rust, julia, cuda). Arguments are those of the kernel, in its order, in SI units; the text's
-    head says all that is needed to call it. It is ASCII, names in it are words, and the same robot
-    gives the same text. Raises UnknownNameError, FreebodyError.
+    Parameters
+    ----------
+    what
+        A model, or a kernel of `fb.kernel` or `fb.compile`.
+    names
+        Quantities of the model, as for `fb.kernel`; none for a kernel.
+    language
+        "c", "cpp", "javascript" (a module), "javascript-script", "rust", "julia", "matlab" (Octave
+        too), "numpy", "jax", "casadi" or "cuda" (PTX).
+    name
+        The name of the function, by default the quantities'.
+    dtype
+        "float64", or "float32" (c, rust, julia, cuda).
+    **options
+        As for `fb.kernel`: frame, reference, wrench_frames, rows, by, and inputs, numbers of the
+        model that are given as p at each call.
+
+    Returns
+    -------
+    str
+        A function whose arguments are those of the kernel, in its order, in SI units; the text's
+        head says all that is needed to call it. It is ASCII, names in it are words, and the same
+        robot gives the same text.
+
+    Raises
+    ------
+    UnknownNameError
+        A language, quantity or option that does not exist.
+    FreebodyError
+        A dtype that the language lacks, or a name that is no word.
     """
     unit, *_ = _unit("fb.source", what, names, language, name, dtype, options)
     return LANGUAGES[language].emit(unit)
@@ -60,12 +82,30 @@ def export(
     dtype: str = "float64",
     **options: Any,
 ) -> list[Path]:
-    """Write `fb.source`'s text into the folder `out` as a package that tests itself; the paths of
-    its files.
+    """Write `fb.source`'s text into a folder as a package that tests itself.
 
-    Arguments as for `fb.source`. Beside the text: a self-test with test vectors, README.txt with
-    the command that runs it, names.json with names as they were where the text has words, and
-    manifest.json. Nothing but freebody's own files is replaced. Raises FileError, OutputError too.
+    Beside the text: a self-test with test vectors, README.txt with the command that runs it,
+    names.json with names as they were where the text has words, and manifest.json. Nothing but
+    freebody's own files is replaced.
+
+    Parameters
+    ----------
+    out
+        The folder.
+    what, names, language, name, dtype, **options
+        As for `fb.source`.
+
+    Returns
+    -------
+    list of Path
+        The files that were written.
+
+    Raises
+    ------
+    UnknownNameError, FreebodyError
+        As `fb.source`.
+    FileError, OutputError
+        A folder that cannot be written to, or files there that are not freebody's.
     """
     if not isinstance(out, str | os.PathLike):
         raise KindError("fb.export", "out", out, "the name of a folder")
@@ -93,9 +133,9 @@ def _unit(
     name: str | None,
     dtype: str,
     options: dict[str, Any],
-) -> tuple[Unit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
-    """What is written, the names behind its words, the numbers that are inputs, what was chosen of
-    a model, and the doubts on it."""
+) -> tuple[SourceUnit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
+    """The text to be written as a unit, the names behind its words, the numbers that are inputs,
+    the option of a model, and the doubts about it."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -112,8 +152,8 @@ def _unit(
     model = what.model if isinstance(what, InputKernel) else what
     if isinstance(model, Model) and model.family:
         raise FamilyError(function, model.name, model.family)
-    chosen = asked(function, what, names, options)
-    if not isinstance(chosen, Asked):
+    chosen = requested(function, what, names, options)
+    if not isinstance(chosen, QuantityRequest):
         traced = share_reciprocals(chosen.program)
         given = (
             KernelInputs(chosen.parameters, chosen.values, chosen.model)
@@ -121,16 +161,16 @@ def _unit(
             else None
         )
         comment, words = of_program(traced, given)
-        return Unit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
+        return SourceUnit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
     traced = share_reciprocals(chosen.program())
     about = ProgramDescription(chosen.model, chosen.names, chosen.option, chosen.given, traced)
-    unit = Unit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
+    unit = SourceUnit(traced, name or traced.name, about.comment, about.joints, dtype, about.marks)
     return unit, about.names, chosen.given, chosen.option, about.doubts
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:
-    """What lies in the folder and how it is tried; it serves the functions that were written there
-    before, too."""
+    """The text that says what lies in the folder and how to try it; it serves the functions that
+    were written there before, too."""
     return "\n".join(
         [
             f"Functions written by freebody {__version__}. The comment at the top of each file "

@@ -14,9 +14,9 @@ from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import BatchError
-from freebody.targets.xla.operation import Arrays, Way, interface
+from freebody.targets.xla.operation import Arrays, Compilation, interface
 from freebody.ways_out.differentials import Differentiable, of_quantities
-from freebody.ways_out.kernel_or_quantities import Asked, asked
+from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
 
 
 def to_jax(
@@ -26,36 +26,56 @@ def to_jax(
     dtype: str | None = None,
     **options: Any,
 ) -> Callable[..., Any]:
-    """What `fb.kernel` computes as a function of JAX arrays, for `jit`, `vmap` and derivatives of
-    any order. Needs JAX.
+    """A function of JAX arrays that computes as `fb.kernel` does, for `jit`, `vmap` and derivatives
+    of any order. Needs JAX.
 
-    what, names, options: as for `fb.source`. dtype: "float64" or "float32", which is computed with,
-    whatever arrays come; None: that of the arrays, as JAX promotes them. Returns f(q, qd, …), of
-    arrays (..., *core) whose leading axes broadcast, in the kernel's order and SI units: one array,
-    or a tuple. With inputs=, p (..., k) comes last, or is given as p={name: value}, the rest being
-    the model's. On the CPU it runs the compiled kernel, inside of what JAX compiles; on other
-    platforms, or where JAX has another interface than the one that is known, JAX calls Python, and
-    a UserWarning says so. Arrays on several devices are cut along the batch, so that each device
-    computes its own samples; along Explicit axes of a mesh they are refused (jax.shard_map).
+    On the CPU it runs the compiled kernel, inside of what JAX compiles; on other platforms, or
+    where JAX has another interface than the one that is known, JAX calls Python, and a UserWarning
+    says so. Arrays on several devices are cut along the batch, so that each device computes its own
+    samples; along Explicit axes of a mesh they are refused (jax.shard_map).
+
     Derivatives of every order, forward and reverse, come from compiled kernels too: ordinary
     partial derivatives, by q of all its nq entries (on the tangent space they are with by=), by
-    numbers of the model given as p. f.parameters, f.values: names of the entries of p, and the
-    model's own values. 64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64",
-    True); without it JAX makes all numbers float32, and the kernel computes in these, to about 6
-    digits, and refuses dtype="float64". A kernel of float32 keeps to them. Raises UnknownNameError,
-    FreebodyError; f raises KernelError, ShapeError, BatchError.
+    numbers of the model given as p.
+
+    64-bit numbers are the caller's choice, jax.config.update("jax_enable_x64", True); without it
+    JAX makes all numbers float32, and the kernel computes in these, to about 6 digits, and refuses
+    dtype="float64". A kernel of float32 keeps to them.
+
+    Parameters
+    ----------
+    what, names, **options
+        As for `fb.source`.
+    dtype
+        "float64" or "float32", which is computed with, whatever arrays come. None: that of the
+        arrays, as JAX promotes them.
+
+    Returns
+    -------
+    callable
+        f(q, qd, …), of arrays (..., *core) whose leading axes broadcast, in the kernel's order and
+        SI units: one array, or a tuple. With inputs=, p (..., k) comes last, or is given as
+        p={name: value}, the rest being the model's. f.parameters, f.values: names of the entries of
+        p, and the model's own values. It raises KernelError, ShapeError, BatchError.
+
+    Raises
+    ------
+    UnknownNameError
+        A quantity or option that does not exist.
+    FreebodyError
+        JAX is not installed, or a dtype that JAX does not compute with here.
     """
-    chosen = asked("fb.to_jax", what, names, options)
+    chosen = requested("fb.to_jax", what, names, options)
     try:
         import jax
     except ImportError:
         raise MissingPackageError("fb.to_jax", "JAX", "jax") from None
     from freebody.ways_out.jax_derivatives import JaxFunction
 
-    if isinstance(chosen, Asked):
+    if isinstance(chosen, QuantityRequest):
         if chosen.model.family and not chosen.given:
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
-        computed, way, given = of_quantities(chosen), Way(), None
+        computed, way, given = of_quantities(chosen), Compilation(), None
         if chosen.given:
             given = NamedNumbers(chosen.given.names, chosen.given.values, chosen.model)
     else:
@@ -63,7 +83,7 @@ def to_jax(
             (chosen.kernel, chosen.named) if isinstance(chosen, InputKernel) else (chosen, None)
         )
         computed = Differentiable(kernel.program)
-        way = Way(kernel.target, kernel.asked_width, kernel.dtype.name)
+        way = Compilation(kernel.target, kernel.asked_width, kernel.dtype.name)
     kind = _kind(dtype, way)
     slow = interface().obstacle
     if not slow and jax.default_backend() != "cpu":
@@ -79,8 +99,8 @@ def to_jax(
     return function
 
 
-def _kind(dtype: str | None, way: Way) -> str | None:
-    """What is computed with; None: what the arrays say."""
+def _kind(dtype: str | None, way: Compilation) -> str | None:
+    """The type of number that is computed with; None: that of the arrays."""
     import jax
 
     if dtype is None:

@@ -25,21 +25,42 @@ def to_torch(
     dtype: str | None = None,
     **options: Any,
 ) -> TorchFunction:
-    """What `fb.kernel` computes as a function of PyTorch tensors, differentiable to any order.
+    """A function of PyTorch tensors that computes as `fb.kernel` does, differentiable to any order.
     Needs PyTorch.
 
-    what: a model and `names` of quantities, or a kernel of fb.kernel or fb.compile. options: as for
-    `fb.kernel` (frame, reference, wrench_frames, rows, inputs, by, target). dtype: "float64" or
-    "float32", of the results, which is also computed with; None: that of the tensors (of both kinds
-    float64), of a kernel the kernel's own. Returns f(q, qd, …), one tensor or a tuple: arguments
-    (..., *core) as of the kernel, on the CPU; leading axes broadcast. Python's numbers may stand
-    for constants. With inputs=, p (..., k) comes last, or is given as p={name: number or tensor},
-    the rest being the model's; f.parameters are its names. Derivatives are of the numbers that come
-    in: of a quaternion by its four entries as they stand. They have kernels of their own, compiled
-    when first asked for, by those inputs alone that require a gradient. torch.autograd, torch.func
-    (grad, vjp, jvp, jacrev, jacfwd, hessian, vmap), torch.compile and torch.export all know them.
-    NaN goes through, as in kernels; names and limits are not checked. Raises as `fb.kernel` does,
-    FreebodyError.
+    Derivatives are of the numbers that come in: of a quaternion by its four entries as they stand.
+    They have kernels of their own, compiled on first use, by those inputs alone that require a
+    gradient. torch.autograd, torch.func (grad, vjp, jvp, jacrev, jacfwd, hessian, vmap),
+    torch.compile and torch.export all know them. NaN goes through, as in kernels; names and limits
+    are not checked.
+
+    Parameters
+    ----------
+    what
+        A model, or a kernel of `fb.kernel` or `fb.compile`.
+    names
+        Quantities of the model, as for `fb.kernel`; none for a kernel.
+    dtype
+        "float64" or "float32", of the results, which is also computed with. None: that of the
+        tensors (of both kinds float64), of a kernel the kernel's own.
+    **options
+        As for `fb.kernel`: frame, reference, wrench_frames, rows, inputs, by, target.
+
+    Returns
+    -------
+    TorchFunction
+        f(q, qd, …), one tensor or a tuple: arguments (..., *core) as of the kernel, on the CPU;
+        leading axes broadcast. Python's numbers may stand for constants. With inputs=, p (..., k)
+        comes last, or is given as p={name: number or tensor}, the rest being the model's;
+        f.parameters are its names.
+
+    Raises
+    ------
+    UnknownNameError, SingularError
+        As `fb.kernel`.
+    FreebodyError
+        PyTorch is not installed, or matrices of so many coordinates that no one program computes
+        them.
     """
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
@@ -63,10 +84,14 @@ def to_torch(
 class TorchFunction:
     """A kernel as a function of PyTorch tensors; see `fb.to_torch`.
 
-    Attributes:
-        program: what was traced.
-        parameters: names of the entries of p; none where there is no p.
-        values: p of the model itself, of a family (*family, k).
+    Attributes
+    ----------
+    program
+        What was traced.
+    parameters
+        Names of the entries of p; none where there is no p.
+    values
+        p of the model itself, of a family (*family, k).
     """
 
     def __init__(self, kernel: Kernel | InputKernel, dtype: str | None):

@@ -1,4 +1,5 @@
-"""Programs as functions of JAX, with derivatives of every order.
+"""Programs as functions of JAX, with derivatives of every order; products along axes that were
+broadcast are made without copies.
 
 The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in
 these and knows its transpose. One tangent, or one cotangent, is what a kernel of the derivative
@@ -23,28 +24,30 @@ from jax.interpreters import ad, batching, mlir
 
 from freebody.program import Argument
 from freebody.program.gradient import gradient
-from freebody.targets.xla.operation import Arrays, Way, operation
+from freebody.targets.xla.operation import Arrays, Compilation, operation
 from freebody.ways_out.differentials import Differentiable
-from freebody.ways_out.jax_products import placed, product, summed
 
-Positions = tuple[int, ...]
+_Positions = tuple[int, ...]
 
 
 class JaxFunction:
     """A program as a function of arrays (..., *core) of one floating-point type.
 
-    Attributes:
-        call: the function; returns a tuple.
-        program: what it computes.
+    Attributes
+    ----------
+    call
+        The function; returns a tuple.
+    program
+        What it computes.
     """
 
-    def __init__(self, what: Differentiable, way: Way):
+    def __init__(self, what: Differentiable, way: Compilation):
         self.what, self.way, self.program = what, way, what.program
         plain = operation(what.program, way)
 
         @jax.custom_jvp
         def call(*arrays: Any) -> Arrays:
-            return plain(*level(self.program.inputs, arrays))
+            return plain(*_level(self.program.inputs, arrays))
 
         call.defjvp(self._rule, symbolic_zeros=True)
         self.call = call
@@ -60,7 +63,7 @@ class JaxFunction:
         )
         if not by:
             return results, tuple(map(jnp.zeros_like, results))
-        given = level(self.program.inputs, primals)
+        given = _level(self.program.inputs, primals)
         rates = [tangents[k].reshape(given[k].shape) for k in by]
         every = tuple(range(len(results)))
         changes = _linear.bind(
@@ -68,32 +71,36 @@ class JaxFunction:
         )
         return results, tuple(changes)
 
-    def _along(self, by: Positions) -> JaxFunction:
-        """Of the rates of the outputs; rates of the inputs `by` come last."""
+    def _along(self, by: _Positions) -> JaxFunction:
+        """The function of the rates of the outputs; rates of the inputs `by` come last."""
         return JaxFunction(self.what.along(by), self.way)
 
-    def _gradient(self, by: Positions, of: Positions) -> JaxFunction:
-        """Of the gradient by the inputs `by`; weights of the outputs `of` come last."""
+    def _gradient(self, by: _Positions, of: _Positions) -> JaxFunction:
+        """The function of the gradient by the inputs `by`; weights of the outputs `of` come
+        last."""
         return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
 
-    def _applied(self, by: Positions, of: Positions, count: int, back: bool) -> JaxFunction | None:
-        """Of the Jacobian, or its transpose, times so many vectors, which come last; None if it
-        would be too long."""
+    def _applied(
+        self, by: _Positions, of: _Positions, count: int, back: bool
+    ) -> JaxFunction | None:
+        """The function of the Jacobian, or its transpose, times so many vectors, which come last;
+        None if it would be too long."""
         made = self.what.applied(by, of, count, back)
         return made and JaxFunction(made, self.way)
 
-    def _matrices(self, by: Positions) -> Callable[..., Arrays]:
+    def _matrices(self, by: _Positions) -> Callable[..., Arrays]:
         """A function of the inputs: the derivatives of each output by each of the inputs `by`,
         (*output, *input)."""
         found = self.what.jacobian(by)
         call = JaxFunction(found.function, self.way).call
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
 
-    def _columns(self, by: Positions, arrays: Arrays) -> Arrays:
-        """The same from the derivatives along unit vectors."""
+    def _columns(self, by: _Positions, arrays: Arrays) -> Arrays:
+        """The derivatives of each output by each of the inputs `by`, from those along unit
+        vectors."""
         shapes = [self.program.inputs[k].shape for k in by]
         ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
-        given = level(self.program.inputs, arrays)
+        given = _level(self.program.inputs, arrays)
         axis = max(
             (x.ndim - len(a.shape) for x, a in zip(given, self.program.inputs, strict=True)),
             default=0,
@@ -109,7 +116,7 @@ class JaxFunction:
         return tuple(found)
 
 
-def level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
+def _level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
     """The arrays with equally many leading axes, of size 1 where there were fewer."""
     axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, inputs, strict=True)]
     most = max(axes, default=0)
@@ -125,9 +132,9 @@ _linear.multiple_results = True
 
 
 def _evaluate(
-    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
+    *operands: Any, function: JaxFunction, by: _Positions, of: _Positions, back: Any, matrix: bool
 ) -> Arrays:
-    """What the operation computes, in terms of kernels that have derivatives themselves."""
+    """The results of the operation, in terms of kernels that have derivatives themselves."""
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
     if not matrix and back is None:
@@ -137,7 +144,7 @@ def _evaluate(
         slopes = function.gradient(by, of).call(*primals, *given)
         inputs = [function.program.inputs[k].shape for k in by]
         return tuple(
-            summed(x, (*batch, *shape))
+            _summed(x, (*batch, *shape))
             for x, batch, shape in zip(slopes, back, inputs, strict=True)
         )
     how = function, by, of, back
@@ -146,10 +153,10 @@ def _evaluate(
 
 
 def _shared(
-    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+    function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays | None:
-    """Of vectors that are the same for all samples, by a kernel that multiplies with them itself;
-    None where others come, or too many."""
+    """The products with vectors that are the same for all samples, by a kernel that multiplies with
+    them itself; None where others come, or too many."""
     sizes = _batches(function.program, by, of, back, (*primals, *given))
     values, vectors = (
         np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :])
@@ -171,25 +178,25 @@ def _shared(
     if back is None:
         cores = [function.program.outputs[k].shape for k in of]
         return tuple(
-            placed(
+            _placed(
                 y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many]
             )
             for y, core in zip(results, cores, strict=True)
         )
     cores = [function.program.inputs[k].shape for k in by]
     made = [
-        placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
+        _placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
         for y, core in zip(results, cores, strict=True)
     ]
     return tuple(
-        summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True)
+        _summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True)
     )
 
 
 def _multiplied(
-    function: JaxFunction, by: Positions, of: Positions, back: Any, primals: Arrays, given: Arrays
+    function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
 ) -> Arrays:
-    """Through Jacobians as arrays."""
+    """The products with Jacobians as arrays."""
     inputs = [function.program.inputs[k].shape for k in by]
     outputs = [function.program.outputs[k].shape for k in of]
     every = function.matrices(by)(*primals)
@@ -197,15 +204,15 @@ def _multiplied(
     if back is None:
         return tuple(
             sum(
-                product(False, x, y, out, shape)
+                _product(False, x, y, out, shape)
                 for x, y, shape in zip(row, given, inputs, strict=True)
             )
             for row, out in zip(tables, outputs, strict=True)
         )
     return tuple(
-        summed(
+        _summed(
             sum(
-                product(True, row[j], y, out, shape)
+                _product(True, row[j], y, out, shape)
                 for row, y, out in zip(tables, given, outputs, strict=True)
             ),
             (*back[j], *shape),
@@ -215,7 +222,7 @@ def _multiplied(
 
 
 def _batches(
-    program: Any, by: Positions, of: Positions, back: Any, operands: Sequence[Any]
+    program: Any, by: _Positions, of: _Positions, back: Any, operands: Sequence[Any]
 ) -> list[Any]:
     """The leading axes of each operand."""
     last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
@@ -225,7 +232,7 @@ def _batches(
 
 @_linear.def_abstract_eval
 def _shapes(
-    *operands: Any, function: JaxFunction, by: Positions, of: Positions, back: Any, matrix: bool
+    *operands: Any, function: JaxFunction, by: _Positions, of: _Positions, back: Any, matrix: bool
 ) -> Any:
     program, dtype = function.program, operands[0].dtype
     if back is None:
@@ -237,7 +244,8 @@ def _shapes(
 
 
 def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) -> Any:
-    """Where many vectors come for the same values, through a matrix."""
+    """The operation over one axis more; where many vectors come for the same values, through a
+    matrix."""
     count = len(params["function"].program.inputs)
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [
@@ -253,7 +261,8 @@ def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) 
 
 
 def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
-    """It is linear in its last operands, and in the others what `_evaluate` is."""
+    """The derivative of the operation: it is linear in its last operands, and in the others that of
+    `_evaluate`."""
     count = len(params["function"].program.inputs)
     results, changes = _linear.bind(*operands, **params), []
     moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
@@ -277,12 +286,13 @@ def _transposed(
     cotangents: Sequence[Any],
     *operands: Any,
     function: JaxFunction,
-    by: Positions,
-    of: Positions,
+    by: _Positions,
+    of: _Positions,
     back: Any,
     matrix: bool,
 ) -> list[Any]:
-    """The other way, by the operands that are unknown, of the results that count."""
+    """The transpose of the operation, by the operands that are unknown, of the results that
+    count."""
     count = len(function.program.inputs)
     primals, last = operands[:count], operands[count:]
     unknown = [k for k, x in enumerate(last) if ad.is_undefined_primal(x)]
@@ -305,7 +315,7 @@ def _transposed(
         results = _linear.bind(
             *primals, *given, function=function, by=kept, of=wanted, back=None, matrix=matrix
         )
-        results = [summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
+        results = [_summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
     for k, result in zip(unknown, results, strict=True):
         found[count + k] = result
     return found
@@ -321,3 +331,53 @@ mlir.register_lowering(_linear, mlir.lower_fun(_evaluate, multiple_results=True)
 batching.primitive_batchers[_linear] = _mapped
 ad.primitive_jvps[_linear] = _jvp
 ad.primitive_transposes[_linear] = _transposed
+
+
+_Shape = tuple[int, ...]
+
+
+def _product(back: bool, table: Any, vector: Any, out: _Shape, shape: _Shape) -> Any:
+    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times
+    (*batch, *output).
+
+    Axes of size 1 are left out: XLA would copy the other factor along them.
+    """
+    taken, made = (out, shape) if back else (shape, out)
+    sizes = (
+        table.shape[: table.ndim - len(out) - len(shape)],
+        vector.shape[: vector.ndim - len(taken)],
+    )
+    batch = np.broadcast_shapes(*sizes)
+    rows, columns = len(batch), len(batch) + 1
+    axes = [[k for k, n in enumerate(own) if n > 1] for own in sizes]
+    matrix = table.reshape(*(sizes[0][k] for k in axes[0]), prod(out), prod(shape))
+    given = vector.reshape(*(sizes[1][k] for k in axes[1]), prod(taken))
+    # the matrix first, whatever order is wanted: another order costs XLA a copy, which it finds out
+    # itself otherwise
+    shared = [k for k in axes[0] if k in axes[1]]
+    contracted, kept = (rows, columns) if back else (columns, rows)
+    labels = [*axes[0], rows, columns], [*axes[1], contracted]
+    at = [[own.index(k) for k in shared] for own in labels]
+    result = jax.lax.dot_general(
+        matrix,
+        given,
+        (([labels[0].index(contracted)], [labels[1].index(contracted)]), (at[0], at[1])),
+        precision="highest",
+    )
+    order = [*shared, *(k for own in labels for k in own if k not in (*shared, contracted))]
+    wanted = [*(k for k, n in enumerate(batch) if n > 1), kept]
+    return result.transpose([order.index(k) for k in wanted]).reshape(*batch, *made)
+
+
+def _summed(x: Any, shape: _Shape) -> Any:
+    """The sum over axes along which an array of this shape was broadcast."""
+    axes = tuple(
+        k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1
+    )
+    return x.sum(axes, keepdims=True) if axes else x
+
+
+def _placed(x: Any, axes: Sequence[int]) -> Any:
+    """An array whose axes are these of another one, in the order of that one."""
+    order = sorted(axes, key=lambda k: k if k >= 0 else len(axes) + k)
+    return x.transpose([axes.index(k) for k in order])

@@ -1,4 +1,4 @@
-"""What is meant where a computation leaves freebody: a kernel, or quantities of a model with
+"""The request where a computation leaves freebody: a kernel, or quantities of a model with
 options."""
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from freebody.targets import Kernel
 _OPTIONS = ("frame", "reference", "wrench_frames", "rows")
 
 
-class Asked(NamedTuple):
-    """Quantities of a model, their variant, numbers that are given as p, and inputs by which is
-    differentiated."""
+class QuantityRequest(NamedTuple):
+    """Quantities of a model, their variant, numbers that are given as p, and inputs by which they
+    are differentiated."""
 
     model: Model
     names: tuple[str, ...]
@@ -35,18 +35,18 @@ class Asked(NamedTuple):
         return Argument("p", (len(self.given.names),), uniform) if self.given else None
 
     def program(self) -> Program:
-        """What is computed."""
+        """The program of the quantities."""
         over = self.given.tree if self.given else None
         return program(self.model, self.names, self.option, self.p(), over, self.by)
 
 
-def asked(
+def requested(
     function: str,
     what: Model | Kernel | InputKernel,
     names: str | Sequence[str] | None,
     options: dict[str, Any],
-) -> Asked | Kernel | InputKernel:
-    """The quantities that are meant, checked; or the kernel itself, which takes neither names nor
+) -> QuantityRequest | Kernel | InputKernel:
+    """The quantities of a request, checked; or the kernel itself, which takes neither names nor
     options."""
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
@@ -64,4 +64,4 @@ def asked(
             raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
     listed, option = chosen_option(what, names, **rest, function=function)
     given = inputs_of(function, what, wanted) if wanted else None
-    return Asked(what, listed, option, given, by)
+    return QuantityRequest(what, listed, option, given, by)

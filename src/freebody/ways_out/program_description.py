@@ -1,32 +1,48 @@
-"""A program told to whoever reads it as text: arguments with units, the robot's structure, counts,
-all in words.
+"""A program in words, for whoever reads it as text: arguments with units, the robot's structure,
+counts, and what its nodes are in the recursion.
+
+Every name from outside becomes a word; `names` says which word is which name. Names of nodes come
+from tracing the recursion once more, with its intermediates as results: a node of the program that
+computes the same from the same inputs has their name. So no algorithm knows that its scalars are
+named, and the program is the kernel's own.
 
 Every name from outside becomes a word; which word is which name stands in `names`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+import numpy as np
+
 from freebody import __version__
+from freebody.algorithms.crba import composites, crba
+from freebody.algorithms.kinematics import world_poses
+from freebody.algorithms.regrouped_parameters import lightened
+from freebody.algorithms.rnea import rnea
 from freebody.algorithms.turned_frames import turned_frames
+from freebody.elementary import Scalar
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
+from freebody.kernels.formulas.record import external
 from freebody.kernels.inputs import KernelInputs
 from freebody.model.doubts import Doubt, doubts_used
 from freebody.model.model import Model
 from freebody.model.named_numbers import Parameters
-from freebody.program import Argument, Program
+from freebody.model.tree import Tree
+from freebody.program import Argument, Program, trace
+from freebody.scalars.expr import Expr
+from freebody.scalars.operations import OPERATIONS
 from freebody.targets.text import Joints
-from freebody.ways_out.recursion_names import MEANINGS, marks
 
 _NUMBERS = "numbers of the robot, listed below (SI units)"
-"""What p is."""
+"""The meaning of p."""
 
 
 class ProgramDescription:
-    """Of a program of a model. Attributes: comment, joints, marks (see `Unit`), names."""
+    """The description of a program of a model. Attributes: comment, joints, marks (see
+    `SourceUnit`), names."""
 
     def __init__(
         self,
@@ -44,7 +60,7 @@ class ProgramDescription:
         self._joint_words = identifiers(model.joint_names)
         self._body_words = identifiers([*(body.name for body in model.bodies), *model.frame_names])
         self._meanings = self._worded(quantities)
-        self.marks = marks(program, option, numbers.tree if numbers else lambda _: model.tree)
+        self.marks = _marks(program, option, numbers.tree if numbers else lambda _: model.tree)
 
     @property
     def comment(self) -> tuple[str, ...]:
@@ -71,22 +87,22 @@ class ProgramDescription:
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """On what the quantities depend on."""
+        """The doubts about the numbers that the quantities depend on."""
         return doubts_used(self.model, *(x for name in self._names for x in FORMULAS[name].touches))
 
     def _doubtful(self) -> list[str]:
-        """By kind, since sentences hold names of the robot's."""
+        """The kinds of doubts in a line; their sentences hold names of the robot's."""
         kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
         return [f"Doubts about the robot: {kinds}."] if kinds else []
 
     def _legend(self) -> list[str]:
-        """What the words of the text stand for that are names of the recursion."""
+        """The meaning of the words in the text that are names of the recursion."""
         letters = {
             word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()
         }
         if not letters:
             return []
-        told = [
+        meanings = [
             f"  {letter} {meaning}" for letter, meaning in MEANINGS.items() if letter in letters
         ]
         return [
@@ -95,7 +111,7 @@ class ProgramDescription:
             *(_TURNED if self._is_turned else ()),
             *(_COUNTED if letters & {"M", "c"} else ()),
             *(_REGROUPED if letters & {*"fnhI"} else ()),
-            *told,
+            *meanings,
         ]
 
     @property
@@ -105,8 +121,8 @@ class ProgramDescription:
 
     @property
     def joints(self) -> Joints:
-        """Which joint each scalar belongs to: entries of q and of the rates, and rows of what has
-        one for each."""
+        """The joint that each scalar belongs to: entries of q and of the rates, and rows of outputs
+        with a row for each."""
         by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
         for k, at in reversed(list(enumerate(self.model.coordinates))):
             for owner, entries in ((by_q, at.q), (by_v, at.v)):
@@ -136,7 +152,7 @@ class ProgramDescription:
         }
 
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
-        """What each argument is."""
+        """The meaning of each argument."""
         found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
         if self.model.nq == self.model.nv:  # no quaternions
             found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
@@ -178,7 +194,7 @@ class ProgramDescription:
         return [*lines, f"Gravity: {self._gravity()}."]
 
     def _gravity(self) -> str:
-        """Where it pulls: whoever mounts the robot has to know."""
+        """The direction in which gravity pulls: whoever mounts the robot has to know."""
         given = self.numbers.model if self.numbers else self.model
         if (given.gravity_size, given.gravity_direction) != (
             self.model.gravity_size,
@@ -221,7 +237,7 @@ def _span(entries: tuple[int, ...]) -> str:
 
 
 def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str, str]) -> list[str]:
-    """What the entries of p are."""
+    """Lines that say what the entries of p are."""
     if numbers is None:
         return []
     records = {record.name: record for record in Parameters(model)}
@@ -257,3 +273,135 @@ def of_program(
         return tuple(head), {}
     listed = _listed_numbers(numbers.model, numbers, words)
     return (*head, "", *listed[:-1]), {"numbers": {word: name for name, word in words.items()}}
+
+
+MEANINGS = {
+    "R": "rotation matrix from its axes to those of the world",
+    "r": "position of its origin in the world",
+    "w": "angular velocity",
+    "wd": "angular acceleration",
+    "v": "velocity of its origin",
+    "a": "acceleration of its origin minus gravity",
+    "f": "force that the joint transmits to it",
+    "n": "moment that the joint transmits to it",
+    "h": "first moment of the body and all that it carries, about its origin",
+    "I": "inertia of the body and all that it carries, about its origin",
+    "M": "entry of the mass matrix",
+    "c": "torque at zero accelerations",
+}
+"""The meaning of the letters in front of a number."""
+
+_SEEN = ("input", "const", "sin", "cos")
+"""Operations that show what they are."""
+_LESS = "fnhI"
+"""Letters that say less of a node than the name of the result that it is."""
+
+_LARGEST = 64
+"""Coordinates up to which the mass matrix is looked for."""
+
+
+def _marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) -> dict[int, str]:
+    """Node -> word, for nodes that the recursion has a name for: w3_x, the x of the angular
+    velocity of body 3.
+
+    tree_over: the tree over the scalars of p.
+    """
+    inputs = [argument.name for argument in program.inputs]
+    if not any(argument.name == "q" and argument.size for argument in program.inputs):
+        return {}
+
+    def evaluate(*values: Any) -> dict[str, np.ndarray]:
+        given = dict(zip(inputs, values, strict=True))
+        tree = tree_over(given.get("p"))
+        plain, lighter = (dict(_named(t, option, given)) for t in (tree, lightened(tree)))
+        found = plain | {f"{word}__": scalar for word, scalar in lighter.items()}
+        return {word: np.array(x, dtype=object) for word, x in found.items() if isinstance(x, Expr)}
+
+    recursion = trace("recursion", evaluate, program.inputs, None)
+    numbers: dict[tuple[Any, ...], int] = {}
+    at = {number: node for node, number in reversed([*enumerate(_numbered(program, numbers))])}
+    known = _numbered(recursion, numbers)
+    results = set(program.results)
+    found: dict[int, str] = {}
+    for argument, named in zip(recursion.outputs, recursion.results, strict=True):
+        word = argument.name.removesuffix("__")
+        node = at.get(known[named])
+        if node is None:
+            node, word = at.get(_opposite(recursion, named, known, numbers)), f"minus_{word}"
+        if (
+            node is None
+            or program.op[node] in _SEEN
+            or (node in results and argument.name[0] in _LESS)
+        ):
+            continue
+        found.setdefault(node, word)
+    return found
+
+
+def _opposite(
+    program: Program, node: int, known: list[int], numbers: dict[tuple[Any, ...], int]
+) -> int:
+    """The number of what computes the negative of a node; -1 where that is nothing known."""
+    op, operands = program.op[node], [known[i] for i in program.operands(node)]
+    if op == "neg":
+        return operands[0]
+    return numbers.get((op, *reversed(operands)), -1) if op == "sub" else -1
+
+
+def _numbered(program: Program, numbers: dict[tuple[Any, ...], int]) -> list[int]:
+    """For each node a number; nodes of two programs that compute the same from the same inputs have
+    the same."""
+    made: list[int] = []
+    for index, op in enumerate(program.op):
+        if record := OPERATIONS.get(op):
+            operands = [made[i] for i in program.operands(index)]
+            key = (op, *(sorted(operands) if record.commutes else operands))
+        else:
+            key = (op, program.constants[program.a[index]] if op == "const" else program.a[index])
+        made.append(numbers.setdefault(key, len(numbers)))
+    return made
+
+
+def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[str, Scalar]]:
+    """Words and scalars of inverse dynamics, of the poses, and of the mass matrix."""
+    zeros = (0.0,) * tree.nv
+    q, qd, qdd = given["q"], given.get("qd", zeros), given.get("qdd", zeros)
+    wrenches = tuple(
+        given[f"wrench{k}"] for k in range(len(option.wrench_frames)) if f"wrench{k}" in given
+    )
+    loads = external(tree, option, q, wrenches) if wrenches else []
+    recursion = rnea(tree, q, qd, qdd, loads)
+    motion, world = recursion.motion, world_poses(tree, recursion.motion.joints)
+    gathered = composites(tree, motion.joints)
+    if "qdd" not in given:
+        yield from ((f"c_{k}", x) for k, x in enumerate(recursion.tau))
+    if tree.nv <= _LARGEST:
+        for k, row in enumerate(crba(tree, q)):
+            yield from ((f"M_{k}_{l}", x) for l, x in enumerate(row[: k + 1]))
+    for joint, i in enumerate(tree.body_of):
+        R, p = world[i]
+        _, h, inertia = gathered[i]
+        values = (
+            R,
+            p,
+            motion.w[i],
+            motion.wd[i],
+            motion.v[i],
+            motion.vd[i],
+            recursion.f[i],
+            recursion.n[i],
+        )
+        for letter, value in zip(MEANINGS, (*values, h, inertia), strict=False):
+            yield from _entries(f"{letter}{joint + 1}", value)
+
+
+def _entries(word: str, value: Any) -> Iterator[tuple[str, Scalar]]:
+    """w3_x, w3_y, w3_z of a vector, R3_xx, … of a matrix; what has one entry is w3."""
+    if not isinstance(value, tuple):
+        yield word, value
+        return
+    if len(value) == 1:
+        yield from _entries(word, value[0])
+        return
+    for axis, entry in zip("xyz", value, strict=False):
+        yield from _entries(f"{word}{axis}" if word[-1] in "xyz" else f"{word}_{axis}", entry)

@@ -9,8 +9,8 @@ import numpy as np
 
 from freebody.any_chain.kernel_options import chosen_option
 from freebody.errors import FreebodyError, ShapeError, SingularError
-from freebody.kernels.arguments import arguments, chosen
 from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.tracing import arguments, chosen
 from freebody.model.model import Model
 
 
@@ -25,11 +25,24 @@ def formula(
 ) -> Callable[..., Any]:
     """A quantity of a model as a function of scalars, to be called inside what `fb.compile` takes.
 
-    model, name, frame, reference, wrench_frames, rows: as for `fb.kernel`, of one quantity. The
-    model's numbers are constants of what is compiled. Returns f(q, qd, …), with the inputs of the
-    kernel of that name: sequences of its core shapes, of traced scalars, floats, or arrays with an
-    entry for each sample; its output as a nested tuple, or the tuple of its outputs. States of
-    closed chains have to be closed. Raises what `fb.kernel` does.
+    Parameters
+    ----------
+    model, frame, reference, wrench_frames, rows
+        As for `fb.kernel`. The model's numbers are constants of what is compiled.
+    name
+        One quantity.
+
+    Returns
+    -------
+    callable
+        f(q, qd, …), with the inputs of the kernel of that name: sequences of its core shapes, of
+        traced scalars, floats, or arrays with an entry for each sample. It returns its output as a
+        nested tuple, or the tuple of its outputs. States of closed chains have to be closed.
+
+    Raises
+    ------
+    UnknownNameError, SingularError
+        As `fb.kernel`.
     """
     if not isinstance(name, str):
         raise FreebodyError(

@@ -1,4 +1,4 @@
-"""Numbers to test exported text with: random inputs, and what they give in arithmetic of more
+"""Samples to test exported text with: random inputs, and their results in arithmetic of more
 digits."""
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from freebody.targets.interpreter import Interpreter
 from freebody.targets.text import SelfTestSamples
 
 COUNT = 5
-"""Samples."""
+"""The number of samples."""
 _TRIES = 40
 _OFF = 0.3
 """How far from the closed position towards a random one."""

@@ -18,7 +18,7 @@ from freebody.program import Argument, Program, trace
 from freebody.program.evaluate import evaluated, values
 from freebody.program.passes import drop_dead, share_reciprocals
 from freebody.scalars.expr import Expr, Graph
-from freebody.targets.text import LANGUAGES, Unit
+from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_textbook.relations.formula_values import rank
 
 NAME = "live"
@@ -103,7 +103,9 @@ class PageProgram:
             return {"y": np.array(found, dtype=object)}
 
         program = share_reciprocals(trace(NAME, live, (Argument("x", (len(inputs),)),), None))
-        return _CONSTANTS.sub(_in_one, LANGUAGES["javascript-script"].emit(Unit(program, NAME)))
+        return _CONSTANTS.sub(
+            _in_one, LANGUAGES["javascript-script"].emit(SourceUnit(program, NAME))
+        )
 
 
 _CONSTANTS = re.compile(r"(?m)(?:^ *const [^\n]*;\n)+")

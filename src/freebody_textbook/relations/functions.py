@@ -19,7 +19,7 @@ from freebody.expressions.expression import Expression
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.outputs.display import Titled
-from freebody.scalars.composed import Composed, Factor, Monomial
+from freebody.scalars.composed import Composed, Factor, FactorPowers
 from freebody_textbook.relations.formula import FormulaError, parse
 from freebody_textbook.relations.formula_values import value
 
@@ -196,11 +196,11 @@ def printed(x: Composed, decimal: bool) -> Expression:
     return ex.add(*(_term(m, x.terms[m], decimal) for m in terms))
 
 
-def _degree(monomial: Monomial) -> int:
+def _degree(monomial: FactorPowers) -> int:
     return sum(exponent for factor, exponent in monomial if not factor.function)
 
 
-def _term(monomial: Monomial, coefficient: Fraction, decimal: bool) -> Expression:
+def _term(monomial: FactorPowers, coefficient: Fraction, decimal: bool) -> Expression:
     above, below = (
         ex.mul(*(ex.power(_factor(f, decimal), s * e) for f, e in monomial if s * e > 0))
         for s in (1, -1)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
+    Branch,
     JointPlace,
-    Way,
     known_turn,
     line,
     mark,
@@ -17,8 +17,8 @@ from freebody.algorithms.closed_form_inverse.joint_places import (
     onto,
     turn_by,
 )
-from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
-from freebody.algorithms.closed_form_inverse.two_and_three_joints import Pair
+from freebody.algorithms.closed_form_inverse.recipe import ReachCondition, Recipe, WantedMotion
+from freebody.algorithms.closed_form_inverse.two_and_three_joints import JointPair
 from freebody.algorithms.joint_lines import off_axis
 from freebody.algorithms.screws import SAME, Screw
 from freebody.arrays import Array
@@ -44,7 +44,7 @@ class Across(Recipe):
         source = ", notes (2.14), (2.15)" if word.startswith("RR") else ""
         return f"planar {word}{lifted}{source}"
 
-    def reached(self, X: WantedMotion) -> Reached:
+    def reached(self, X: WantedMotion) -> ReachCondition:
         if len(self.across) == 3:
             first, last = self.screws[self.across[0]], self.screws[self.across[-1]]
             if last.turning:
@@ -55,7 +55,7 @@ class Across(Recipe):
                 return rest, first.p, X.inverse().point(numbers(first.p))
         return self.screws, self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         s = [self.screws[i] for i in self.across]
         lifted: JointPlace | None = None
         if self.lift is not None:
@@ -71,12 +71,12 @@ class Across(Recipe):
             found.append((tuple(whole[k] for k in range(len(whole))), clear))
         return found
 
-    def _level(self, s: Sequence[Screw], X: WantedMotion) -> list[Way]:
+    def _level(self, s: Sequence[Screw], X: WantedMotion) -> list[Branch]:
         c = numbers(self.c)
         if len(s) == 1:
             return [self._one(s[0], X)]
         if len(s) == 2:
-            return Pair(s[0], s[1], self.length).ways(c, X.point(c))
+            return JointPair(s[0], s[1], self.length).ways(c, X.point(c))
         if s[2].turning:
             return self._last_turns(s, X)
         if s[0].turning:
@@ -84,24 +84,24 @@ class Across(Recipe):
             return [(tuple(x.back() for x in places[::-1]), clear) for places, clear in back]
         return [self._turn_between_slides(s, X)]
 
-    def _one(self, s: Screw, X: WantedMotion) -> Way:
+    def _one(self, s: Screw, X: WantedMotion) -> Branch:
         l, c = line(s), numbers(self.c)
         if s.turning and off_axis(s, self.c) <= SAME * self.length:  # the frame is on the axis
             return (known_turn(l, X.direction(mark(l)), mark(l)),), 1.0
         place, clear = onto(l, c, X.point(c), self.length)
         return (place,), clear
 
-    def _last_turns(self, s: Sequence[Screw], X: WantedMotion) -> list[Way]:
+    def _last_turns(self, s: Sequence[Screw], X: WantedMotion) -> list[Branch]:
         """The first two joints bring a point of the third's axis home, the third turns the rest."""
         l3 = line(s[2])
         seen, home = X.direction(mark(l3)), numbers(s[2].p)
         found = []
-        for (x1, x2), clear in Pair(s[0], s[1], self.length).ways(home, X.point(home)):
+        for (x1, x2), clear in JointPair(s[0], s[1], self.length).ways(home, X.point(home)):
             left = x2.back().direction(x1.back().direction(seen))
             found.append(((x1, x2, known_turn(l3, left, mark(l3))), clear))
         return found
 
-    def _turn_between_slides(self, s: Sequence[Screw], X: WantedMotion) -> Way:
+    def _turn_between_slides(self, s: Sequence[Screw], X: WantedMotion) -> Branch:
         """P R P: the turn is given; what the two slides must do is linear."""
         l1, l2, l3 = map(line, s)
         x2 = known_turn(l2, X.direction(mark(l2)), mark(l2))

@@ -1,9 +1,14 @@
-"""Which recipe fits an arm: by how its lines lie, never by a name."""
+"""The choice of a recipe for an arm: by how its lines lie, never by a name.
+
+A calibrated arm is nearly one with a closed form: axes that are nearly parallel are made so, and
+axes that nearly meet are made to meet.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -23,6 +28,7 @@ from freebody.algorithms.joint_lines import (
     can_meet,
     changes_distance,
     common_point,
+    nearest_points,
     off_axis,
     parallel,
     perpendicular,
@@ -30,11 +36,11 @@ from freebody.algorithms.joint_lines import (
 from freebody.algorithms.screws import SAME, Screw, ScrewChain
 from freebody.arrays import Array
 
-Kind = Literal["pose", "position", "orientation"]
-"""What of a frame's pose a target tells."""
+TargetKind = Literal["pose", "position", "orientation"]
+"""The part of a frame's pose that a target tells."""
 
 
-def recipe_for(chain: ScrewChain, kind: Kind, plane: bool) -> Recipe | None:
+def recipe_for(chain: ScrewChain, kind: TargetKind, plane: bool) -> Recipe | None:
     """The recipe that gives all branches, or None; of seven joints with one of them held."""
     s, length = chain.screws, chain.length
     level = _across(chain, kind, np.array([0.0, 0.0, 1.0]) if plane else None)
@@ -66,6 +72,31 @@ def without_idle(chain: ScrewChain) -> ScrewChain:
         ratio=chain.ratio[:n],
         offset=chain.offset[:n],
     )
+
+
+NEARLY = 0.03
+"""Axes as near to parallel (rad), and to each other (of the arm's length), are so but for errors of
+making."""
+
+
+def nearby(chain: ScrewChain) -> ScrewChain:
+    """The arm with a closed form that this one nearly is."""
+    screws = _straightened(chain.screws)
+    reach, met = NEARLY * chain.length, [False] * len(screws)
+    for first in (len(screws) - 3, 0):  # a wrist, a shoulder
+        three = screws[first : first + 3] if first >= 0 else []
+        if len(three) == 3 and _may_meet(three) and not any(met[first : first + 3]):
+            c = common_point(three, reach / 1e-9)
+            if c is not None:
+                screws[first : first + 3] = [replace(s, p=c) for s in three]
+                met[first : first + 3] = [True] * 3
+    for i in range(len(screws) - 1):
+        one, other = screws[i : i + 2]
+        if not met[i + 1] and _may_meet((one, other)):
+            a, b = nearest_points(one, other)
+            if float(np.linalg.norm(a - b)) < reach:
+                screws[i + 1] = replace(other, p=other.p + a - b)
+    return replace(chain, screws=tuple(screws))
 
 
 def _with_one_held(s: Sequence[Screw], length: float) -> Recipe | None:
@@ -117,21 +148,25 @@ def _three_parallel(s: Sequence[Screw], length: float) -> Recipe | None:
     return None if c is None else ThreeParallel(s, c, length)
 
 
-def _across(chain: ScrewChain, kind: Kind, normal: Array | None) -> Recipe | None:
+def _across(chain: ScrewChain, kind: TargetKind, normal: Array | None) -> Recipe | None:
     """The recipe for an arm whose turning axes are all parallel: to the normal, if one is given."""
-    s, turned = chain.screws, kind == "pose"
-    axes = [x.w for x in s if x.turning]
-    n = normal if normal is not None else axes[0] if axes else None
-    if kind == "orientation" or n is None or not all(parallel(w, n) for w in axes):
+    s, n = chain.screws, normal
+    if n is None:
+        n = next((x.w for x in s if x.turning), None)
+    if kind == "orientation" or n is None or not _in_layers(s, n):
         return None
     lifts = [i for i, x in enumerate(s) if not x.turning and parallel(x.w, n)]
-    slides = [x.w for x in s if not x.turning]
-    if len(lifts) > 1 or any(not parallel(w, n) and not perpendicular(w, n) for w in slides):
+    if len(lifts) > 1:
         return None
     across = tuple(i for i in range(len(s)) if i not in lifts)
-    if not _regular([s[i] for i in across], turned, chain.length):
+    if not _regular([s[i] for i in across], kind == "pose", chain.length):
         return None
     return Across(s, n, across, lifts[0] if lifts else None, chain.p, chain.length)
+
+
+def _in_layers(s: Sequence[Screw], normal: Array) -> bool:
+    """Whether every joint turns about the normal, slides across it, or slides along it."""
+    return all(parallel(x.w, normal) or (not x.turning and perpendicular(x.w, normal)) for x in s)
 
 
 def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
@@ -143,3 +178,21 @@ def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
             return can_meet(first, second, length) and changes_distance(second, last.p, length)
         return s[1].turning
     return len(s) == 1 or (len(s) == 2 and can_meet(s[0], s[1], length))
+
+
+def _straightened(screws: Sequence[Screw]) -> list[Screw]:
+    """Each axis along the first one that it is nearly parallel to."""
+    done: list[Screw] = []
+    for s in screws:
+        for other in done:
+            if float(np.linalg.norm(np.cross(s.w, other.w))) < NEARLY:
+                s = replace(s, w=other.w * np.sign(s.w @ other.w))
+                break
+        done.append(s)
+    return done
+
+
+def _may_meet(screws: Sequence[Screw]) -> bool:
+    """Whether axes turn, none of them nearly parallel to the next."""
+    crossed = all(float(np.linalg.norm(np.cross(a.w, b.w))) > NEARLY for a, b in pairwise(screws))
+    return crossed and all(s.turning for s in screws)

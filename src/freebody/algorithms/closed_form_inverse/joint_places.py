@@ -1,4 +1,4 @@
-"""Where a joint stands, over scalars: the turn as a sine and a cosine, or the shift.
+"""The place of a joint over scalars: the turn as a sine and a cosine, or the shift.
 
 So that no angle is taken before the end, where it is asked for.
 """
@@ -67,7 +67,7 @@ class JointPlace:
     """1 where any angle would do."""
 
     def direction(self, v: Vector) -> Vector:
-        """What its rotation makes of a vector."""
+        """A vector as the joint's rotation turns it."""
         l = self.line
         if not l.turning:
             return v
@@ -75,7 +75,7 @@ class JointPlace:
         return add(times(l.along, v), turned)
 
     def point(self, x: Vector) -> Vector:
-        """Where it takes a point."""
+        """The point to which the joint takes a point."""
         l = self.line
         if not l.turning:
             return add(x, scale(self.shift, l.w))
@@ -90,14 +90,14 @@ class JointPlace:
         return atan2(self.sine, self.cosine) if self.line.turning else self.shift
 
 
-Choice = tuple[JointPlace, Scalar]
+JointBranch = tuple[JointPlace, Scalar]
 """A place, and how clear it is that it exists: the least, in relative terms, by which what it was
 found from lies within its bounds; 0 where two places merge or any would do, negative where there is
 none."""
 
 
 Places = tuple[JointPlace, ...]
-Way = tuple[Places, Scalar]
+Branch = tuple[Places, Scalar]
 """Joints' places, in the chain's order, and how clear it is that they exist."""
 
 
@@ -115,7 +115,7 @@ def at_pair(l: AxisLine, y: Scalar, x: Scalar) -> tuple[JointPlace, Scalar]:
     return JointPlace(l, y / size, where(none, 1.0, x / size)), where(none, 0.0, size)
 
 
-def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> Choice:
+def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> JointBranch:
     """The turn that brings u (across the axis) nearest to v; at rest where one of them is as good
     as along the axis."""
     y, x, beside = dot(times(l.around, u), v), dot(u, v), times(l.across, v)
@@ -128,7 +128,7 @@ def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> Choice:
 
 def either(
     l: AxisLine, base: JointPlace, sine: Scalar, cosine: Scalar, clear: Scalar
-) -> list[Choice]:
+) -> list[JointBranch]:
     """The turns by an angle more and by an angle less than the base."""
     s, c = base.sine, base.cosine
     ss, sc, cs, cc = s * sine, s * cosine, c * sine, c * cosine
@@ -143,14 +143,14 @@ def bent(above: Scalar, below: Scalar, cosine: Scalar) -> tuple[Scalar, Scalar, 
     return sqrt(maximum(square, 0.0)), minimum(maximum(cosine, -1.0), 1.0), square
 
 
-def onto(l: AxisLine, a: Vector, b: Vector, length: float) -> Choice:
+def onto(l: AxisLine, a: Vector, b: Vector, length: float) -> JointBranch:
     """The place that brings a point a as near to b as the joint can."""
     if not l.turning:
         return JointPlace(l, shift=dot(sub(b, a), l.w)), 1.0
     return _aimed(l, level(l, a), sub(b, l.p), length)
 
 
-def turning(l: AxisLine, a: Vector, b: Vector) -> Choice:
+def turning(l: AxisLine, a: Vector, b: Vector) -> JointBranch:
     """The turn that brings the direction a as near to b as it can."""
     return _aimed(l, times(l.across, a), b, 1.0)
 

@@ -36,7 +36,7 @@ LOOSE = 1e-9
 
 @dataclass(frozen=True)
 class JointRanges:
-    """What is known of q: lower and upper limits (nq), infinite where there are none, and which
+    """The ranges of q: lower and upper limits (nq), infinite where there are none, and which
     entries are angles that repeat."""
 
     low: Sequence[float]

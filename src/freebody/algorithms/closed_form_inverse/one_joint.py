@@ -11,7 +11,7 @@ import math
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
-    Choice,
+    JointBranch,
     JointPlace,
     at_pair,
     bent,
@@ -23,8 +23,10 @@ from freebody.elementary import Scalar, less, maximum, sqrt, where
 from freebody.spatial import Vector, dot, scale, sub, times
 
 
-def at_height(l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float) -> list[Choice]:
-    """After which n · c = height, n constant."""
+def at_height(
+    l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float
+) -> list[JointBranch]:
+    """Branches of a joint after which n · c = height, n constant."""
     if not l.turning:
         return [(JointPlace(l, shift=(height - dot(c, n)) / dot(l.w, n)), 1.0)]
     arm = level(l, c)
@@ -37,13 +39,14 @@ def at_height(l: AxisLine, c: Vector, n: Vector, height: Scalar, length: float) 
 
 
 def _of_size(clear: Scalar, size: Scalar) -> Scalar:
-    """How clear it is where the point goes round a circle of a (relative) size: on the axis a
-    quotient by it says nothing."""
+    """The measure of a branch's existence where the point goes round a circle of a (relative) size:
+    on the axis a quotient by it says nothing."""
     return least(where(less(size, 1e-9), 0.0, clear), size)
 
 
-def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:
-    """After which c is seen from o, looking along the axis, at a distance of this square."""
+def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[JointBranch]:
+    """Branches of a joint after which c is seen from o, looking along the axis, at a distance of
+    this square."""
     u, v = level(l, c), level(l, o)
     aa, bb = dot(u, u), dot(v, v)
     base, size = at_pair(l, dot(times(l.around, u), v), dot(u, v))
@@ -55,8 +58,10 @@ def at_chord(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -
     return either(l, base, sine, cosine, _of_size(clear, size * (1.0 / length**2)))
 
 
-def at_distance(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float) -> list[Choice]:
-    """After which c is at a distance of this square from o."""
+def at_distance(
+    l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float
+) -> list[JointBranch]:
+    """Branches of a joint after which c is at a distance of this square from o."""
     way = sub(o, c)
     if l.turning:
         along = dot(way, l.w)
@@ -71,9 +76,9 @@ def at_distance(l: AxisLine, c: Vector, o: Vector, square: Scalar, length: float
     ]
 
 
-def at_angle(l: AxisLine, v: Vector, u: Vector, aim: Vector) -> list[Choice]:
-    """After which the constant direction v makes the angle with the constant u that the unit vector
-    aim makes with it."""
+def at_angle(l: AxisLine, v: Vector, u: Vector, aim: Vector) -> list[JointBranch]:
+    """Branches of a joint after which the constant direction v makes the angle with the constant u
+    that the unit vector aim makes with it."""
     cosine_u, cosine_v = dot(l.w, u), dot(l.w, v)
     sines = math.sqrt((1.0 - cosine_u**2) * (1.0 - cosine_v**2))
     alpha, beta = math.acos(cosine_u), math.acos(cosine_v)

@@ -1,5 +1,5 @@
-"""How far a target is out of reach: steps towards the nearest point that screws bring to it, over
-scalars."""
+"""The distance by which a target is out of reach: steps towards the nearest point that screws bring
+to it, over scalars."""
 
 from __future__ import annotations
 

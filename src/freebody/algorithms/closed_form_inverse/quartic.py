@@ -16,10 +16,10 @@ from typing import ClassVar
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
-    Choice,
+    Branch,
+    JointBranch,
     JointPlace,
     Places,
-    Way,
     bent,
     least,
     line,
@@ -50,7 +50,7 @@ class QuarticArm:
     length: float
     by_quartic: ClassVar[bool] = True
 
-    def ways(self, c: Vector, p: Vector) -> list[Way]:
+    def ways(self, c: Vector, p: Vector) -> list[Branch]:
         """The places of all three joints."""
         l1, l2 = line(self.s1), line(self.s2)
         found = []
@@ -63,7 +63,7 @@ class QuarticArm:
             found.append((places, least(clear, free1, free2)))
         return found
 
-    def _third(self, c: Vector, p: Vector) -> list[Choice]:
+    def _third(self, c: Vector, p: Vector) -> list[JointBranch]:
         l3, turning = line(self.s3), self.s3.turning
         values: list[Scalar] = []
         for x in _NODES:  # a slide by length tan(x / 2) is one of sines and cosines too

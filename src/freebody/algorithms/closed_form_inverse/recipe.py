@@ -1,4 +1,5 @@
-"""What a recipe is: from a displacement X = e1 … en to the places of all joints, branch by branch.
+"""Recipes for inverse kinematics: from a displacement X = e1 … en to the places of all joints,
+branch by branch.
 
 X = T T(0)⁻¹ is given as what it does to a point and to a direction. Each recipe lists as many
 branches for every target, with how clear it is that a branch exists; whoever calls verifies them.
@@ -10,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.algorithms.closed_form_inverse.joint_places import Places, Way
+from freebody.algorithms.closed_form_inverse.joint_places import Branch, Places
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar
@@ -29,7 +30,7 @@ class WantedMotion:
     """Motions done first."""
 
     def point(self, x: Vector) -> Vector:
-        """Where X takes a point."""
+        """The point to which X takes a point."""
         for place in reversed(self.after):
             x = place.point(x)
         x = add(times(self.R, x), self.p)
@@ -38,7 +39,7 @@ class WantedMotion:
         return x
 
     def direction(self, v: Vector) -> Vector:
-        """What X makes of a direction."""
+        """A direction as X turns it."""
         for place in reversed(self.after):
             v = place.direction(v)
         v = times(self.R, v)
@@ -63,7 +64,7 @@ class WantedMotion:
         )
 
 
-Reached = tuple[Sequence[Screw], Array, Vector]
+ReachCondition = tuple[Sequence[Screw], Array, Vector]
 """(screws, c, point): as far as the screws leave c (3,) from the point, the target is out of
 reach."""
 
@@ -72,22 +73,22 @@ class Recipe(ABC):
     """A closed form for some joints in a row."""
 
     @abstractmethod
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         """The branches."""
 
     @property
     @abstractmethod
     def title(self) -> str:
-        """What is done, with its source."""
+        """The recipe in words, with its source."""
 
     @property
     def by_quartic(self) -> bool:
         """Whether one of its joints is found from a polynomial of degree four."""
         return False
 
-    def reached(self, X: WantedMotion) -> Reached | None:
-        """A target is within reach where screws bring a point to another one: see `Reached`; None
-        where that is not what decides."""
+    def reached(self, X: WantedMotion) -> ReachCondition | None:
+        """The condition under which a target is within reach: screws bring a point to another one;
+        None where that is not what decides."""
         return None
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:

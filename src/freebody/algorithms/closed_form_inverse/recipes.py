@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
+    Branch,
     JointPlace,
     Places,
-    Way,
     known_turn,
     least,
     level,
@@ -21,10 +21,10 @@ from freebody.algorithms.closed_form_inverse.joint_places import (
 )
 from freebody.algorithms.closed_form_inverse.one_joint import at_angle, at_height
 from freebody.algorithms.closed_form_inverse.quartic import QuarticArm
-from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
+from freebody.algorithms.closed_form_inverse.recipe import ReachCondition, Recipe, WantedMotion
 from freebody.algorithms.closed_form_inverse.two_and_three_joints import (
-    Arm,
-    Pair,
+    JointPair,
+    ThreeJointArm,
     Wrist,
 )
 from freebody.algorithms.joint_lines import off_axis
@@ -38,7 +38,7 @@ from freebody.spatial import dot, sub
 class PositionByThree(Recipe):
     """Three joints that bring the point c to its place."""
 
-    arm: Arm | QuarticArm
+    arm: ThreeJointArm | QuarticArm
     screws: Sequence[Screw]
     c: Array
 
@@ -50,10 +50,10 @@ class PositionByThree(Recipe):
     def by_quartic(self) -> bool:
         return self.arm.by_quartic
 
-    def reached(self, X: WantedMotion) -> Reached:
+    def reached(self, X: WantedMotion) -> ReachCondition:
         return self.screws, self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         c = numbers(self.c)
         return self.arm.ways(c, X.point(c))
 
@@ -68,7 +68,7 @@ class OrientationByThree(Recipe):
     def title(self) -> str:
         return "orientation by three revolute joints (a spherical triangle)"
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         return self.wrist.ways(X.direction)
 
 
@@ -77,7 +77,7 @@ class SphericalWrist(Recipe):
     """Six joints, the last three through one point c, which the first three bring to its place
     (Pieper 1968)."""
 
-    arm: Arm | QuarticArm
+    arm: ThreeJointArm | QuarticArm
     wrist: Wrist
     screws: Sequence[Screw]
     c: Array
@@ -90,10 +90,10 @@ class SphericalWrist(Recipe):
     def by_quartic(self) -> bool:
         return self.arm.by_quartic
 
-    def reached(self, X: WantedMotion) -> Reached:
+    def reached(self, X: WantedMotion) -> ReachCondition:
         return self.screws[:3], self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         c = numbers(self.c)
         found = []
         for arm, clear in self.arm.ways(c, X.point(c)):
@@ -119,7 +119,7 @@ class ThreeParallel(Recipe):
     def title(self) -> str:
         return "three parallel axes (Elias and Wen 2022)"
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         s2, s3, s4 = self.screws[1:4]
         l1, l2, _, l4 = map(line, self.screws[:4])
         height = float(self.c @ s2.w)
@@ -130,7 +130,7 @@ class ThreeParallel(Recipe):
             for (x5, x6), rest, clear56 in self._level(X, x1):
                 goal = rest.point(home)
                 seen = rest.direction(across)
-                for (x2, x3), clear in Pair(s2, s3, self.length).ways(home, goal):
+                for (x2, x3), clear in JointPair(s2, s3, self.length).ways(home, goal):
                     left = x3.back().direction(x2.back().direction(seen))
                     x4 = known_turn(l4, left, across)
                     clear = least(clear1, clear56, clear)
@@ -182,13 +182,13 @@ class SeenFromTip(Recipe):
     def by_quartic(self) -> bool:
         return self.forward.by_quartic
 
-    def reached(self, X: WantedMotion) -> Reached | None:
+    def reached(self, X: WantedMotion) -> ReachCondition | None:
         return self.forward.reached(X.inverse())
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:
         return self.forward.gaps(X.inverse(), x)
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         return [
             (tuple(x.back() for x in places[::-1]), clear)
             for places, clear in self.forward.ways(X.inverse())
@@ -212,25 +212,25 @@ class OneJointHeld(Recipe):
     def by_quartic(self) -> bool:
         return self.rest.by_quartic
 
-    def reached(self, X: WantedMotion) -> Reached | None:
+    def reached(self, X: WantedMotion) -> ReachCondition | None:
         found = self.rest.reached(X)
         if found is None or self.first is isinstance(self.rest, SeenFromTip):
             return None
         screws, c, point = found  # the joint that may stand anywhere is the first of them
         return (self.screw, *screws), c, point
 
-    def reached_at(self, X: WantedMotion, x: Scalar) -> Reached | None:
-        """The same with the joint at x."""
+    def reached_at(self, X: WantedMotion, x: Scalar) -> ReachCondition | None:
+        """The condition under which a target is within reach, with the joint at x."""
         held = (turn_by(line(self.screw), x),)
         return self.rest.reached(X.without(first=held) if self.first else X.without(last=held))
 
-    def at(self, X: WantedMotion, x: Scalar) -> list[Way]:
+    def at(self, X: WantedMotion, x: Scalar) -> list[Branch]:
         """The branches with the joint at x (rad, m)."""
         held = (turn_by(line(self.screw), x),)
         if self.first:
             return [((*held, *p), clear) for p, clear in self.rest.ways(X.without(first=held))]
         return [((*p, *held), clear) for p, clear in self.rest.ways(X.without(last=held))]
 
-    def ways(self, X: WantedMotion) -> list[Way]:
+    def ways(self, X: WantedMotion) -> list[Branch]:
         """At zero."""
         return self.at(X, 0.0)

@@ -7,9 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.choose_recipe import Kind, recipe_for, without_idle
-from freebody.algorithms.closed_form_inverse.joint_places import Places, Way, numbers
-from freebody.algorithms.closed_form_inverse.recipe import Reached, Recipe, WantedMotion
+from freebody.algorithms.closed_form_inverse.choose_recipe import (
+    TargetKind,
+    recipe_for,
+    without_idle,
+)
+from freebody.algorithms.closed_form_inverse.joint_places import Branch, Places, numbers
+from freebody.algorithms.closed_form_inverse.recipe import ReachCondition, Recipe, WantedMotion
 from freebody.algorithms.closed_form_inverse.recipes import OneJointHeld
 from freebody.algorithms.screws import ScrewChain, chain_to
 from freebody.elementary import Scalar, epsilon, less, less_equal, maximum, where
@@ -28,21 +32,21 @@ class Branches:
     """The recipe of one chain for one kind of target."""
 
     chain: ScrewChain
-    kind: Kind
+    kind: TargetKind
     recipe: Recipe
     dim: int
 
     @property
     def held(self) -> int | None:
-        """Of an arm with one joint more than the target asks for the place in q of the joint whose
-        position has to be given."""
+        """The place in q of the joint whose position has to be given, of an arm with one joint more
+        than the target needs; None of others."""
         if not isinstance(self.recipe, OneJointHeld):
             return None
         return int(self.chain.index[0 if self.recipe.first else -1])
 
     @cached_property
     def count(self) -> int:
-        """How many branches stand side by side."""
+        """The number of branches side by side."""
         with np.errstate(all="ignore"):
             one = np.float64(1.0)
             home = tuple(tuple(one * x for x in row) for row in self.chain.R)
@@ -73,7 +77,7 @@ class Branches:
             return held
         return (x - float(self.chain.offset[k])) / float(self.chain.ratio[k])
 
-    def ways(self, R: Matrix, p: Vector, held: Scalar | None = None) -> list[Way]:
+    def ways(self, R: Matrix, p: Vector, held: Scalar | None = None) -> list[Branch]:
         """The branches for a pose in space, none of them verified."""
         X = self.wanted(R, p)
         if isinstance(self.recipe, OneJointHeld):
@@ -83,8 +87,8 @@ class Branches:
             found = self.recipe.ways(X)
         return [(places, _unless_free(places, clear)) for places, clear in found]
 
-    def reached(self, R: Matrix, p: Vector, held: Scalar | None = None) -> Reached | None:
-        """How far a pose is out of reach: see `Reached`; held: None where that joint may stand
+    def reached(self, R: Matrix, p: Vector, held: Scalar | None = None) -> ReachCondition | None:
+        """The condition under which a pose is within reach; held: None where that joint may stand
         anywhere."""
         X = self.wanted(R, p)
         if isinstance(self.recipe, OneJointHeld) and held is not None:
@@ -118,8 +122,8 @@ class Branches:
         return WantedMotion(turned, sub(p, times(turned, home)))
 
     def miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
-        """By forward kinematics the square of the distance from the target (m), or of the angle
-        (rad) if it is larger; compared half way along the chain."""
+        """The square of the distance from the target (m), or of the angle (rad) if it is larger, by
+        forward kinematics; compared half way along the chain."""
         half = len(places) // 2
         misses = []
         if self.kind != "orientation":
@@ -145,8 +149,8 @@ class Branches:
 
 
 def _unless_free(places: Places, clear: Scalar) -> Scalar:
-    """How clear it is that a branch exists or does not: with a joint that could stand elsewhere
-    too, not at all."""
+    """The measure of a branch's existence: with a joint that could stand elsewhere too, not at all
+    clear."""
     for place in places:
         clear = where(place.free, 0.0, clear)
     return clear
@@ -157,7 +161,7 @@ def branches(tree: Tree, frame: str, rows: tuple[int, ...]) -> Branches | None:
     tells; None where there is none."""
     d = tree.space.dim
     every = 6 if d == 3 else 3
-    kinds: dict[tuple[int, ...], Kind] = {
+    kinds: dict[tuple[int, ...], TargetKind] = {
         tuple(range(every)): "pose",
         tuple(range(d)): "position",
         tuple(range(d, every)): "orientation",

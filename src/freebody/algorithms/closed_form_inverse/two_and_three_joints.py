@@ -15,8 +15,8 @@ import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
-    Choice,
-    Way,
+    Branch,
+    JointBranch,
     known_turn,
     least,
     level,
@@ -49,14 +49,14 @@ from freebody.spatial import Vector, add, dot, scale, sub
 
 
 @dataclass(frozen=True, eq=False)
-class Pair:
+class JointPair:
     """Two joints with e1 e2 c = p."""
 
     s1: Screw
     s2: Screw
     length: float
 
-    def ways(self, c: Vector, p: Vector) -> list[Way]:
+    def ways(self, c: Vector, p: Vector) -> list[Branch]:
         """The places of both joints."""
         l1, l2 = line(self.s1), line(self.s2)
         if self.s1.turning and self.s2.turning and parallel(self.s1.w, self.s2.w):
@@ -69,7 +69,7 @@ class Pair:
             ways.append(self._closed(l1, (place, least(clear, free)), y, p))
         return ways
 
-    def _closed(self, l1: AxisLine, x2: Choice, y: Vector, p: Vector) -> Way:
+    def _closed(self, l1: AxisLine, x2: JointBranch, y: Vector, p: Vector) -> Branch:
         place, free = onto(l1, y, p, self.length)
         return (place, x2[0]), least(x2[1], free)
 
@@ -93,8 +93,8 @@ class Pair:
         return [(add(c, scale(far, l2.w)), 1.0)]
 
     def _on_both_circles(self, c: Vector, p: Vector) -> list[tuple[Vector, Scalar]]:
-        """Where the circles of p and c meet, taken on the smaller of them: the radius of the other
-        would be the root of a difference of squares."""
+        """The points where the circles of p and c meet, taken on the smaller of them: the radius of
+        the other would be the root of a difference of squares."""
         l1, l2 = line(self.s1), line(self.s2)
         first = self._on_circle(self.s1, l1, p, self.s2.w, dot(sub(c, l1.p), l2.w))
         second = self._on_circle(self.s2, l2, c, self.s1.w, dot(sub(p, l2.p), l1.w))[::-1]
@@ -108,7 +108,8 @@ class Pair:
     def _on_circle(
         self, s: Screw, l: AxisLine, point: Vector, n: Array, height: Scalar
     ) -> list[tuple[Vector, Scalar]]:
-        """Where the circle of a point about a screw meets the plane n · (y - screw.p) = height."""
+        """The points where the circle of a point about a screw meets the plane n · (y - screw.p) =
+        height."""
         across = n - (n @ s.w) * s.w
         sine = float(np.sqrt(across @ across))
         m, side = numbers(across / sine), numbers(np.cross(s.w, across / sine))
@@ -123,17 +124,17 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False)
-class Arm:
+class ThreeJointArm:
     """Three joints with e1 e2 e3 c = p; `third`: the places of joint 3 for p, from what joints 1
     and 2 leave alone."""
 
-    third: Callable[[Vector, Vector], list[Choice]]
-    pair: Pair
+    third: Callable[[Vector, Vector], list[JointBranch]]
+    pair: JointPair
     reverse: bool = False
     """Whether the joints are those of the arm seen from its point, where c and p change places."""
     by_quartic: ClassVar[bool] = False
 
-    def ways(self, c: Vector, p: Vector) -> list[Way]:
+    def ways(self, c: Vector, p: Vector) -> list[Branch]:
         """The places of all three joints."""
         if self.reverse:
             c, p = p, c
@@ -147,8 +148,8 @@ class Arm:
         return ways
 
 
-def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | QuarticArm | None:
-    """How three joints bring c (3,) to a point; None where they are no arm."""
+def arm(screws: Sequence[Screw], c: Array, length: float) -> ThreeJointArm | QuarticArm | None:
+    """The three joints that bring c (3,) to a point; None where they are no arm."""
     s1, s2, s3 = screws
     if not can_meet(s1, s2, length) or not can_meet(s2, s3, length):
         return None
@@ -159,16 +160,18 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | QuarticArm | 
     if normal is not None and changes_height(s1, _moved_point(s1, length), normal, length):
         n, height = numbers(normal), float(c @ normal)
 
-        def first(p: Vector, c: Vector) -> list[Choice]:
+        def first(p: Vector, c: Vector) -> list[JointBranch]:
             return at_height(l1, p, n, height, length)
 
-        return Arm(first, Pair(s3.undone(), s2.undone(), length), reverse=True)
+        return ThreeJointArm(first, JointPair(s3.undone(), s2.undone(), length), reverse=True)
     normal = kept_height(s1, s2)
     if normal is not None:
         n = numbers(normal)
         fits = changes_height(s3, c, normal, length)
         return (
-            Arm(lambda c, p: at_height(l3, c, n, dot(p, n), length), Pair(s1, s2, length))
+            ThreeJointArm(
+                lambda c, p: at_height(l3, c, n, dot(p, n), length), JointPair(s1, s2, length)
+            )
             if fits
             else None
         )
@@ -176,18 +179,18 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> Arm | QuarticArm | 
     if centre is not None and changes_distance(s3, centre, length):
         o = numbers(centre)
 
-        def by_distance(c: Vector, p: Vector) -> list[Choice]:
+        def by_distance(c: Vector, p: Vector) -> list[JointBranch]:
             way = sub(p, o)
             return at_distance(l3, c, o, dot(way, way), length)
 
-        return Arm(by_distance, Pair(s1, s2, length))
+        return ThreeJointArm(by_distance, JointPair(s1, s2, length))
     centre = kept_centre(s2, s3, length)
     if centre is not None and changes_distance(s1, centre, length):
         o = numbers(centre)
         away = float((c - centre) @ (c - centre))
-        return Arm(
+        return ThreeJointArm(
             lambda p, c: at_distance(l1, p, o, away, length),
-            Pair(s3.undone(), s2.undone(), length),
+            JointPair(s3.undone(), s2.undone(), length),
             reverse=True,
         )
     if shoulder is not None:  # all three axes meet
@@ -207,7 +210,7 @@ class Wrist:
 
     screws: Sequence[Screw]
 
-    def ways(self, turned: Callable[[Vector], Vector]) -> list[Way]:
+    def ways(self, turned: Callable[[Vector], Vector]) -> list[Branch]:
         """The places of all three; turned: what R makes of a vector."""
         l4, l5, l6 = map(line, self.screws)
         aim, across = turned(l6.w), mark(l6)

@@ -1,4 +1,4 @@
-"""How far a frame is from where it is to be."""
+"""The error of a frame's pose, which several control laws share."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ _TINY = 1e-30
 
 
 def pose_error(tree: Tree, q: Vector, frame: str, wanted: Matrix) -> Vector:
-    """From the frame's pose to the wanted one (a homogeneous matrix): what the origin lacks, then
-    the rotation vector, world axes."""
+    """The error of a frame's pose against the wanted one (a homogeneous matrix): what the origin
+    lacks, then the rotation vector, world axes."""
     R, p = frame_pose(tree, world_poses(tree, joint_poses(tree, q)), frame)
     rotation, origin = parted(tree.space, wanted)
     return (*sub(origin, p), *rotation_vector(tree.space, product(rotation, transposed(R))))

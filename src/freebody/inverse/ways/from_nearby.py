@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for
-from freebody.algorithms.closed_form_inverse.nearby_arm import NEARLY, nearby
+from freebody.algorithms.closed_form_inverse.choose_recipe import NEARLY, nearby, recipe_for
 from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.algorithms.screws import chain_to
 from freebody.arrays import Array

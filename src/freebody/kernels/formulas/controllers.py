@@ -10,8 +10,7 @@ from freebody.algorithms.controllers.impedance import impedance
 from freebody.algorithms.controllers.momentum_observer import momentum_observer
 from freebody.algorithms.controllers.operational_space_control import operational_space_control
 from freebody.algorithms.controllers.pd_gravity import pd_gravity
-from freebody.kernels.formulas.choices import frame_of
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import Formula, Option, Output, frame_of
 from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from freebody.algorithms.crba import crba
 from freebody.algorithms.derivatives import (
     Derivatives,
@@ -12,9 +14,16 @@ from freebody.algorithms.derivatives import (
 )
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.rnea import rnea
-from freebody.kernels.formulas import by_columns
-from freebody.kernels.formulas.choices import along_every_direction, seeded
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.arrays import Array
+from freebody.kernels.formulas.dynamics import mass_by_columns
+from freebody.kernels.formulas.record import (
+    Fetch,
+    Formula,
+    Option,
+    Output,
+    along_every_direction,
+    seeded,
+)
 from freebody.model.tree import Tree
 from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector
@@ -57,6 +66,32 @@ def _second(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector) -> tuple[
 
 _MATRIX, _CUBE = ("nv", "nv"), ("nv", "nv", "nv")
 
+
+def _inverse_derivatives(
+    given: list[Array], n: int, fetch: Fetch, threads: int | None
+) -> tuple[Array, ...]:
+    """Columns of ∂τ/∂q, ∂τ/∂q̇ and M, (..., column, row), by derivatives along unit vectors."""
+    q, qd, qdd = given
+    along, none, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
+    by_q = along(q, qd, qdd, units, none, threads=threads)
+    by_qd = along(q, qd, qdd, none, units, threads=threads)
+    return by_q, by_qd, *mass_by_columns([q], n, fetch, threads)
+
+
+def _forward_derivatives(
+    given: list[Array], n: int, fetch: Fetch, threads: int | None
+) -> tuple[Array, ...]:
+    """Columns of ∂q̈/∂q, ∂q̈/∂q̇ and M⁻¹, (..., column, row)."""
+    q, qd, tau = given
+    qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
+    by_q, by_qd, M = (
+        np.swapaxes(x, -1, -2) for x in _inverse_derivatives([q, qd, qdd], n, fetch, threads)
+    )
+    inverse: Array = np.asarray(np.linalg.inv(M), dtype=np.float64)
+    results: tuple[Array, ...] = (-inverse @ by_q, -inverse @ by_qd, inverse)
+    return tuple(np.swapaxes(x, -1, -2) for x in results)
+
+
 FORMULAS = {
     "inverse_dynamics_derivatives": Formula(
         ("q", "qd", "qdd"),
@@ -71,7 +106,7 @@ FORMULAS = {
         lambda t, o, q, qd, qdd: _matrices(_by_dual_scalars(t, q, qd, qdd)),
         by_motion=True,
         chains="open",
-        by_columns=by_columns.inverse_derivatives,
+        by_columns=_inverse_derivatives,
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
@@ -94,7 +129,7 @@ FORMULAS = {
         ),
         by_motion=True,
         chains="open",
-        by_columns=by_columns.forward_derivatives,
+        by_columns=_forward_derivatives,
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from freebody.algorithms.aba import aba
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
 from freebody.algorithms.crba import (
@@ -25,9 +27,16 @@ from freebody.algorithms.loop_checks import (
 from freebody.algorithms.loop_constraints import constrained_motion, independence
 from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
-from freebody.kernels.formulas import by_columns
-from freebody.kernels.formulas.choices import at_driven_joints, external, still
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.arrays import Array
+from freebody.kernels.formulas.record import (
+    Fetch,
+    Formula,
+    Option,
+    Output,
+    at_driven_joints,
+    external,
+    still,
+)
 from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
 from freebody.model.tree import Tree
 from freebody.spatial import Vector, sub
@@ -100,6 +109,32 @@ def _wrenches(
     )
 
 
+def mass_by_columns(
+    given: list[Array], n: int, fetch: Fetch, threads: int | None
+) -> tuple[Array, ...]:
+    """Columns of M, (..., column, row), by products of M and unit vectors."""
+    (q,) = given
+    return (fetch("mass_product")(q, np.eye(n), threads=threads),)
+
+
+def _inverse_mass_by_columns(
+    given: list[Array], n: int, fetch: Fetch, threads: int | None
+) -> tuple[Array, ...]:
+    """Columns of M⁻¹, (..., column, row)."""
+    inverse: Array = np.asarray(
+        np.linalg.inv(mass_by_columns(given, n, fetch, threads)[0]), dtype=np.float64
+    )
+    return (inverse,)
+
+
+def _coriolis_by_columns(
+    given: list[Array], n: int, fetch: Fetch, threads: int | None
+) -> tuple[Array, ...]:
+    """Columns of C, (..., column, row), by products of C and unit vectors."""
+    q, qd = given
+    return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
+
+
 FORMULAS = {
     "inverse_dynamics": Formula(
         ("q", "qd", "qdd", "wrenches"),
@@ -125,7 +160,7 @@ FORMULAS = {
         {"M": Output(("nv", "nv"), "mass matrix (kg m^2, kg)")},
         lambda t, o, q: (crba(t, q),),
         by_motion=True,
-        by_columns=by_columns.mass,
+        by_columns=mass_by_columns,
         touches=(*INERTIAL, ROTORS),
     ),
     "mass_matrix_inverse": Formula(
@@ -133,7 +168,7 @@ FORMULAS = {
         {"Minv": Output(("nv", "nv"), "inverse of the mass matrix (1/(kg m^2), 1/kg)")},
         lambda t, o, q: (mass_matrix_inverse(t, q),),
         chains="open",
-        by_columns=by_columns.inverse_mass,
+        by_columns=_inverse_mass_by_columns,
         touches=(*INERTIAL, ROTORS),
     ),
     "mass_product": Formula(
@@ -146,7 +181,7 @@ FORMULAS = {
         ("q", "qd"),
         {"C": Output(("nv", "nv"), "Coriolis matrix (N m s/rad, N s/m)")},
         lambda t, o, q, qd: (coriolis_matrix(t, q, qd),),
-        by_columns=by_columns.coriolis,
+        by_columns=_coriolis_by_columns,
         touches=INERTIAL,
     ),
     "coriolis_product": Formula(

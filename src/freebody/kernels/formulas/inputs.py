@@ -1,4 +1,4 @@
-"""What formulas take, in the order in which a kernel takes it."""
+"""The inputs of all formulas, in the order in which a kernel takes them."""
 
 from __future__ import annotations
 

@@ -7,8 +7,7 @@ from typing import Any
 from freebody.algorithms.closed_form_inverse.solve import Branches, branches, places_beside
 from freebody.elementary import Scalar, sqrt, where
 from freebody.errors import FreebodyError
-from freebody.kernels.formulas.choices import frame_of
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import Formula, Option, Output, frame_of
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix
 

@@ -1,12 +1,18 @@
-"""Where frames are, how they move, and how positions move along the rates."""
+"""Kinematics: poses of frames, their motion, and positions moved along the rates."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from freebody.algorithms import inverse_rates, kinematics
-from freebody.kernels.formulas.choices import along_every_direction, frame_of, still
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import (
+    Formula,
+    Option,
+    Output,
+    along_every_direction,
+    frame_of,
+    still,
+)
 from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes

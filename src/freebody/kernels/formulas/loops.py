@@ -20,8 +20,7 @@ from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loo
 from freebody.algorithms.loop_rates import led, nearest
 from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.rnea import joint_wrenches, rnea
-from freebody.kernels.formulas.choices import external, partition_of, seeded
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import Formula, Option, Output, external, partition_of, seeded
 from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes
@@ -73,7 +72,7 @@ def _wrenches(
     multipliers: Vector,
     wrenches: Any = (),
 ) -> tuple[Any, ...]:
-    """Of every joint, then of every loop."""
+    """Wrenches of every joint, then of every loop."""
     loads = external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
     recursion = rnea(tree, q, qd, qdd, loads)
     return (
@@ -85,7 +84,7 @@ def _wrenches(
 
 
 def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    """What each combination of multipliers that no motion feels does to every joint and loop."""
+    """Wrenches of every joint and loop by each combination of multipliers that no motion feels."""
     return (
         [
             [

@@ -9,8 +9,7 @@ from freebody.algorithms.operational_space import (
     operational_space,
     where_sure,
 )
-from freebody.kernels.formulas.choices import frame_of
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import Formula, Option, Output, frame_of
 from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector

@@ -1,4 +1,5 @@
-"""What a formula is, and the option that picks a variant of it by structure."""
+"""A formula as a record, and the option that picks a variant of it by structure: what frame is
+meant, which loads act, what the drives of a closed chain do."""
 
 from __future__ import annotations
 
@@ -6,10 +7,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
+from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.loop_constraints import Counting
-from freebody.algorithms.loop_forces import Partition
+from freebody.algorithms.loop_forces import Partition, drive_torques
+from freebody.algorithms.rnea import External, external_on_frame
 from freebody.arrays import Array
 from freebody.model.doubts import DYNAMIC
+from freebody.model.tree import Tree
+from freebody.scalars.dual import Dual
+from freebody.spatial import Vector, identity
 
 Dimensions = tuple[str | int, ...]
 """Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose
@@ -41,20 +47,21 @@ class Option(NamedTuple):
     equations: Counting | None = None
     """Loop equations that count; None: all."""
     partition: Partition | None = None
-    """Of a closed chain's equations and coordinates, for what its drives do."""
+    """The partition of a closed chain's equations and coordinates, by which its drives' torques
+    follow."""
     held: tuple[int, ...] | None = None
     """Coordinates whose rates are given, and tell the others; None: all are given, and the nearest
     possible meant."""
     checks: str = ""
-    """Of a closed chain: NaN where the choice of equations does not tell ("solution"), and where
-    its loops do not allow the state either ("state")."""
+    """Checks of a closed chain: NaN where the choice of equations does not tell ("solution"), and
+    where its loops do not allow the state either ("state")."""
     redundant: bool = False
     """Whether the arm has a joint whose position is given, for inverse kinematics."""
 
 
 class Output(NamedTuple):
-    """What a formula computes: its dimensions and, for whoever reads a text without its model, what
-    it is."""
+    """An output of a formula: its dimensions and, for whoever reads a text without its model, its
+    meaning."""
 
     dims: Dimensions
     meaning: str
@@ -108,3 +115,45 @@ class Formula:
             "wrench_frames": "wrenches" in self.inputs,
             "rows": self.of_rows,
         }[option]
+
+
+def frame_of(o: Option) -> str:
+    """The option's frame."""
+    assert o.frame is not None  # the public functions resolve the tip
+    return o.frame
+
+
+def partition_of(o: Option) -> Partition:
+    """The option's partition."""
+    assert o.partition is not None  # `kernel` and the functions of closed chains choose it
+    return o.partition
+
+
+def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
+    """The wrenches on the option's frames as they act on bodies."""
+    loads = (
+        external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True)
+    )
+    return [load for load in loads if load is not None]
+
+
+def at_driven_joints(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
+    """Torques of a tree, or of the drives of a closed chain that do the same."""
+    return drive_torques(tree, q, needed, partition_of(o)) if tree.loops else needed
+
+
+def still(tree: Tree) -> Vector:
+    """Rates of a robot at rest."""
+    return (0.0,) * tree.nv
+
+
+def seeded(values: Vector, rates: Vector) -> Vector:
+    """Values with one slope each."""
+    return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))
+
+
+def along_every_direction(tree: Tree, q: Vector) -> Vector:
+    """q with slopes along each of the nv directions of the tangent space."""
+    units = identity(tree.nv)
+    along = [position_rates(tree, q, unit) for unit in units]
+    return tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))

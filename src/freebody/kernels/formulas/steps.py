@@ -9,14 +9,13 @@ from freebody.algorithms import simulation_steps
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar
-from freebody.kernels.formulas.choices import external
 from freebody.kernels.formulas.dynamics import forward
-from freebody.kernels.formulas.record import Evaluate, Formula, Option, Output
+from freebody.kernels.formulas.record import Evaluate, Formula, Option, Output, external
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
 
 
-def _explicit(method: Callable[..., simulation_steps.State]) -> Evaluate:
+def _explicit(method: Callable[..., simulation_steps.MotionState]) -> Evaluate:
     """A step by an explicit method, the torque and the wrenches held."""
 
     def evaluate(

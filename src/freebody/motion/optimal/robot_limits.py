@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from freebody.algorithms import path_timing
-from freebody.algorithms.path_dynamics import torques_along
+from freebody.algorithms.path_timing import torques_along
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External, rnea
 from freebody.any_chain.dynamics import inverse_dynamics
@@ -19,7 +19,7 @@ from freebody.any_chain.kernel_options import chosen_option
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import at_driven_joints, external, partition_of
+from freebody.kernels.formulas.record import at_driven_joints, external, partition_of
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.lazy import cached_property
 from freebody.loops.drive_torques import drive_torques

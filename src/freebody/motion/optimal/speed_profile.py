@@ -19,7 +19,7 @@ from freebody.elementary import Scalar
 from freebody.motion.ranges import Flags
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program, result_memory
-from freebody.targets.recurrence import recurrence
+from freebody.targets.in_turn import recurrence
 
 _SEARCHES = 40  # calls of some steps each: far more than there are lines
 _CLOSE = 1e-9  # of the largest x: a gap between what is wanted and allowed of no account

@@ -1,6 +1,6 @@
-"""Steps of a simulation with the torque's own course inside: a line over time, or a compiled law of
-time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction and
-stops come in as what pushes and which coordinates are held."""
+"""Steps of a simulation with the course of the torque inside: a line over time, or a compiled law
+of time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction
+and stops come in as torques that push and coordinates that are held."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ from typing import Any
 
 from freebody.algorithms import simulation_steps
 from freebody.algorithms.crba import bias, without
-from freebody.algorithms.held_joints import HeldMotion, held_motion
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
-from freebody.algorithms.simulation_steps import Law, Linearised
+from freebody.algorithms.simulation_steps import HeldMotion, Law, Linearised, held_motion
 from freebody.any_chain.kernel_options import chosen_option
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
-from freebody.kernels.formulas.choices import external
 from freebody.kernels.formulas.dynamics import forward
+from freebody.kernels.formulas.record import external
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -55,10 +54,10 @@ STEP_METHODS = {
     "implicit": StepMethod("implicit_step", 2, True, float("inf"), "c q̇ / √(q̇² + {width:g}²)"),
 }
 
-Torque = Callable[[float, Vector, Vector], Vector]
-"""Of the part of the step that has passed, q and q̇."""
+StepTorque = Callable[[float, Vector, Vector], Vector]
+"""(part of the step that has passed, q, q̇) -> torque."""
 
-Loads = tuple[Vector, ...]
+FrameWrenches = tuple[Vector, ...]
 
 
 def driven_step(
@@ -81,12 +80,12 @@ def driven_step(
     `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    takes = _Taken(model, law, adds, holds, tuple(varying))
+    takes = _StepInputs(model, law, adds, holds, tuple(varying))
     option = _option(model, record.formula, wrench_frames)
     reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
 
     def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
-        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
         step = _DrivenStep(tree, option, method, width, torque, loads, *held)
         end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
         return simulation_steps.on_loops(tree, q, end, option.equations)
@@ -102,14 +101,14 @@ def driven_rates(
     law: Program | None,
     adds: bool = False,
 ) -> Bound:
-    """What a step that holds coordinates meets in a state: a kernel of the same inputs -> (q̈ (nv,),
-    what holds (nv,), M (nv, nv))."""
-    takes = _Taken(model, law, adds, True, tuple(varying))
+    """The kernel of the accelerations in a state of a step that holds coordinates: of the same
+    inputs as the step's -> (q̈ (nv,), the torque that holds them (nv,), M (nv, nv))."""
+    takes = _StepInputs(model, law, adds, True, tuple(varying))
     option, nv = _option(model, "rk4_step", wrench_frames), model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
 
     def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
-        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.told(scalars)
+        (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
         return _DrivenStep(tree, option, "rk4", width, torque, loads, *held).rates(q, qd)
 
     key = ("driven rates", *takes.key)
@@ -121,8 +120,8 @@ def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:
 
 
 @dataclass(frozen=True)
-class _Taken:
-    """What a kernel of a step takes besides the model's numbers."""
+class _StepInputs:
+    """The inputs that a kernel of a step takes besides the model's numbers."""
 
     model: Model
     law: Program | None
@@ -132,20 +131,21 @@ class _Taken:
 
     @property
     def key(self) -> tuple[str, ...]:
-        """By which kernels are told apart."""
+        """The words by which kernels of steps are told apart."""
         law = self.law.digest if self.law else ""
         return law, "adds" if self.adds else "", "holds" if self.holds else "", str(self.varying)
 
     @property
     def own(self) -> tuple[Argument, ...]:
-        """What says what the torque is."""
+        """The inputs that determine the torque: the ends of a line, or those of the law besides
+        `STATE`."""
         if self.law is None:
             return _line_of("", self.model.nv)
         return tuple(x for x in self.law.inputs if x.name not in STATE)
 
     @property
     def inputs(self) -> tuple[Argument, ...]:
-        """All, in their order."""
+        """All inputs, in their order."""
         nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
         return (
             Argument("q", (self.model.nq,)),
@@ -165,10 +165,11 @@ class _Taken:
             ),
         )
 
-    def told(
+    def split(
         self, scalars: Sequence[Any]
-    ) -> tuple[Torque, Sequence[Vector], Callable[[float], Loads]]:
-        """The torque, what pushes and what is held, and the wrenches."""
+    ) -> tuple[StepTorque, Sequence[Vector], Callable[[float], FrameWrenches]]:
+        """The torque, the torques that push and the coordinates that are held, and the wrenches,
+        from the scalars of all inputs."""
         _, _, h, _, t, *rest = scalars
         more = iter(rest)
         own = [*islice(more, len(self.own))]
@@ -187,7 +188,7 @@ def _fetched(
     taken: tuple[Argument, ...],
     found: tuple[Argument, ...],
 ) -> Bound:
-    """The kernel of a function of the tree and of what is taken."""
+    """The kernel of a function of the tree and of further inputs."""
 
     def made(p: Argument, over: Over) -> Program:
         def whole(*scalars: Any) -> tuple[Any, ...]:
@@ -205,13 +206,14 @@ def _fetched(
 
 
 def _line_of(name: str, size: int) -> tuple[Argument, ...]:
-    """What a line takes."""
+    """The inputs of a line: its two ends, and the parts of the way at which a step begins and
+    ends."""
     ends = (Argument(f"{name}{end}", (size,)) for end in ("first", "last"))
     return *ends, Argument(f"{name}parts", (2,))
 
 
 def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vector]:
-    """Of the part of the step that has passed."""
+    """A line between two vectors, over the part of the step that has passed."""
     begin, end = parts
 
     def at(part: float) -> Vector:
@@ -221,23 +223,23 @@ def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vecto
     return at
 
 
-def _of_line(*own: Vector) -> Torque:
+def _of_line(*own: Vector) -> StepTorque:
     line = _line(*own)
     return lambda part, q, qd: line(part)
 
 
-def _sum(one: Torque, other: Torque) -> Torque:
+def _sum(one: StepTorque, other: StepTorque) -> StepTorque:
     return lambda part, q, qd: add(one(part, q, qd), other(part, q, qd))
 
 
-def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], Loads]:
-    """Wrenches on frames, of the part of the step that has passed."""
+def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], FrameWrenches]:
+    """Wrenches on frames, over the part of the step that has passed."""
     rest = iter(given)
     lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
     return lambda part: tuple(x(part) if callable(x) else x for x in lines)
 
 
-def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> Torque:
+def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> StepTorque:
     def at(part: float, q: Vector, qd: Vector) -> Vector:
         state = {"t": t + part * h if part else t, "q": q, "qd": qd}
         (tau,) = evaluated(law, law_inputs(law, state, own))
@@ -259,31 +261,31 @@ def both_laws(law: Program, other: Program) -> Program:
 
 
 def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
-    """What a law takes, in its order: t, q and qd by name, all others as they come."""
+    """The inputs of a law in its order: t, q and qd by name, all others as they come."""
     rest = iter(own)
     return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
 
 
 @dataclass(frozen=True)
 class _DrivenStep:
-    """A step with what drives it: the width of Coulomb friction, the torque, and the wrenches;
-    torques that push besides, and which coordinates are held, where there are any."""
+    """A step with its drive: the width of Coulomb friction, the torque, and the wrenches; torques
+    that push besides, and which coordinates are held, where there are any."""
 
     tree: Tree
     option: Option
     method: str
     width: Scalar
-    torque: Torque
-    loads: Callable[[float], Loads]
+    torque: StepTorque
+    loads: Callable[[float], FrameWrenches]
     push: Vector = ()
     held: Vector = ()
 
-    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+    def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         rk4 = self.method == "rk4"
-        walk = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
-        return walk(self.tree, q, qd, h, self._holding if self.held else self._free)
+        advance = simulation_steps.runge_kutta if rk4 else simulation_steps.semi_implicit
+        return advance(self.tree, q, qd, h, self._holding if self.held else self._free)
 
-    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.State:
+    def implicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         def on_bodies(part: float, q: Vector) -> Any:
             return external(self.tree, self.option, q, self.loads(part))
 
@@ -291,7 +293,7 @@ class _DrivenStep:
         return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, counting, self.width)
 
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
-        """What the state meets."""
+        """Accelerations and reactions in a state."""
         smooth = without(self.tree, "coulomb")
         loads = external(self.tree, self.option, q, self.loads(part))
         tau = add(self._tau(part, q, qd), self.push)
@@ -319,7 +321,7 @@ def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
     return tuple(total)
 
 
-def _linearised(tree: Tree, torque: Torque) -> Law:
+def _linearised(tree: Tree, torque: StepTorque) -> Law:
     """The torque at the end of a stage, linear in the state of its beginning: of the slopes those
     of each joint's torque by its own motion, where they resist it."""
     nv = tree.nv

@@ -51,7 +51,7 @@ class DeviceView:
         return a < d and c < b
 
     def step(self, core: int) -> int | None:
-        """How far apart the entries of the last `core` axes are in C order; None where there is no
+        """The distance between entries of the last `core` axes in C order; None where there is no
         one number."""
         axes = [
             (n, s)
@@ -102,7 +102,7 @@ def view(value: Any, stream: int) -> DeviceView:
 
 
 def row_strides(shape: Sequence[int]) -> tuple[int, ...]:
-    """Of an array in C order, in numbers."""
+    """Strides of an array in C order, in numbers."""
     return tuple(prod(shape[k + 1 :]) for k in range(len(shape)))
 
 
@@ -139,7 +139,7 @@ class DeviceArray:
 
     @property
     def view(self) -> DeviceView:
-        """It itself."""
+        """The array as a view of its memory."""
         memory = self._memory
         return DeviceView(
             memory.address,
@@ -167,7 +167,7 @@ class DeviceArray:
         return made
 
     def like(self, other: Any) -> Any:
-        """As an array of the library that another is of, in the same memory; itself where that is
+        """The array as one of another's library, in the same memory; itself where that library is
         not known."""
         name = _NAMESPACES.get(type(other).__module__.partition(".")[0])
         library = sys.modules.get(name) if name else None

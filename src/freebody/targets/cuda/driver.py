@@ -13,7 +13,8 @@ from typing import Any
 from freebody.errors import FreebodyError
 
 THREADS = 128
-"""Of a block: two blocks of threads with 255 registers each have room on a multiprocessor."""
+"""Threads of a block: two blocks of threads with 255 registers each have room on a
+multiprocessor."""
 
 DEFAULT_STREAM = 1
 """The stream that work goes to where none is given: the driver's handle of what it calls the legacy
@@ -21,11 +22,11 @@ stream."""
 
 
 class GpuError(FreebodyError, RuntimeError):
-    """What the driver of a GPU refused."""
+    """An error that the driver of a GPU has returned."""
 
 
 def missing() -> str:
-    """What it lacks to run on a GPU here; empty if nothing."""
+    """The words for what this machine lacks to run on a GPU; empty if nothing."""
     for package in ("cuda.bindings", "cuda.core", "llvmlite"):
         if not _installed(package):
             return f"{package.replace('.', '-')} is not installed; pip install 'freebody[cuda]'"
@@ -72,7 +73,7 @@ def _context(device: int) -> Any:
 
 @contextlib.contextmanager
 def current(device: int) -> Iterator[None]:
-    """With a GPU as the calling thread's current one."""
+    """A context with a GPU as the calling thread's current one."""
     call("cuCtxPushCurrent", _context(device))
     try:
         yield
@@ -122,7 +123,7 @@ def _free(address: int, device: int, stream: int, owner: Any) -> None:
 
 
 def wait(waiting: int, working: int) -> None:
-    """What comes next on one stream begins when what is on another has ended."""
+    """Let later work on one stream begin when the work on another has ended."""
     if waiting == working:
         return
     event = call("cuEventCreate", 2)  # without a clock

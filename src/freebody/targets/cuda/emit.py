@@ -12,14 +12,12 @@ registers, and a grid has room for 2^31 blocks.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from math import nan
 
 from freebody.program.program import Argument
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.cuda.constants import loop
-from freebody.targets.cuda.part import Part
-from freebody.targets.cuda.sine import sincos
+from freebody.targets.cuda.parts import ProgramPart
 from freebody.targets.llvm.instructions import (
     CHOICE,
     COMPARISONS,
@@ -27,9 +25,9 @@ from freebody.targets.llvm.instructions import (
     declarations,
     instructions,
 )
-from freebody.targets.llvm.lanes import REALS, Lanes, One
+from freebody.targets.llvm.lanes import DOUBLE, REALS, Lanes, OneLane
 from freebody.targets.llvm.shared_functions import declared_once
-from freebody.targets.llvm.sincos import reduction
+from freebody.targets.llvm.sincos import LARGEST, VectorCode, reduction
 from freebody.targets.llvm.vector import function
 
 _SINES = ("sin", "cos")
@@ -63,7 +61,7 @@ declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 """
 
 
-def emit(entries: Mapping[str, Part], dtype: str) -> str:
+def emit(entries: Mapping[str, ProgramPart], dtype: str) -> str:
     """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0,
     …, i64 n)`.
 
@@ -71,9 +69,9 @@ def emit(entries: Mapping[str, Part], dtype: str) -> str:
     parts of one program; n is the number of samples. Of a uniform input, which has no steps, only
     the address is taken.
     """
-    lanes = One(REALS[dtype])
+    lanes = OneLane(REALS[dtype])
     used = {entry.program.op[index] for entry in entries.values() for index in entry.nodes}
-    made = [reduction(), sincos(lanes)] if used.intersection(_SINES) else []
+    made = [reduction(), _sincos(lanes)] if used.intersection(_SINES) else []
     for name, make in FUNCTIONS.items():
         if name in used:
             made.append(
@@ -88,7 +86,7 @@ def emit(entries: Mapping[str, Part], dtype: str) -> str:
 class _Entry:
     """The lines of one entry, and what its values are called."""
 
-    def __init__(self, piece: Part, lanes: Lanes):
+    def __init__(self, piece: ProgramPart, lanes: Lanes):
         self.part, self.program, self.lanes = piece, piece.program, lanes
         self.lines: list[str] = []
         self.names: dict[int, str] = {}
@@ -182,8 +180,8 @@ class _Entry:
         return f"%p{k}.{j}"
 
     def _run(self, k: int, run: int) -> tuple[str, str]:
-        """Where a run of `TOGETHER` entries of argument k begins, and a step that LLVM takes for a
-        number of its own.
+        """The address where a run of `TOGETHER` entries of argument k begins, and a step that LLVM
+        takes for a number of its own.
 
         With the same step the runs would share their offsets, all of them alive for as long as the
         thread writes.
@@ -217,7 +215,7 @@ class _Entry:
             self.lines.append("  " + self.table[op].format(f"%v{index}", *operands))
 
     def _sines(self, x: int) -> None:
-        """Both of a node, once."""
+        """The sine and cosine of a node, once."""
         if x in self.turned:
             return
         self.turned.add(x)
@@ -237,7 +235,7 @@ class _Entry:
             number = self.program.constants[self.program.a[index]]
             for k in sorted({k for k, _ in places}):
                 value = self._valid(f"%constant{len(tables)}", self.lanes.constant(number))
-                table, lines = loop(
+                table, lines = _constants_loop(
                     name, len(tables), self.lanes, k, value, [j for at, j in places if at == k]
                 )
                 tables.append(table)
@@ -260,3 +258,103 @@ class _Entry:
 def _parameters(k: int, argument: Argument, access: str = "") -> str:
     address = f"ptr noalias {access}%a{k}"
     return address if argument.uniform else f"{address}, i64 %step{k}, i64 %core{k}"
+
+
+_LOOP = """\
+  br label %runs{s}
+runs{s}:
+  %r{s} = phi i64 [ 0, %{before} ], [ %r{s}.next, %done{s} ]
+  %at{s} = getelementptr {{ i32, i32 }}, ptr {table}, i64 %r{s}
+  %to.at{s} = getelementptr i32, ptr %at{s}, i64 1
+  %from32.{s} = load i32, ptr %at{s}, align 4, !invariant.load !0
+  %to32.{s} = load i32, ptr %to.at{s}, align 4, !invariant.load !0
+  %from{s} = zext i32 %from32.{s} to i64
+  %to{s} = zext i32 %to32.{s} to i64
+  br label %entry{s}
+entry{s}:
+  %j{s} = phi i64 [ %from{s}, %runs{s} ], [ %j{s}.next, %entry{s} ]
+  %offset{s} = mul i64 %core{k}, %j{s}
+  %place{s} = getelementptr {v}, ptr %row{k}, i64 %offset{s}
+  store {v} {value}, ptr %place{s}, align {size}
+  %j{s}.next = add i64 %j{s}, 1
+  %more{s} = icmp ult i64 %j{s}.next, %to{s}
+  br i1 %more{s}, label %entry{s}, label %done{s}
+done{s}:
+  %r{s}.next = add i64 %r{s}, 1
+  %again{s} = icmp ult i64 %r{s}.next, {count}
+  br i1 %again{s}, label %runs{s}, label %after{s}
+after{s}:"""
+
+
+def _runs(places: Iterable[int]) -> list[tuple[int, int]]:
+    """First place and the one after the last of each run of neighbours."""
+    found: list[tuple[int, int]] = []
+    for place in sorted(places):
+        if found and found[-1][1] == place:
+            found[-1] = found[-1][0], place + 1
+        else:
+            found.append((place, place + 1))
+    return found
+
+
+def _constants_loop(
+    name: str, s: int, lanes: Lanes, k: int, value: str, places: Sequence[int]
+) -> tuple[str, str]:
+    """A loop that writes constants among many results, such as the zeros of a tree's derivatives,
+    over runs of equal ones: (a table of the runs' places, lines) that write a value to these
+    entries of argument k; s: the loop's number in the entry of that name, in which they follow each
+    other."""
+    found, table = _runs(places), f"@{name}.runs{s}"
+    rows = ", ".join(f"{{ i32, i32 }} {{ i32 {a}, i32 {b} }}" for a, b in found)
+    declared = f"{table} = internal constant [{len(found)} x {{ i32, i32 }}] [{rows}], align 4\n"
+    before = f"after{s - 1}" if s else "sample"
+    return declared, _LOOP.format(
+        s=s, before=before, table=table, k=k, v=lanes.v, value=value, size=lanes.real.size,
+        count=len(found),
+    )  # fmt: skip
+
+
+def _sincos(lanes: Lanes) -> str:
+    """LLVM text of `{ double, double } @sincos.f64(double x)` for a machine whose threads branch
+    each for itself: both, as on the CPU; a large argument goes through `@reduce`.
+
+    lanes: of single numbers.
+    """
+    v, i = lanes.v, lanes.i
+    code = VectorCode(lanes, fma=True)
+    code.lines.append(
+        f"define internal {{ {v}, {v} }} @sincos.{lanes.suffix}({v} %x0) #2 {{\nentry:"
+    )
+    code.reduce(0)
+    wide = "%a0"
+    code.lines.append(
+        f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}\n  br i1 %large, label %slow, "
+        f"label %fast\nslow:"
+    )
+    if lanes.real != DOUBLE:
+        wide = "%wide.a0"
+        code.lines.append(f"  {wide} = fpext {v} %a0 to double")
+    r, q = "%both.r", "%both.q"
+    code.lines.append(f"""\
+  %both = call {{ double, i64 }} @reduce(double {wide})
+  {r} = extractvalue {{ double, i64 }} %both, 0
+  {q} = extractvalue {{ double, i64 }} %both, 1""")
+    if lanes.real != DOUBLE:
+        r, q = "%short.r", "%short.q"
+        code.lines.append(
+            f"  {r} = fptrunc double %both.r to {v}\n  {q} = trunc i64 %both.q to {i}"
+        )
+    code.lines.append(f"""\
+  br label %fast
+fast:
+  %r = phi {v} [ %r0, %entry ], [ {r}, %slow ]
+  %q = phi {i} [ %quadrant0, %entry ], [ {q}, %slow ]""")
+    code.polynomials(0, "%r", "%q")
+    code.lines.append(f"""\
+  %only.sine = insertvalue {{ {v}, {v} }} poison, {v} %sine0, 0
+  %result = insertvalue {{ {v}, {v} }} %only.sine, {v} %cosine0, 1
+  ret {{ {v}, {v} }} %result
+}}
+declare {v} @llvm.fma.{lanes.suffix}({v}, {v}, {v})
+""")
+    return "\n".join(code.lines)

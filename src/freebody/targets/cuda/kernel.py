@@ -1,4 +1,5 @@
-"""A program that runs on a GPU, called as the kernels of the CPU are, with arrays of either."""
+"""NVIDIA's GPUs as a target: programs as PTX that the driver assembles for the GPU that is there,
+called as the kernels of the CPU are, with arrays of either."""
 
 from __future__ import annotations
 
@@ -20,9 +21,10 @@ from freebody.targets.cuda.arrays import (
     runs,
     view,
 )
-from freebody.targets.cuda.plan import Plan
+from freebody.targets.cuda.driver import missing
+from freebody.targets.cuda.plan import Plan, plan
 from freebody.targets.kernel import Kernel
-from freebody.targets.target import KernelError
+from freebody.targets.target import KernelError, Target
 
 
 class GpuKernel(Kernel):
@@ -44,30 +46,31 @@ class GpuKernel(Kernel):
     ) -> Any:
         """The output, or the tuple of outputs.
 
-        Args:
-            arrays: one for each input, shape (..., *core); on a GPU of the kernel's own type of
-                number.
-            out: array or tuple of arrays to write to, of the whole shape; on the GPU if an input
-                is.
-            threads: of the CPU, which has nothing to share here; refused as other kernels refuse
-                it.
-            stream: of CUDA, which the work goes to; then the call does not wait for it. By default
-                the legacy stream.
+        Parameters
+        ----------
+        arrays
+            One for each input, shape (..., *core); on a GPU of the kernel's own type of number.
+        out
+            Array or tuple of arrays to write to, of the whole shape; on the GPU if an input is.
+        threads
+            Of the CPU, which has nothing to share here; refused as other kernels refuse it.
+        stream
+            Of CUDA, which the work goes to; then the call does not wait for it. By default the
+            legacy stream.
 
-        Raises:
-            ShapeError, BatchError, KernelError: as other kernels.
-            GpuError: what the driver refused.
+        Raises
+        ------
+        ShapeError, BatchError, KernelError
+            As other kernels.
+        GpuError
+            What the driver refused.
         """
         self._require_threads(threads)
         return self._run(*arrays, out=out, stream=stream)
 
     def _run(self, *arrays: Any, out: Any = None, stream: Any = None) -> Any:
-        inputs, name = self.program.inputs, self.program.name
-        if len(arrays) != len(inputs):
-            wanted = ", ".join(map(str, inputs))
-            raise KernelError(
-                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-            )
+        inputs = self.program.inputs
+        self._require_all(arrays)
         there = next((x for x in arrays if on_gpu(x)), None)
         handle = driver.DEFAULT_STREAM if stream is None else driver.handle_of(stream)
         device = self._device(arrays)
@@ -76,9 +79,7 @@ class GpuKernel(Kernel):
                 view(x, handle) if on_gpu(x) else self._hosted(a, x)
                 for a, x in zip(inputs, arrays, strict=True)
             ]
-        if any(
-            a.uniform and len(x.shape) > len(a.shape) for a, x in zip(inputs, given, strict=True)
-        ):
+        if self._varies(given):
             return cast(GpuKernel, self.per_sample)(*arrays, out=out, stream=stream)
         batch = self._batch(given)
         given_out = () if out is None else out if isinstance(out, tuple) else (out,)
@@ -86,18 +87,27 @@ class GpuKernel(Kernel):
             call = _Call(self, batch, device, handle, stream)
             results = call.outputs(given_out, there is not None)
             call.launch(given, [x.view if isinstance(x, DeviceArray) else x for x in results])
-            if there is None:
-                done: Sequence[Any] = [x.numpy() for x in results if isinstance(x, DeviceArray)]
-                for target, found in zip(given_out, done, strict=False):
-                    np.copyto(target, found, casting="same_kind")
-            else:
-                done = [x.like(there) for x in results if isinstance(x, DeviceArray)]
-                if (
-                    given_out and stream is None
-                ):  # whoever owns them does not know what they wait for
-                    driver.call("cuStreamSynchronize", handle)
-        done = given_out or tuple(done)
+            made = call.finished(
+                [x for x in results if isinstance(x, DeviceArray)], given_out, there
+            )
+        done = given_out or made
         return done[0] if len(done) == 1 else done
+
+    def _require_all(self, arrays: tuple[Any, ...]) -> None:
+        """Refuse a call with too few or too many arrays."""
+        inputs, name = self.program.inputs, self.program.name
+        if len(arrays) != len(inputs):
+            wanted = ", ".join(map(str, inputs))
+            raise KernelError(
+                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
+            )
+
+    def _varies(self, given: Sequence[np.ndarray | DeviceView]) -> bool:
+        """Whether a uniform input has a value for every sample."""
+        return any(
+            argument.uniform and len(x.shape) > len(argument.shape)
+            for argument, x in zip(self.program.inputs, given, strict=True)
+        )
 
     def _hosted(self, argument: Argument, value: Any) -> np.ndarray:
         """An array of the host, of the kernel's numbers and in C order."""
@@ -151,7 +161,7 @@ class GpuKernel(Kernel):
 
     @property
     def plan(self) -> Plan:
-        """Which entries there are, and what they take."""
+        """The entries, and what they take."""
         return self._plan
 
 
@@ -211,22 +221,15 @@ class _Call:
         return given
 
     def launch(self, given: Sequence[np.ndarray | DeviceView], outs: Sequence[DeviceView]) -> None:
-        """Everything: copies, what is computed once, and each part for all samples."""
-        for k, x in enumerate(outs):
-            if any(x.overlaps(y) for y in outs[:k]):
-                raise KernelError(f"{self.program.name}: two arrays of out share memory.")
+        """Start the whole call: copies, what is computed once, and each part for all samples."""
+        self._require_apart(outs)
         views = [
             self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)
         ]
-        plan, module = self.kernel.plan, self.kernel.module(self.device)
         uniform = [x for a, x in zip(self.program.inputs, views, strict=True) if a.uniform]
         sampled = [x for a, x in zip(self.program.inputs, views, strict=True) if not a.uniform]
-        shared = []
-        if plan.once:
-            memory = self._memory(plan.shared * self.kernel.dtype.itemsize)
-            values = [v for x in uniform for v in (x.address, 0, x.step(len(x.shape)) or 1)]
-            module.launch(plan.once, [*values, memory.address, 0, 1], 1, self.handle)
-            shared = [memory.address]
+        plan, module = self.kernel.plan, self.kernel.module(self.device)
+        shared = self._launch_once(uniform) if plan.once else []
         arguments = [*(a for a in self.program.inputs if not a.uniform), *self.program.outputs]
         arrays = [*sampled, *outs]
         strides = [
@@ -243,10 +246,39 @@ class _Call:
             for name in plan.parts:
                 module.launch(name, values, run.count, self.handle)
 
+    def finished(
+        self, made: Sequence[DeviceArray], given: Sequence[Any], there: Any
+    ) -> tuple[Any, ...]:
+        """New arrays as the caller has them: of the library of `there`, else in the host's memory,
+        copied into those that were given."""
+        if there is None:
+            found = tuple(x.numpy() for x in made)
+            for target, result in zip(given, found, strict=False):
+                np.copyto(target, result, casting="same_kind")
+            return found
+        if given and self.stream is None:
+            # whoever owns these arrays does not know what they wait for
+            driver.call("cuStreamSynchronize", self.handle)
+        return tuple(x.like(there) for x in made)
+
+    def _require_apart(self, outs: Sequence[DeviceView]) -> None:
+        """Refuse arrays to write to that share memory."""
+        for k, x in enumerate(outs):
+            if any(x.overlaps(y) for y in outs[:k]):
+                raise KernelError(f"{self.program.name}: two arrays of out share memory.")
+
+    def _launch_once(self, uniform: Sequence[DeviceView]) -> list[int]:
+        """Start what is computed once a call; the address of the numbers that it writes."""
+        plan, module = self.kernel.plan, self.kernel.module(self.device)
+        memory = self._memory(plan.shared * self.kernel.dtype.itemsize)
+        values = [v for x in uniform for v in (x.address, 0, x.step(len(x.shape)) or 1)]
+        module.launch(plan.once, [*values, memory.address, 0, 1], 1, self.handle)
+        return [memory.address]
+
     def _readable(
         self, argument: Argument, given: np.ndarray | DeviceView, outs: Sequence[DeviceView]
     ) -> DeviceView:
-        """On the GPU, apart from what is written; a copy where it has to be."""
+        """An input on the GPU, apart from what is written; a copy where it has to be."""
         if isinstance(given, DeviceView):
             if given.step(len(argument.shape)) is None:
                 raise KernelError(
@@ -282,3 +314,22 @@ def _along(x: DeviceView, core: int, batch: tuple[int, ...]) -> tuple[int, ...]:
     own = len(x.shape) - core
     steps = [0 if n == 1 else s for n, s in zip(x.shape[:own], x.strides[:own], strict=True)]
     return (*[0] * (len(batch) - own), *steps)
+
+
+def _build(program: Program, width: int | None, dtype: str) -> GpuKernel:
+    return GpuKernel(program, plan(program, dtype), dtype)
+
+
+def _source(program: Program, width: int, dtype: str) -> str:
+    return plan(program, dtype).text
+
+
+TARGET = Target(
+    build=_build,
+    source=_source,
+    widths={"float64": (), "float32": ()},
+    variant=lambda program: None,
+    loops=True,
+    missing=missing,
+    host=False,
+)

@@ -1,5 +1,5 @@
-"""What one thread computes of a program: all of it, or where that does not fit its registers some
-of the outputs.
+"""Parts of a program, each computed by one thread: all of it, or where that does not fit a thread's
+registers some of the outputs.
 
 A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is
 spilled). Outputs computed apart repeat what they share, so a program is divided only where all
@@ -11,18 +11,101 @@ program is divided as far as it must be to be assembled in seconds.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
+from freebody.lazy import cached_property
 from freebody.program.passes import gather_factors, share_reciprocals
 from freebody.program.program import Program
-from freebody.targets.cuda.part import Part, one_by_one, part
+from freebody.scalars.operations import ARITY
+
+
+@dataclass(frozen=True)
+class ProgramPart:
+    """Some of the results of a program, and the nodes that they need, in an order in which operands
+    precede."""
+
+    program: Program
+    results: tuple[int, ...]
+    """Positions among the scalars of all outputs."""
+    nodes: tuple[int, ...]
+
+    @property
+    def constant(self) -> bool:
+        """Whether all results are constants."""
+        return all(self.program.op[index] == "const" for index in self.nodes)
+
+    @property
+    def operations(self) -> int:
+        """The number of operations."""
+        return sum(1 for index in self.nodes if ARITY[self.program.op[index]])
+
+    @cached_property
+    def alive(self) -> int:
+        """The most values that are alive at a time, inputs included; a result is written when it is
+        there."""
+        program = self.program
+        last = {
+            operand: index
+            for index in self.nodes
+            for operand in program.operands(index)
+            if program.op[operand] != "const"
+        }
+        ends = Counter(last.values())
+        now = most = 0
+        for index in self.nodes:
+            now += index in last
+            most = max(most, now)
+            now -= ends[index]
+        return most
+
+
+def part(program: Program, results: Collection[int]) -> ProgramPart:
+    """The part for these results: the nodes that they need, in the program's order."""
+    live = bytearray(len(program))
+    for position in results:
+        live[program.results[position]] = 1
+    for index in range(len(program) - 1, -1, -1):
+        if live[index]:
+            for operand in program.operands(index):
+                live[operand] = 1
+    return ProgramPart(
+        program, tuple(sorted(results)), tuple(i for i, needed in enumerate(live) if needed)
+    )
+
+
+def _one_by_one(piece: ProgramPart, results: Sequence[int]) -> ProgramPart:
+    """The part in another order: all that its first result needs, then what the second needs
+    besides, and so on.
+
+    A recursion over a tree with many branches does one branch after the other then, where as
+    traced it does all of them outward and then all inward.
+    """
+    program = piece.program
+    nodes: list[int] = []
+    begun = bytearray(len(program))
+    for position in results:
+        waiting = [program.results[position]]
+        while waiting:
+            index = waiting[-1]
+            missing = [i for i in program.operands(index) if not begun[i]]
+            if missing:
+                waiting.append(missing[0])
+                continue
+            waiting.pop()
+            if not begun[index]:
+                begun[index] = 1
+                nodes.append(index)
+    return replace(piece, nodes=tuple(nodes))
+
 
 ROOM = {"float64": 156, "float32": 275}
 """Values alive at a time up to which `ptxas` spilled nothing, or in one of 60 formulas 48 bytes. It
 is more than registers hold: inputs can be read again."""
 
-MOST = 2.0
+_MOST = 2.0
 """Values alive at a time, over the room that there is, beyond which no division was ever found that
 pays."""
 
@@ -30,7 +113,7 @@ OUTPUTS, ALIVE, FEWEST = 1024, 800, 200
 """Results, and values alive at a time, of one part at most: `ptxas` takes time with the square of
 both. Parts of fewer results than the third are not divided for the values."""
 
-QUIETER = 0.875
+_QUIETER = 0.875
 """Values alive one result after the other, over those in the traced order, up to which a whole
 program is computed so: most then spilled less, some half as much; above, as many spilled more."""
 
@@ -53,7 +136,7 @@ def prepared(program: Program) -> Program:
     return gather_factors(share_reciprocals(program))
 
 
-def parts(program: Program, dtype: str) -> list[Part]:
+def parts(program: Program, dtype: str) -> list[ProgramPart]:
     """Parts that write every result once: constants apart where they are many; then runs that fit,
     or the whole where none do; and none that would take an assembler minutes."""
     every = range(len(program.results))
@@ -68,14 +151,14 @@ def parts(program: Program, dtype: str) -> list[Part]:
     return made
 
 
-def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]:
+def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[ProgramPart]:
     """Runs of results, output by output and column by column, that fit; the whole where none do, or
     too many."""
     order, room = sorted(results, key=_by_columns(program)), ROOM[dtype]
     whole = part(program, order)
-    if whole.alive > MOST * room:
-        return [_quiet(whole, order, QUIETER)]
-    made: list[Part] = []
+    if whole.alive > _MOST * room:
+        return [_quiet(whole, order, _QUIETER)]
+    made: list[ProgramPart] = []
     done = cost = 0
     while done < len(order):
         rest = part(program, order[done:])
@@ -87,17 +170,17 @@ def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Part]
                 key=lambda n: part(program, order[done : done + n]).alive > room,
             )
             if not count:
-                return [_quiet(whole, order, QUIETER)]
+                return [_quiet(whole, order, _QUIETER)]
             rest = part(program, order[done : done + count])
         made.append(rest)
         done += count
         cost += rest.operations
         if cost > LARGEST * whole.operations:
-            return [_quiet(whole, order, QUIETER)]
+            return [_quiet(whole, order, _QUIETER)]
     return made or [whole]
 
 
-def _assembled(piece: Part) -> list[Part]:
+def _assembled(piece: ProgramPart) -> list[ProgramPart]:
     """The part, or its halves where they are quicker to assemble, direction by direction, all
     outputs of one together: these share most of their work."""
     program = piece.program
@@ -109,15 +192,15 @@ def _assembled(piece: Part) -> list[Part]:
     return [piece for half in halves for piece in _assembled(half)]
 
 
-def _quiet(piece: Part, results: Sequence[int], most: float = 1.0) -> Part:
+def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> ProgramPart:
     """The part as it was traced, or one result after the other, where fewer values are alive: at
     most this share of them."""
-    other = one_by_one(piece, results)
+    other = _one_by_one(piece, results)
     return other if other.alive <= most * piece.alive else piece
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
-    """Of each result its output and its index there."""
+    """For each result its output and its index there."""
     return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
 
 

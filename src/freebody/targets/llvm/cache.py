@@ -36,7 +36,7 @@ log = logging.getLogger(__name__)
 
 
 def folder() -> Path | None:
-    """Where entries live; None if the cache is off or there is no home."""
+    """The folder of the entries; None if the cache is off or there is no home."""
     given = os.environ.get("FREEBODY_CACHE")
     if given:
         return None if given.lower() == "off" else Path(given)

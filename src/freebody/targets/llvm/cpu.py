@@ -1,11 +1,14 @@
-"""This machine's CPU as a target, or a level that it reaches: programs as LLVM vector code,
-compiled or found on disk, loaded as a gufunc."""
+"""The CPU of this machine as a target, or a level that it reaches: programs as LLVM vector code,
+compiled or found on disk, loaded as a generalized ufunc."""
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
+import importlib
 import importlib.metadata
 import importlib.util
+import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
@@ -13,15 +16,16 @@ from operator import is_
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from freebody.program.passes import optimise
-from freebody.program.program import Program
+from freebody.program.program import Argument, Program
 from freebody.targets.finite_check import plainly
-from freebody.targets.kernel import BatchLoop, Kernel
+from freebody.targets.kernel import BatchLoop, Kernel, signature
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm import fastcall, fastcode
 from freebody.targets.llvm.emit import emit, emit_own
-from freebody.targets.llvm.gufunc import make_gufunc
-from freebody.targets.llvm.lanes import REALS
+from freebody.targets.llvm.lanes import REALS, Real
 from freebody.targets.llvm.loader import LoadedCode, load
 from freebody.targets.llvm.machine import (
     LEVELS,
@@ -85,7 +89,7 @@ def _build(level: str | None, program: Program, width: int | None, dtype: str) -
         disk.store(key, code)
     symbols = ("kernel", *fastcode.EXPORTS) if fast else ("kernel",)
     loaded, addresses = load(_apart(code), symbols, fastcall.symbols(real) if fast else {})
-    ufunc = make_gufunc(
+    ufunc = _make_gufunc(
         addresses["kernel"], program.name, program.inputs, program.outputs, loaded, real
     )
     kernel = Kernel(program, _NAME + (f":{level}" if level else ""), machine.width, ufunc, dtype)
@@ -114,8 +118,8 @@ def _source(level: str | None, program: Program, width: int, dtype: str) -> str:
 
 @cache
 def compiler_version() -> str:
-    """Of the compiler's own text: whatever is changed in it, cached objects of the former text are
-    not used."""
+    """A version of the compiler that changes with any of its text, so that objects from a former
+    text are not taken from the cache."""
     digest = hashlib.sha256()
     house = Path(__file__).parent.parent.parent
     for path in sorted([*house.glob("program/*.py"), *house.glob("targets/**/*.py")]):
@@ -151,3 +155,81 @@ def _missing(level: str | None) -> str:
 
 
 TARGET = replace(_target(None), kinds={level: partial(_target, level) for level in LEVELS})
+
+
+_FROM_FUNC_AND_DATA_AND_SIGNATURE = 31
+"""Position in the table of __ufunc_api.h; part of NumPy's stable ABI."""
+_NONE = -1  # PyUFunc_None: no identity
+_OBJ = 88  # offset of `obj` in PyUFuncObject of ufuncobject.h, on 64-bit builds
+
+
+def _make_gufunc(
+    address: int,
+    name: str,
+    inputs: Sequence[Argument],
+    outputs: Sequence[Argument],
+    keep: Any,
+    real: Real,
+) -> np.ufunc:
+    """The ufunc of a loop over numbers of one type, with fixed core sizes.
+
+    Parameters
+    ----------
+    address
+        Of `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`.
+    name
+        Shown by NumPy in its messages.
+    inputs
+        Names and core shapes.
+    outputs
+        Names and core shapes.
+    keep
+        Whatever must live as long as the code is callable.
+    real
+        Type of the numbers.
+    """
+    functions, data = struct.pack("P", address), struct.pack("P", 0)
+    types = bytes([real.number] * (len(inputs) + len(outputs)))
+    title, core = name.encode(), signature(inputs, outputs).encode()
+    make = _api(
+        _FROM_FUNC_AND_DATA_AND_SIGNATURE,
+        ctypes.py_object,
+        *[ctypes.c_char_p] * 3,
+        *[ctypes.c_int] * 4,
+        *[ctypes.c_char_p] * 2,
+        ctypes.c_int,
+        ctypes.c_char_p,
+    )
+    ufunc = make(functions, data, types, 1, len(inputs), len(outputs), _NONE, title, core, 0, core)
+    _hold(ufunc, (functions, data, types, title, core, keep))
+    return ufunc
+
+
+def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
+    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or
+    for ever."""
+    if _has_place():
+        ctypes.c_void_p.from_address(id(ufunc) + _OBJ).value = id(things)
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(things))
+
+
+@cache
+def _has_place() -> bool:
+    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things
+    are kept for ever."""
+
+    def probe(x: Any) -> Any:
+        return x
+
+    known = np.frompyfunc(probe, 1, 1)
+    return np.ufunc.__basicsize__ >= _OBJ + ctypes.sizeof(
+        ctypes.c_void_p
+    ) and ctypes.c_void_p.from_address(id(known) + _OBJ).value == id(probe)
+
+
+def _api(position: int, result: Any, *arguments: Any) -> Any:
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    table = pointer(importlib.import_module("numpy._core._multiarray_umath")._UFUNC_API, None)
+    address = ctypes.cast(table, ctypes.POINTER(ctypes.c_void_p))[position]
+    return ctypes.PYFUNCTYPE(result, *arguments)(address)

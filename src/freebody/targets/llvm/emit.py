@@ -10,8 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import nan
 
-from freebody.program.hoist import hoist
-from freebody.program.passes import schedule
+from freebody.program.passes import hoist, schedule
 from freebody.program.program import Program
 from freebody.program.segments import Segment, SegmentedProgram, SinCos, segment
 from freebody.targets.llvm.instructions import (
@@ -50,16 +49,19 @@ def emit(program: Program, machine: Machine) -> str:
     """LLVM text of the kernel of `program`: `void @kernel(ptr args, ptr dims, ptr steps, ptr
     data)`, a gufunc loop.
 
-    Args:
-        program: a verified program with at least one input and one output scalar.
-        machine: what it is compiled for, as far as the text depends on it.
+    Parameters
+    ----------
+    program
+        A verified program with at least one input and one output scalar.
+    machine
+        What it is compiled for, as far as the text depends on it.
     """
     own = emit_own(program, machine)
     return declared_once(f"{own}\n{definitions(own, machine)}")
 
 
 def emit_own(program: Program, machine: Machine) -> str:
-    """The same without the functions that all kernels of a machine share."""
+    """LLVM text of the kernel without the functions that all kernels of a machine share."""
     lanes, parts, shared, every = machine.lanes, [f"; {program}"], None, program
     if any(argument.uniform for argument in program.inputs):
         once, every = map(schedule, hoist(program))

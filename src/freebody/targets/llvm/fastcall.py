@@ -73,7 +73,7 @@ def symbols(real: Real) -> dict[str, int]:
 
 
 class Definition:
-    """One of `EXPORTS` of a kernel, of which functions of Python are made."""
+    """A C function of a kernel, one of `EXPORTS`, of which functions of Python are made."""
 
     __slots__ = ("_held", "_method")
 
@@ -98,8 +98,8 @@ class Definition:
 
 
 def unit_entries(places: Sequence[tuple[int, int]]) -> bytes:
-    """Which inputs, and from which entry on, hold four numbers of unit length, as a checked
-    function looks at them."""
+    """The inputs that hold four numbers of unit length, and from which entry on, as a checked
+    function reads them."""
     return b"".join(struct.pack(PAIR, *place) for place in places)
 
 

@@ -14,8 +14,8 @@ BYTES = 32
 """Offset in PyBytesObject of what is in it."""
 
 PAIR = "qq"
-"""One of the units as bytes: an input, and the entry of it where four numbers begin that are to be
-of unit length."""
+"""The form in bytes of a place of unit length: an input, and the entry of it where its four numbers
+begin."""
 
 
 def are_unit(real: Real) -> str:
@@ -128,8 +128,8 @@ done:
 
 
 def checked(outputs: tuple[Argument, ...]) -> list[str]:
-    """If asked for, look whether all entries of the outputs are finite; else let go of them, and go
-    the general way."""
+    """Lines that look whether all entries of the outputs are finite, where a call wants that, and
+    else let go of them and go the general way."""
     lines = [
         "  br i1 %checked, label %check, label %good",
         "check:",

@@ -1,5 +1,5 @@
-"""The LLVM text of a kernel's own C function for the interpreter; what it is for is told in
-`fastcall`."""
+"""The LLVM text of a kernel's own C function for the interpreter, whose purpose `fastcall`
+states."""
 
 from __future__ import annotations
 
@@ -70,8 +70,8 @@ _Arguments = tuple[Argument, ...]
 
 
 def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """What the loop is told of one sample, an input's step to the next being 0, and the shapes of
-    outputs behind the size of a batch."""
+    """Tables that describe one sample to the loop, an input's step to the next being 0, and the
+    shapes of outputs behind the size of a batch."""
     return [
         _numbers("fast.dims", _dims(inputs, outputs)),
         _numbers("fast.steps", _steps(inputs, outputs, real)),
@@ -160,7 +160,7 @@ def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
 
 
 def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """From `taken`: run into the arrays given as `out`, and return what was given."""
+    """Lines from `taken` on: run into the arrays given as `out`, and return what was given."""
     lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
     flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
     for k, argument in enumerate(outputs):
@@ -178,7 +178,8 @@ def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[
 
 
 def _outputs_made(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
-    """From `make`: run into new arrays, and return them, if asked for only where all is finite."""
+    """Lines from `make` on: run into new arrays, and return them; of a checked call only where all
+    is finite."""
     lines = ["make:"]
     for k, argument in enumerate(outputs):
         lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)
@@ -251,7 +252,7 @@ def _named_out(outputs: int) -> list[str]:
 
 
 def _taken(outputs: int) -> list[str]:
-    """What was given as `out`, and where its arrays stand."""
+    """Lines that take the arrays given as `out`, and where these stand."""
     lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
     if outputs == 1:
         return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]
@@ -259,7 +260,8 @@ def _taken(outputs: int) -> list[str]:
 
 
 def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
-    """On to `run` if no output lies where another argument does, else the general way."""
+    """Lines that go on to `run` if no output lies where another argument does, else the general
+    way."""
     lines, apart = ["  %others = sub i64 %count, 1"], "true"
     for k, argument in enumerate(arguments):
         lines += [

@@ -1,4 +1,4 @@
-"""What each operation of a program is over a vector of lanes: a table of LLVM instructions.
+"""A table of LLVM instructions: each operation of a program over a vector of lanes.
 
 Sine and cosine are not among them: they stand between segments, see `sincos`.
 """
@@ -7,19 +7,9 @@ from __future__ import annotations
 
 from freebody.program.program import Program
 from freebody.scalars.operations import OPERATIONS
-from freebody.targets.llvm import exponential, inverse_trig
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.vector import function
-
-FUNCTIONS = {
-    "exp": exponential.exp,
-    "log": exponential.log,
-    "tanh": exponential.tanh,
-    "atan2": inverse_trig.atan2,
-    "asin": inverse_trig.asin,
-    "acos": inverse_trig.acos,
-}
-"""Operations of many instructions: each is a function of the module where a program has it."""
+from freebody.targets.llvm.vector_functions import FUNCTIONS
 
 COMPARISONS = ("less", "less_equal", "equal")
 CHOICE = "where by a comparison"
@@ -91,7 +81,7 @@ def functions(program: Program, lanes: Lanes, fma: bool) -> str:
 
 
 def declarations(lanes: Lanes) -> str:
-    """Of the functions of LLVM's that the instructions call."""
+    """Declarations of LLVM's own functions that the instructions call."""
     v, n = lanes.v, lanes.suffix
     return (
         f"declare {v} @llvm.sqrt.{n}({v})\n"

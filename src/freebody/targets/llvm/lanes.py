@@ -71,7 +71,7 @@ class Lanes:
 
     @property
     def suffix(self) -> str:
-        """What the names of LLVM's own functions end in."""
+        """The end of the names of LLVM's own functions for this vector."""
         return f"v{self.width}f{self.real.bits}"
 
     @property
@@ -92,7 +92,7 @@ class Lanes:
 
 
 @dataclass(frozen=True)
-class One(Lanes):
+class OneLane(Lanes):
     """A single number in the place of a vector: what stands in code for machines whose threads are
     the lanes."""
 
@@ -115,7 +115,7 @@ class One(Lanes):
 
     @property
     def suffix(self) -> str:
-        """What the names of LLVM's own functions end in."""
+        """The end of the names of LLVM's own functions for this number."""
         return f"f{self.real.bits}"
 
     def _equal(self, kind: str, text: Any) -> str:

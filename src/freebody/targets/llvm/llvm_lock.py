@@ -1,5 +1,6 @@
-"""One thread at a time in LLVM, and only where there is memory for what it does: where it gets
-none, it ends the process. What ends meanwhile waits, and nobody waits for it."""
+"""LLVM used by one thread at a time, and only where there is memory for what it does: where it gets
+none, it ends the process. Finalizers meanwhile leave what they close to the thread in LLVM, and
+nobody waits for them."""
 
 from __future__ import annotations
 
@@ -24,7 +25,7 @@ _COMPILING, _OF_TEXT = 32 * 2**20, 32
 """Bytes that it takes to compile a text, and further ones for each letter (up to 20 were seen)."""
 
 _LOADING, _OF_CODE = 16 * 2**20, 64
-"""The same to load machine code, for each byte of it."""
+"""Bytes that it takes to load machine code, and further ones for each byte of it."""
 
 
 @cache
@@ -60,7 +61,7 @@ def _exclusive(room: int, what: str) -> Iterator[None]:
 
 
 def _require_room(size: int, what: str) -> None:
-    """Ask for memory as it will be asked for, and give it back untouched."""
+    """Allocate memory as LLVM will, and give it back untouched."""
     try:
         np.empty(size, np.uint8)
     except MemoryError:

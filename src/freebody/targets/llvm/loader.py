@@ -46,8 +46,10 @@ def load(
     imports: addresses of the symbols that it refers to, besides the C functions that every kernel
     may call.
 
-    Raises:
-        CompileError: no object, or one that lacks an export.
+    Raises
+    ------
+    CompileError
+        No object, or one that lacks an export.
     """
     llvm = llvm_lock.library()
     with llvm_lock.to_load(sum(map(len, objects))):

@@ -1,4 +1,6 @@
-"""LLVM text of the gufunc loop: groups of samples in, `@compute` on a tile of slots, groups out.
+"""LLVM text of a kernel's loop: it finds out how each argument is read and written; then, round by
+round, groups of samples come in, `@compute` runs on a tile of slots, and the groups of the round
+before go out.
 
 Results of one round go out after the inputs of the next one have come in, from tiles of their own:
 the processor computes while its stores wait for the memory.
@@ -13,11 +15,12 @@ than once with the same values.
 
 from __future__ import annotations
 
-from freebody.program.program import Program
+from collections.abc import Mapping, Sequence
+
+from freebody.program.program import Argument, Program
 from freebody.program.segments import SegmentedProgram
-from freebody.targets.llvm.argument_access import access
+from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Machine
-from freebody.targets.llvm.rounds import rounds
 from freebody.targets.llvm.sample_transfers import check_slots, integers, transfers
 from freebody.targets.llvm.uniform import one_by_one
 
@@ -34,13 +37,18 @@ def gufunc_loop(
 
     A round takes `tiles` groups, each on a tile of its own.
 
-    Args:
-        program: the whole program, whose arguments come in.
-        every: what is computed for every sample (see `hoist`), on tiles of `layout`.
-        machine: what it is compiled for, as far as the text depends on it.
-        tiles: groups in a round.
-        shared: where the uniform numbers are, and what is computed of them once; None if there are
-            none.
+    Parameters
+    ----------
+    program
+        The whole program, whose arguments come in.
+    every
+        What is computed for every sample (see `hoist`), on tiles of `layout`.
+    machine
+        What it is compiled for, as far as the text depends on it.
+    tiles
+        Groups in a round.
+    shared
+        Where the uniform numbers are, and what is computed of them once; None if there are none.
     """
     parts = [
         transfers(program, every, layout, machine.lanes),
@@ -100,12 +108,12 @@ def _loop(
         "  %n = load i64, ptr %dims, align 8",
         FLAGS[machine.x86]["save"],
         *get,
-        *access(arguments, lanes),
+        *_access(arguments, lanes),
     ]
     if shared:
         lines.append("  call void @uniform.finite(ptr %uniform)\n  call void @once(ptr %uniform)")
     lines += [
-        *rounds(program, lanes, slots, tiles, checks),
+        *_rounds(program, lanes, slots, tiles, checks),
         *give_back,
         FLAGS[machine.x86]["restore"],
         "  ret void",
@@ -134,3 +142,274 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
   %up = sub i64 64, %odd
   %room = getelementptr i8, ptr %raw, i64 %up"""
     return [get, *places], ["  call void @free(ptr %raw)"]
+
+
+def _rounds(
+    program: Program, lanes: Lanes, slots: int, tiles: int, checks: Mapping[int, int]
+) -> list[str]:
+    """Until the last round is out."""
+    samples = lanes.width * tiles
+    inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
+    outputs = list(enumerate(program.outputs, len(program.inputs)))
+    return [
+        f"""\
+  br label %begin
+begin:
+  br label %head
+head:
+  %i = phi i64 [ 0, %begin ], [ %i.next, %tail ]
+  %tile = phi ptr [ %tile.a, %begin ], [ %before.tile, %tail ]
+  %before.tile = phi ptr [ %tile.b, %begin ], [ %tile, %tail ]
+  %before = sub i64 %i, {samples}
+  %more = icmp slt i64 %before, %n
+  br i1 %more, label %choose, label %end""",
+        *_whole_round(inputs, outputs, lanes, slots, tiles),
+        *_phase("in", "%i", "%tile", inputs, lanes, slots, tiles, checks),
+        "in.done:\n  %started = icmp ne i64 %i, 0\n  br i1 %started, label %out, label %out.done",
+        *_phase("out", "%before", "%before.tile", outputs, lanes, slots, tiles, {}),
+        f"""\
+out.done:
+  %some = icmp ne i64 %in.g, 0
+  br i1 %some, label %run, label %tail
+run:
+  %groups = phi i64 [ %in.g, %out.done ], [ {tiles}, %whole ]
+  call void @compute(ptr %tile, ptr %uniform, i64 %groups)
+  br label %tail
+tail:
+  %i.next = add i64 %i, {samples}
+  br label %head
+end:""",
+    ]
+
+
+def _whole_round(
+    inputs: list[tuple[int, Argument]],
+    outputs: list[tuple[int, Argument]],
+    lanes: Lanes,
+    slots: int,
+    tiles: int,
+) -> list[str]:
+    """A round of full groups whose arguments are all rows, and the one before it, with nothing to
+    be decided."""
+    lines, all_rows, width = ["choose:"], "%later", lanes.width
+    lines.append("  %later = icmp ne i64 %i, 0")
+    for k, _ in inputs + outputs:
+        lines.append(f"  %only.rows{k} = xor i1 %addressed{k}, true")
+        lines.append(f"  %all{k} = and i1 {all_rows}, %only.rows{k}")
+        all_rows = f"%all{k}"
+    lines += [
+        f"  %i.end = add i64 %i, {width * tiles}",
+        "  %fits = icmp sle i64 %i.end, %n",
+        f"  %plain = and i1 {all_rows}, %fits",
+        "  br i1 %plain, label %whole, label %in",
+        "whole:",
+    ]
+    for start, tile, arguments in (("%i", "%tile", inputs), ("%before", "%before.tile", outputs)):
+        for k, _ in arguments:
+            lines += [
+                f"  %whole.move{k} = mul i64 {start}, %step{k}",
+                f"  %whole.at{k}.0 = getelementptr i8, ptr %base{k}, i64 %whole.move{k}",
+                f"  %whole.lane{k} = getelementptr i64, ptr %lanes, i64 {k * width}",
+                f"  %group{k} = mul i64 %step{k}, {width}",
+            ]
+            for g in range(tiles):
+                at = f"%whole.at{k}.{g}"
+                if g:
+                    lines.append(
+                        f"  {at} = getelementptr i8, ptr %whole.at{k}.{g - 1}, i64 %group{k}"
+                    )
+                lines.append(
+                    f"  %whole.tile{k}.{g} = getelementptr i8, ptr {tile}, i64 "
+                    f"{lanes.size * slots * g}"
+                )
+                lines.append(
+                    f"  call void @rows{k}(ptr {at}, ptr %whole.lane{k}, ptr %whole.tile{k}.{g})"
+                )
+    return [*lines, "  br label %run"]
+
+
+def _phase(
+    way: str,
+    start: str,
+    tile: str,
+    arguments: list[tuple[int, Argument]],
+    lanes: Lanes,
+    slots: int,
+    tiles: int,
+    checks: Mapping[int, int],
+) -> list[str]:
+    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is
+    their number."""
+    before, width = {"in": "choose", "out": "in.done"}[way], lanes.width
+    lines = [
+        f"{way}:",
+        f"  %{way}.g = phi i64 [ 0, %{before} ], [ %{way}.next, %{way}.end ]",
+        f"  %{way}.skip = mul i64 %{way}.g, {width}",
+        f"  %{way}.at = add i64 {start}, %{way}.skip",
+        f"  %{way}.rest = sub i64 %n, %{way}.at",
+        f"  %{way}.some = icmp sgt i64 %{way}.rest, 0",
+        f"  %{way}.room = icmp ult i64 %{way}.g, {tiles}",
+        f"  %{way}.more = and i1 %{way}.some, %{way}.room",
+        f"  br i1 %{way}.more, label %{way}.group, label %{way}.done",
+        f"{way}.group:",
+        f"  %{way}.full = icmp sge i64 %{way}.rest, {width}",
+        f"  %{way}.last = sub i64 %{way}.rest, 1",
+        f"  %{way}.lanes = select i1 %{way}.full, ptr %lanes, ptr %lanes.short",
+        f"  %{way}.skipped = mul i64 %{way}.g, {lanes.size * slots}",
+        f"  %{way}.tile = getelementptr i8, ptr {tile}, i64 %{way}.skipped",
+        f"  br i1 %{way}.full, label %{way}.begin, label %{way}.short",
+        f"{way}.short:",
+    ]
+    for k, _ in arguments:
+        lines += _lane_table(k, width, f"%{way}.last")
+    lines.append(f"  br label %{way}.begin\n{way}.begin:")
+    for k, argument in arguments:
+        lines += _transfer(k, argument, lanes, tiles, way, checks.get(k))
+    return [
+        *lines,
+        f"  br label %{way}.end",
+        f"{way}.end:",
+        f"  %{way}.next = add i64 %{way}.g, 1",
+        f"  br label %{way}",
+    ]
+
+
+def _transfer(
+    k: int, argument: Argument, lanes: Lanes, tiles: int, way: str, check: int | None
+) -> list[str]:
+    """Move one group of argument k between array and tile; of an input, what was seen of it to the
+    slot `check`."""
+    width = lanes.width
+    lines = [
+        f"  %move{k} = mul i64 %{way}.at, %step{k}",
+        f"  %at{k} = getelementptr i8, ptr %base{k}, i64 %move{k}",
+        f"  %lane{k} = getelementptr i64, ptr %{way}.lanes, i64 {k * width}",
+    ]
+    if way == "in":  # a broadcast input stays in the tiles, of which two rounds have their own
+        lines += [
+            f"  %moves{k} = icmp ne i64 %step{k}, 0",
+            f"  %first{k} = icmp ult i64 %i, {2 * width * tiles}",
+            f"  %needed{k} = or i1 %moves{k}, %first{k}",
+            f"  br i1 %needed{k}, label %load{k}, label %after{k}",
+            f"load{k}:",
+        ]
+    at, seen = f"ptr %at{k}, ptr %lane{k}, ptr %{way}.tile", "null"
+    if check is not None:
+        seen = f"%check{k}"
+        lines.append(f"  {seen} = getelementptr {lanes.v}, ptr %{way}.tile, i64 {check}")
+    call = f"{at}, ptr {seen}, ptr @places{k}, ptr %offset{k}, i64 {argument.size}"
+    return [
+        *lines,
+        f"  %streams{k} = and i1 %{way}.full, %columns{k}",
+        f"  br i1 %streams{k}, label %columns.{k}, label %other{k}",
+        f"columns.{k}:",
+        f"  call void @columns_{way}({call})",
+        f"  br label %after{k}",
+        f"other{k}:",
+        f"  br i1 %rows{k}, label %rows.{k}, label %strided{k}",
+        f"rows.{k}:",
+        f"  call void @rows{k}({at})",
+        f"  br label %after{k}",
+        f"strided{k}:",
+        f"  call void @strided_{way}({call})",
+        f"  br label %after{k}",
+        f"after{k}:",
+    ]
+
+
+def _access(arguments: Sequence[Argument], lanes: Lanes) -> list[str]:
+    """Lines that find out how each argument is read or written; uniform ones are read at once."""
+    lines: list[str] = []
+    core, first, number = len(arguments), 0, 0
+    for k, argument in enumerate(arguments):
+        lines += _contiguous(k, argument, core, lanes.real.size)
+        if argument.uniform:
+            lines += _gather(k, argument, first, number, lanes.real.name)
+            number += argument.size
+        else:
+            lines += _prepare(k, argument, first, lanes)
+        core += len(argument.shape)
+        first += argument.size
+    return lines
+
+
+def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
+    """Base and step of argument k, and whether the scalars of one sample lie one after the
+    other."""
+    lines = [
+        f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
+        f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
+        f"  %pstep{k} = getelementptr i64, ptr %steps, i64 {k}",
+        f"  %step{k} = load i64, ptr %pstep{k}, align 8",
+        f"  %strides{k} = getelementptr i64, ptr %steps, i64 {core}",
+    ]
+    rows, natural = "true", size
+    for d in reversed(range(len(argument.shape))):
+        lines += [
+            f"  %pcore{k}.{d} = getelementptr i64, ptr %steps, i64 {core + d}",
+            f"  %core{k}.{d} = load i64, ptr %pcore{k}.{d}, align 8",
+        ]
+        if argument.shape[d] > 1:  # the stride along an axis of one entry means nothing
+            lines.append(f"  %natural{k}.{d} = icmp eq i64 %core{k}.{d}, {natural}")
+            lines.append(f"  %rows{k}.{d} = and i1 {rows}, %natural{k}.{d}")
+            rows = f"%rows{k}.{d}"
+        natural *= argument.shape[d]
+    return [*lines, f"  %rows{k} = and i1 {rows}, true"]
+
+
+def _gather(k: int, argument: Argument, first: int, number: int, kind: str) -> list[str]:
+    """Copy uniform argument k to the uniform numbers from `number` on; `first`: of its offsets in
+    their table."""
+    return [
+        f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
+        f"  %uniform{k} = getelementptr {kind}, ptr %uniform, i64 {number}",
+        f"  call void @gather(ptr %base{k}, i1 %rows{k}, ptr %strides{k}, ptr @shape{k}, "
+        f"i64 {len(argument.shape)}, i64 {argument.size}, ptr %offset{k}, ptr %uniform{k})",
+    ]
+
+
+def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
+    """Way of access, addresses of the scalars and lanes of argument k."""
+    return [
+        f"  %columns{k} = icmp eq i64 %step{k}, {lanes.real.size}",
+        *_lane_table(k, lanes.width, None),
+        f"  %blocks{k} = xor i1 %rows{k}, true",
+        f"  %addressed{k} = or i1 %blocks{k}, %columns{k}",
+        f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
+        f"  br i1 %addressed{k}, label %address{k}, label %prepared{k}",
+        f"address{k}:",
+        f"  call void @offsets(ptr %strides{k}, ptr @shape{k}, i64 {len(argument.shape)}, "
+        f"i64 {argument.size}, ptr %offset{k})",
+        f"  br label %prepared{k}",
+        f"prepared{k}:",
+    ]
+
+
+def _lane_table(k: int, width: int, last: str | None) -> list[str]:
+    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last`
+    sample repeat it."""
+    tag, table = f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
+    v, numbers = f"<{width} x i64>", "<" + ", ".join(f"i64 {n}" for n in range(width)) + ">"
+    lines = _equal(f"step{tag}", f"%step{k}", width)
+    if last:
+        lines += [
+            *_equal(f"last{tag}", last, width),
+            f"  %before{tag} = icmp slt {v} {numbers}, %last{tag}",
+            f"  %number{tag} = select <{width} x i1> %before{tag}, {v} {numbers}, {v} %last{tag}",
+        ]
+        numbers = f"%number{tag}"
+    return [
+        *lines,
+        f"  %lane{tag} = mul {v} {numbers}, %step{tag}",
+        f"  %lane.at{tag} = getelementptr i64, ptr {table}, i64 {k * width}",
+        f"  store {v} %lane{tag}, ptr %lane.at{tag}, align 8",
+    ]
+
+
+def _equal(name: str, number: str, width: int) -> list[str]:
+    """Lines that make %name: the number in all lanes."""
+    return [
+        f"  %{name}.0 = insertelement <{width} x i64> poison, i64 {number}, i64 0",
+        f"  %{name} = shufflevector <{width} x i64> %{name}.0, <{width} x i64> poison, "
+        f"<{width} x i32> zeroinitializer",
+    ]

@@ -18,7 +18,7 @@ LONGEST_VECTOR = 512
 
 @dataclass(frozen=True)
 class Machine:
-    """What the text of a kernel depends on."""
+    """The parts of a machine that the text of a kernel depends on."""
 
     width: int
     fma: bool
@@ -91,7 +91,7 @@ LEVELS = {
 
 
 def lacking(level: str) -> str:
-    """What this machine lacks to run code for a level, in words; empty where it runs it."""
+    """The words for what this machine lacks to run code for a level; empty where it runs it."""
     here, wanted = host(), LEVELS[level]
     if here.x86 != wanted.x86:
         return f"this machine ({here.triple}) is of another architecture"
@@ -111,7 +111,7 @@ def at_level(level: str | None) -> Host:
 
 @cache
 def host() -> Host:
-    """The host, asked once."""
+    """The host, found out once."""
     llvm = library()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()

@@ -3,10 +3,10 @@ tile."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from freebody.targets.llvm.lanes import Lanes, Real
-from freebody.targets.llvm.transpose import gathered, part_of, shuffle, transpose, turn_parts
 
 
 def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
@@ -59,13 +59,13 @@ def _load_block(
 
     The value of what has been looked at, with products of these columns added.
     """
-    v, width, part = lanes.v, lanes.width, part_of(lanes.real, lanes.width)
+    v, width, part = lanes.v, lanes.width, _part_of(lanes.real, lanes.width)
     several = 2 if 2 * columns <= width and 2 * part <= width else 1
     loaded = [_load_row(lines, tag, lane, j, columns, several, lanes) for lane in range(width)]
     if several == 2:
         # side by side those rows that come out in order when 128-bit parts are gathered
         loaded = [
-            shuffle(
+            _shuffle(
                 lines,
                 f"{tag}two{lane}",
                 loaded[lane],
@@ -81,7 +81,7 @@ def _load_block(
         lines.append(f"  %{tag}m{pair} = fmul contract {v} {x}, {y}")
         lines.append(f"  %{tag}a{pair} = fadd contract {v} {looked}, %{tag}m{pair}")
         looked = f"%{tag}a{pair}"
-    names = transpose(lines, tag, loaded, width, lanes.real)
+    names = _transpose(lines, tag, loaded, width, lanes.real)
     for column in range(columns):
         lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
         lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
@@ -153,7 +153,7 @@ def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]
     """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2,
     … columns."""
     lines, kind, half = [], lanes.real.name, lanes.width // 2
-    part = part_of(lanes.real, lanes.width)
+    part = _part_of(lanes.real, lanes.width)
     blocks, first, columns = [], 0, lanes.width
     while first < len(places):
         while columns > len(places) - first:
@@ -199,22 +199,23 @@ class _Entries:
     first: int
 
     def taken(self, lines: list[str], name: str, count: int, real: Real) -> str:
-        """They alone."""
+        """The first of these numbers, in a vector of their own."""
         if count == self.width:
             return self.name
         picks = range(self.first, self.first + count)
-        return shuffle(lines, name, self.name, "poison", self.width, picks, real)
+        return _shuffle(lines, name, self.name, "poison", self.width, picks, real)
 
 
 def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) -> list[_Entries]:
-    """Of columns that fill 128 bits or half of them: where the row of each lane is."""
+    """Transposition of columns that fill 128 bits or half of them: where the row of each lane
+    is."""
     columns, width = len(places), lanes.width
-    part = part_of(lanes.real, width)
+    part = _part_of(lanes.real, width)
     loaded = [
         _load_lanes(lines, f"{tag}w{column}", place, 0, width, lanes)
         for column, place in enumerate(places)
     ]
-    turned = turn_parts(lines, f"{tag}n", loaded, part, width, lanes.real)
+    turned = _turn_parts(lines, f"{tag}n", loaded, part, width, lanes.real)
     # of each part its first lanes are in the first vector, …
     each = part // len(turned)
     return [
@@ -237,21 +238,21 @@ def _turn_half(
         _load_lanes(lines, f"{tag}c{column}", place, start, half, lanes)
         for column, place in enumerate(places)
     ]
-    apart = part_of(real, half)
+    apart = _part_of(real, half)
     pairs = [
-        shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)), real)
+        _shuffle(lines, f"{tag}a{i}", parts[i], parts[i + apart], half, list(range(width)), real)
         for i in range(width)
         if not i & apart
     ]
     turned = [
-        turn_parts(lines, f"{tag}b{i}.", pairs[i : i + apart], apart, width, real)
+        _turn_parts(lines, f"{tag}b{i}.", pairs[i : i + apart], apart, width, real)
         for i in range(0, half, apart)
     ]
     if half == apart:
         return turned[0]
-    picks = [gathered(width, apart, odd) for odd in (0, 1)]
+    picks = [_gathered(width, apart, odd) for odd in (0, 1)]
     return [
-        shuffle(lines, f"{tag}r{j}.{odd}", turned[0][j], turned[1][j], width, picks[odd], real)
+        _shuffle(lines, f"{tag}r{j}.{odd}", turned[0][j], turned[1][j], width, picks[odd], real)
         for odd in (0, 1)
         for j in range(apart)
     ]
@@ -269,7 +270,7 @@ def _turn_squares(
             for column, place in enumerate(places)
         ]
         rows += (
-            square if size == 1 else transpose(lines, f"{tag}t{first}.", square, size, lanes.real)
+            square if size == 1 else _transpose(lines, f"{tag}t{first}.", square, size, lanes.real)
         )
     return rows
 
@@ -285,3 +286,77 @@ def _load_lanes(
         f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}"
     )
     return f"%{name}"
+
+
+def _part_of(real: Real, width: int) -> int:
+    """Numbers in 128 bits, or in a vector of `width` if that is shorter."""
+    return min(128 // real.bits, width)
+
+
+def _shuffle(
+    lines: list[str], name: str, x: str, y: str, size: int, picks: Sequence[int], real: Real
+) -> str:
+    """Entries of two vectors of `size`, of x and then of y."""
+    v, mask = f"<{size} x {real.name}>", ", ".join(f"i32 {pick}" for pick in picks)
+    lines.append(f"  %{name} = shufflevector {v} {x}, {v} {y}, <{len(picks)} x i32> <{mask}>")
+    return f"%{name}"
+
+
+def _transpose(lines: list[str], tag: str, rows: list[str], width: int, real: Real) -> list[str]:
+    """The columns of a square of `width` rows, by two-operand shuffles that x86 has as one
+    instruction each: first what lies in 128 bits is turned, then 128-bit parts are gathered.
+
+    Half as many vectors hold two rows of half the width each, side by side: k and k + p with p
+    numbers in 128 bits, for every k without the bit p.
+    """
+    part, count = _part_of(real, width), 0
+
+    def halves(x: str, y: str, odd: int) -> str:
+        nonlocal count
+        count += 1
+        return _shuffle(lines, f"{tag}t{count}", x, y, width, _gathered(width, part, odd), real)
+
+    def gather(vectors: list[str]) -> list[str]:
+        if len(vectors) == 1:
+            return vectors
+        pairs = list(zip(vectors[::2], vectors[1::2], strict=True))
+        even, odd = (gather([halves(x, y, parity) for x, y in pairs]) for parity in (0, 1))
+        return [name for both in zip(even, odd, strict=True) for name in both]
+
+    turned = [
+        _turn_parts(lines, f"{tag}p{k}.", rows[k : k + part], part, width, real)
+        for k in range(0, len(rows), part)
+    ]
+    columns = [gather([those[j] for those in turned]) for j in range(part)]
+    return [name for several in zip(*columns, strict=True) for name in several]
+
+
+def _gathered(width: int, part: int, odd: int) -> list[int]:
+    """The even (or odd) ones of the parts of two vectors."""
+    return [part * p + e for p in range(odd, 2 * width // part, 2) for e in range(part)]
+
+
+def _turn_parts(
+    lines: list[str], tag: str, rows: list[str], part: int, width: int, real: Real
+) -> list[str]:
+    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: interleave
+    neighbours, then pairs."""
+
+    def interleaved(x: str, y: str, high: int, of: int) -> str:
+        """The lower (or higher) halves of each part of x and y, `of` entries of one and of the
+        other by turns."""
+        picks = [
+            start + high * part // 2 + k + side * width + e
+            for start in range(0, width, part)
+            for k in range(0, part // 2, of)
+            for side in (0, 1)
+            for e in range(of)
+        ]
+        return _shuffle(lines, f"{tag}{len(lines)}", x, y, width, picks, real)
+
+    if len(rows) == 1:
+        return rows
+    if len(rows) == 2:
+        return [interleaved(rows[0], rows[1], high, 1) for high in (0, 1)]
+    one, other = ([interleaved(rows[k], rows[k + 1], high, 1) for high in (0, 1)] for k in (0, 2))
+    return [interleaved(x, y, high, 2) for x, y in zip(one, other, strict=True) for high in (0, 1)]

@@ -1,19 +1,22 @@
-"""The steps of a recurrence of one sample by code of its own, number by number: a kernel's loop
-takes longer to begin a step than to compute it."""
+"""Steps that follow one another in compiled code: a recurrence of one sample number by number,
+since a kernel's loop takes longer to begin a step than to compute it; and a kernel's loop called
+for each step."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
+from functools import cache
 from math import nan
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
 from freebody.program.passes import optimise
 from freebody.program.program import Program
-from freebody.targets.kernel import Kernel
+from freebody.targets.kernel import BatchLoop, Kernel
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm.cpu import compiler_version
 from freebody.targets.llvm.emit import emit_single
@@ -117,8 +120,9 @@ def _text(program: Program, machine: Machine) -> str:
 
 
 def _inputs(lines: list[str], program: Program, real: Real) -> str:
-    """To the tile: the state number by number, all others by vectors, the last of which may overlap
-    the one before it. Whether some number is not finite: 0 times it is NaN."""
+    """Lines that bring the inputs to the tile: the state number by number, all others by vectors,
+    the last of which may overlap the one before it. Whether some number is not finite: 0 times it
+    is NaN."""
     seen: dict[int, str] = {}
     place = 0
     for k, argument in enumerate(program.inputs):
@@ -151,3 +155,53 @@ def _inputs(lines: list[str], program: Program, real: Real) -> str:
         ]
         doubt = f"%doubt{width}"
     return doubt
+
+
+_TEXT = """
+define void @repeat(ptr %loop, ptr %samples, i64 %times, ptr %addresses, i64 %wide,
+                    ptr %strides, i64 %far) {
+entry:
+  br label %step
+step:
+  %k = phi i64 [ 0, %entry ], [ %k.next, %run ]
+  %args = phi ptr [ %addresses, %entry ], [ %args.next, %run ]
+  %steps = phi ptr [ %strides, %entry ], [ %steps.next, %run ]
+  %more = icmp slt i64 %k, %times
+  br i1 %more, label %run, label %end
+run:
+  call void %loop(ptr %args, ptr %samples, ptr %steps, ptr null)
+  %k.next = add i64 %k, 1
+  %args.next = getelementptr ptr, ptr %args, i64 %wide
+  %steps.next = getelementptr i64, ptr %steps, i64 %far
+  br label %step
+end:
+  ret void
+}
+"""
+
+
+def repeated(
+    loop: BatchLoop, samples: int, addresses: NDArray[np.int64], strides: NDArray[np.int64]
+) -> None:
+    """Call the loop of a kernel once for each row of `addresses`, of its arguments, and `strides`,
+    of their samples and then of their entries, as a gufunc's; both (T, …) in C order, strides that
+    do not change (1, …). The GIL is released."""
+    _code, run = _repeat()  # kept while it runs: two threads may have made one each
+    run(
+        loop.address,
+        ctypes.byref(ctypes.c_int64(samples)),
+        len(addresses),
+        addresses.ctypes.data,
+        addresses.shape[1],
+        strides.ctypes.data,
+        strides.shape[1] if len(strides) > 1 else 0,
+    )
+
+
+@cache
+def _repeat() -> tuple[Any, Any]:
+    """(what keeps the code, the C function)."""
+    code, found = load([object_code(_TEXT)], ("repeat",), {})
+    pointer, number = ctypes.c_void_p, ctypes.c_int64
+    prototype = ctypes.CFUNCTYPE(None, pointer, pointer, number, pointer, number, pointer, number)
+    return code, prototype(found["repeat"])

@@ -25,13 +25,13 @@ def object_beside(machine: Machine, here: Host) -> bytes:
 
 
 def definitions(text: str, machine: Machine) -> str:
-    """Of those that a text calls, and what they call."""
+    """Definitions of the shared functions that a text calls, and of those that these call."""
     functions = _functions(machine)
     return "\n".join(functions[name] for name in _called(text, functions))
 
 
 def declarations(text: str, machine: Machine) -> str:
-    """Of those that a text calls, where `object_beside` has them."""
+    """Declarations of the shared functions that a text calls, where `object_beside` has them."""
     functions = _functions(machine)
     found = []
     for name in _called(text, functions):
@@ -66,15 +66,15 @@ def _functions(machine: Machine) -> dict[str, str]:
 
 
 def declared_once(text: str) -> str:
-    """Each piece declares what it calls; LLVM refuses to be told twice."""
+    """Each piece declares what it calls; LLVM refuses a second declaration."""
     lines = text.split("\n")
     declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
     return "\n".join([*(line for line in lines if line not in declared), *declared, ""])
 
 
 def attributes(lanes: Lanes) -> str:
-    """Of all functions, of those that keep many vectors on the stack (with a frame, these are
-    aligned there), and of the short ones that operations call."""
+    """Attributes of all functions, of those that keep many vectors on the stack (with a frame,
+    these are aligned there), and of the short ones that operations call."""
     vectors = (
         f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
     )

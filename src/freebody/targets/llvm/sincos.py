@@ -20,7 +20,8 @@ from freebody.targets.llvm.lanes import DOUBLE, FLOAT, Lanes
 
 @dataclass(frozen=True)
 class _Series:
-    """How a number type gets its sines: the highest coefficients first, of z = r r."""
+    """The polynomials of a number type for its sines: the highest coefficients first, of z = r
+    r."""
 
     sine: tuple[float, ...]
     cosine: tuple[float, ...]
@@ -174,8 +175,8 @@ class VectorCode:
         return last
 
     def reduce(self, k: int) -> None:
-        """From %x: its sign, its absolute value %a, the quadrant in the low bits of %quadrant, and
-        %r, the rest."""
+        """Lines that reduce %x: its sign, its absolute value %a, the quadrant in the low bits of
+        %quadrant, and %r, the rest."""
         v, i, top = self.lanes.v, self.lanes.i, self.lanes.real.bits - 1
         self.lines.append(f"""\
   %x.bits{k} = bitcast {v} %x{k} to {i}

@@ -79,10 +79,14 @@ def finite(inputs: int, poison: int, lanes: Lanes) -> str:
     """`@uniform.finite`, which looks at all of them: 0 times each number, added up, is NaN if one
     is not finite.
 
-    Args:
-        inputs: how many numbers there are.
-        poison: place of the further one.
-        lanes: vectors in which they are read.
+    Parameters
+    ----------
+    inputs
+        How many numbers there are.
+    poison
+        Place of the further one.
+    lanes
+        Vectors in which they are read.
     """
     kind, size, width = lanes.real.name, lanes.real.size, lanes.width
     vectors = inputs >= width  # the last of which may overlap the one before it

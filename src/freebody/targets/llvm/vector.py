@@ -15,7 +15,7 @@ TO_INTEGER = 6755399441055744.0
 """1.5 * 2**52: after adding it, the low bits are the nearest integer."""
 
 
-class Value:
+class LaneValue:
     """A vector in a block: of reals ("v"), of whole numbers of 64 bits ("i") or of truth values
     ("mask")."""
 
@@ -24,7 +24,7 @@ class Value:
     def __init__(self, block: Block, kind: str, name: str):
         self.block, self.kind, self.name = block, kind, name
 
-    def _with(self, operation: str, other: Value | float, swapped: bool = False) -> Value:
+    def _with(self, operation: str, other: LaneValue | float, swapped: bool = False) -> LaneValue:
         x, y = self, self.block.lifted(other, self.kind)
         if swapped:
             x, y = y, x
@@ -32,71 +32,71 @@ class Value:
             self.kind, f"{operation} {self.block.types[self.kind]} {x.name}, {y.name}"
         )
 
-    def __add__(self, other: Value | float) -> Value:
+    def __add__(self, other: LaneValue | float) -> LaneValue:
         return self._with("fadd" if self.kind == "v" else "add", other)
 
-    def __sub__(self, other: Value | float) -> Value:
+    def __sub__(self, other: LaneValue | float) -> LaneValue:
         return self._with("fsub" if self.kind == "v" else "sub", other)
 
-    def __rsub__(self, other: float) -> Value:
+    def __rsub__(self, other: float) -> LaneValue:
         return self._with("fsub" if self.kind == "v" else "sub", other, swapped=True)
 
-    def __mul__(self, other: Value | float) -> Value:
+    def __mul__(self, other: LaneValue | float) -> LaneValue:
         return self._with("fmul", other)
 
-    def __truediv__(self, other: Value | float) -> Value:
+    def __truediv__(self, other: LaneValue | float) -> LaneValue:
         return self._with("fdiv", other)
 
-    def __rtruediv__(self, other: float) -> Value:
+    def __rtruediv__(self, other: float) -> LaneValue:
         return self._with("fdiv", other, swapped=True)
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __neg__(self) -> Value:
+    def __neg__(self) -> LaneValue:
         return self.block.value("v", f"fneg {self.block.types['v']} {self.name}")
 
-    def __and__(self, other: Value | int) -> Value:
+    def __and__(self, other: LaneValue | int) -> LaneValue:
         return self._with("and", other)
 
-    def __or__(self, other: Value | int) -> Value:
+    def __or__(self, other: LaneValue | int) -> LaneValue:
         return self._with("or", other)
 
-    def __xor__(self, other: Value | int) -> Value:
+    def __xor__(self, other: LaneValue | int) -> LaneValue:
         return self._with("xor", other)
 
-    def __lshift__(self, count: int) -> Value:
+    def __lshift__(self, count: int) -> LaneValue:
         return self._with("shl", count)
 
-    def __rshift__(self, count: int) -> Value:
+    def __rshift__(self, count: int) -> LaneValue:
         """Without regard to a sign."""
         return self._with("lshr", count)
 
-    def __lt__(self, other: Value | float) -> Value:
+    def __lt__(self, other: LaneValue | float) -> LaneValue:
         return self._compared("olt", other)
 
-    def __gt__(self, other: Value | float) -> Value:
+    def __gt__(self, other: LaneValue | float) -> LaneValue:
         return self._compared("ogt", other)
 
-    def equals(self, other: Value | float) -> Value:
+    def equals(self, other: LaneValue | float) -> LaneValue:
         """Whether two reals are equal; false of NaN."""
         return self._compared("oeq", other)
 
-    def unordered(self, other: Value) -> Value:
+    def unordered(self, other: LaneValue) -> LaneValue:
         """Whether one of two reals is NaN."""
         return self._compared("uno", other)
 
-    def _compared(self, how: str, other: Value | float) -> Value:
+    def _compared(self, how: str, other: LaneValue | float) -> LaneValue:
         y = self.block.lifted(other, "v")
         return self.block.value("mask", f"fcmp {how} {self.block.types['v']} {self.name}, {y.name}")
 
     @property
-    def bits(self) -> Value:
+    def bits(self) -> LaneValue:
         """A real's 64 bits."""
         types = self.block.types
         return self.block.value("i", f"bitcast {types['v']} {self.name} to {types['i']}")
 
     @property
-    def real(self) -> Value:
+    def real(self) -> LaneValue:
         """The real that has these bits."""
         types = self.block.types
         return self.block.value("v", f"bitcast {types['i']} {self.name} to {types['v']}")
@@ -110,20 +110,20 @@ class Block:
         self.types = {"v": lanes.v, "i": lanes.i, "mask": lanes.mask}
         self.lines: list[str] = []
 
-    def value(self, kind: str, text: str) -> Value:
+    def value(self, kind: str, text: str) -> LaneValue:
         """A new value, computed by an instruction."""
         name = f"%t{len(self.lines)}"
         self.lines.append(f"  {name} = {text}")
-        return Value(self, kind, name)
+        return LaneValue(self, kind, name)
 
-    def lifted(self, x: Value | float, kind: str) -> Value:
+    def lifted(self, x: LaneValue | float, kind: str) -> LaneValue:
         """A constant in every lane; values as they are."""
-        if isinstance(x, Value):
+        if isinstance(x, LaneValue):
             return x
         constant = self.lanes.constant(x) if kind == "v" else self.lanes.whole(int(x))
-        return Value(self, kind, constant)
+        return LaneValue(self, kind, constant)
 
-    def fma(self, x: Value, y: Value | float, z: Value | float) -> Value:
+    def fma(self, x: LaneValue, y: LaneValue | float, z: LaneValue | float) -> LaneValue:
         """x y + z."""
         y, z = self.lifted(y, "v"), self.lifted(z, "v")
         if not self.fused:
@@ -133,42 +133,42 @@ class Block:
             "v", f"call {v} @llvm.fma.{self.lanes.suffix}({v} {x.name}, {v} {y.name}, {v} {z.name})"
         )
 
-    def horner(self, coefficients: Sequence[float], z: Value) -> Value:
+    def horner(self, coefficients: Sequence[float], z: LaneValue) -> LaneValue:
         """The polynomial in z, the highest coefficient first."""
         last = self.lifted(coefficients[0], "v")
         for coefficient in coefficients[1:]:
             last = self.fma(last, z, coefficient)
         return last
 
-    def where(self, condition: Value, x: Value | float, y: Value | float) -> Value:
+    def where(self, condition: LaneValue, x: LaneValue | float, y: LaneValue | float) -> LaneValue:
         """x in the lanes where the condition holds, else y."""
         x, y = self.lifted(x, "v"), self.lifted(y, "v")
         v, mask = self.types["v"], self.types["mask"]
         return self.value("v", f"select {mask} {condition.name}, {v} {x.name}, {v} {y.name}")
 
-    def absolute(self, x: Value) -> Value:
+    def absolute(self, x: LaneValue) -> LaneValue:
         """|x|."""
         return (x.bits & (2**63 - 1)).real
 
-    def signed(self, size: Value, sign: Value) -> Value:
+    def signed(self, size: LaneValue, sign: LaneValue) -> LaneValue:
         """`size`, which is not negative, with the sign of another value."""
         return ((sign.bits & -(2**63)) | size.bits).real
 
-    def sqrt(self, x: Value) -> Value:
+    def sqrt(self, x: LaneValue) -> LaneValue:
         """The square root."""
         v = self.types["v"]
         return self.value("v", f"call {v} @llvm.sqrt.{self.lanes.suffix}({v} {x.name})")
 
-    def power_of_two(self, whole: Value) -> Value:
+    def power_of_two(self, whole: LaneValue) -> LaneValue:
         """2^k of a real that is a whole number from -1022 to 1023."""
         return (((whole + TO_INTEGER).bits + 1023) << 52).real
 
 
-def function(name: str, arity: int, make: Callable[..., Value], lanes: Lanes, fma: bool) -> str:
+def function(name: str, arity: int, make: Callable[..., LaneValue], lanes: Lanes, fma: bool) -> str:
     """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in
     doubles."""
     block = Block(replace(lanes, real=DOUBLE), fma)
-    given = [Value(block, "v", f"%x{k}") for k in range(arity)]
+    given = [LaneValue(block, "v", f"%x{k}") for k in range(arity)]
     if lanes.real is not DOUBLE:
         given = [block.value("v", f"fpext {lanes.v} {x.name} to {block.types['v']}") for x in given]
     result = make(block, *given)

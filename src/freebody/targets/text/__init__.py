@@ -6,13 +6,12 @@ from freebody.targets.text.c import CPP, C
 from freebody.targets.text.cuda import CUDA
 from freebody.targets.text.javascript import MODULE, SCRIPT
 from freebody.targets.text.julia import JULIA
-from freebody.targets.text.language import Language, SelfTestSamples
+from freebody.targets.text.language import Joints, Language, SelfTestSamples, SourceUnit
 from freebody.targets.text.matlab import MATLAB
 from freebody.targets.text.python import CASADI, JAX, NUMPY
 from freebody.targets.text.rust import RUST
-from freebody.targets.text.unit import Joints, Unit
 
-__all__ = ["LANGUAGES", "Joints", "Language", "SelfTestSamples", "Unit"]
+__all__ = ["LANGUAGES", "Joints", "Language", "SelfTestSamples", "SourceUnit"]
 
 LANGUAGES: dict[str, Language] = {
     "c": C,

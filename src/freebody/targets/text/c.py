@@ -12,6 +12,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     called,
     comment_block,
     flat,
@@ -22,9 +23,13 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import ProgramWords, Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import (
+    ProgramWords,
+    Spelling,
+    body_in_parts,
+    refusal,
+    words_of,
+)
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
@@ -95,7 +100,7 @@ _CHECKS = """{before}int all_finite(int n, const {t} *x)
 
 @dataclass(frozen=True)
 class _Dialect:
-    """What C in double and in float, and C++, write differently."""
+    """The differences between C in double, C in float, and C++."""
 
     t: str
     f: str
@@ -152,7 +157,7 @@ def _spelling(dialect: _Dialect) -> Spelling:
     )
 
 
-def _parameters(unit: Unit, words: ProgramWords, t: str) -> dict[str, str]:
+def _parameters(unit: SourceUnit, words: ProgramWords, t: str) -> dict[str, str]:
     """Each argument's word and its declaration."""
 
     def declared(word: str, argument: Argument, const: str, scalar: str) -> str:
@@ -167,7 +172,7 @@ def _parameters(unit: Unit, words: ProgramWords, t: str) -> dict[str, str]:
     }
 
 
-def _prototype(unit: Unit, dialect: _Dialect) -> str:
+def _prototype(unit: SourceUnit, dialect: _Dialect) -> str:
     words = words_of(unit, RESERVED)
     return _wrapped(
         f"{dialect.head}int {words.function}", _parameters(unit, words, dialect.t).values()
@@ -180,7 +185,7 @@ def _wrapped(name: str, parameters: Collection[str]) -> str:
     return line if len(line) <= _WIDEST else name + "(\n    " + ",\n    ".join(parameters) + ")"
 
 
-def _definitions(unit: Unit, dialect: _Dialect) -> list[str]:
+def _definitions(unit: SourceUnit, dialect: _Dialect) -> list[str]:
     """The function, after what it calls."""
     words, t = words_of(unit, RESERVED), dialect.t
     parameters = _parameters(unit, words, t)
@@ -213,20 +218,20 @@ _USE = (
 )
 
 
-def _head(unit: Unit, *more: str) -> list[str]:
+def _head(unit: SourceUnit, *more: str) -> list[str]:
     return comment_block(unit, (*_USE, *more), "/*", " *", " */")
 
 
-def _dialect(unit: Unit) -> _Dialect:
+def _dialect(unit: SourceUnit) -> _Dialect:
     return _FLOAT if unit.dtype == "float32" else _DOUBLE
 
 
-def _emit_c(unit: Unit) -> str:
+def _emit_c(unit: SourceUnit) -> str:
     """One file of C, complete."""
     return "\n".join([*_head(unit), "#include <math.h>", "", *_definitions(unit, _dialect(unit))])
 
 
-def _emit_cpp(unit: Unit) -> str:
+def _emit_cpp(unit: SourceUnit) -> str:
     """A header of C++: a template over the scalar."""
     scalar = "S is double, float, or a scalar of automatic differentiation."
     library = {op: text for op, text in FUNCTIONS.items() if "{f}" in text}  # not those of our own
@@ -249,7 +254,7 @@ def _emit_cpp(unit: Unit) -> str:
     )
 
 
-def _package_c(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package_c(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     """Header, source and self-test."""
     word, dialect = words_of(unit, RESERVED).function, _dialect(unit)
     guard = f"{word.upper()}_H"
@@ -270,7 +275,7 @@ def _package_c(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     }
 
 
-def _package_cpp(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package_cpp(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {
         f"{word}.hpp": _emit_cpp(unit),
@@ -291,7 +296,7 @@ _OFF = """static {t} off_by(int n, const {t} *found, const {t} *expected, {t} la
 """
 
 
-def _self_test(unit: Unit, vectors: SelfTestSamples, dialect: _Dialect, include: str) -> str:
+def _self_test(unit: SourceUnit, vectors: SelfTestSamples, dialect: _Dialect, include: str) -> str:
     words, program = words_of(unit, RESERVED), unit.program
     found = [f"{'' if a.shape else '&'}found{k}" for k, a in enumerate(program.outputs)]
     given = [f"given{k}[i]" if a.shape else f"given{k}[i][0]" for k, a in enumerate(program.inputs)]

@@ -7,20 +7,19 @@ from dataclasses import replace
 
 from freebody.identifiers import word_set
 from freebody.program.program import Argument, Program
-from freebody.targets.cuda.assembly import ptx
 from freebody.targets.cuda.emit import emit
-from freebody.targets.cuda.part import Part
-from freebody.targets.cuda.parts import parts, prepared
+from freebody.targets.cuda.parts import ProgramPart, parts, prepared
+from freebody.targets.cuda.plan import ptx
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     comment_block,
     largest_entries,
     number_lists,
     numbered,
 )
 from freebody.targets.text.statements import ProgramWords, words_of
-from freebody.targets.text.unit import Unit
 
 RESERVED = word_set("WARP_SZ reduce two_over_pi") | numbered("sincos", "vector")
 
@@ -37,17 +36,17 @@ A sample with an input that is NaN or infinite has NaN in all outputs; no other 
 """
 
 
-def _sampled(unit: Unit) -> Program:
+def _sampled(unit: SourceUnit) -> Program:
     """The program without uniform inputs: an input that is the same for all samples has step 0."""
     inputs = tuple(replace(x, uniform=False) for x in unit.program.inputs)
     return prepared(replace(unit.program, inputs=inputs))
 
 
-def _words(unit: Unit) -> ProgramWords:
+def _words(unit: SourceUnit) -> ProgramWords:
     return words_of(unit, RESERVED)
 
 
-def _entries(unit: Unit) -> dict[str, Part]:
+def _entries(unit: SourceUnit) -> dict[str, ProgramPart]:
     """Entries by name: the function's, numbered where one thread does not compute all outputs."""
     word, made = _words(unit).function, parts(_sampled(unit), unit.dtype)
     return (
@@ -55,11 +54,11 @@ def _entries(unit: Unit) -> dict[str, Part]:
     )
 
 
-def _emit(unit: Unit) -> str:
+def _emit(unit: SourceUnit) -> str:
     return _text(unit, _entries(unit))
 
 
-def _text(unit: Unit, entries: Mapping[str, Part]) -> str:
+def _text(unit: SourceUnit, entries: Mapping[str, ProgramPart]) -> str:
     """The entries as PTX, under a head that says how they are started."""
     program, names = unit.program, list(entries)
     text = ptx(emit(entries, unit.dtype))
@@ -143,7 +142,7 @@ sys.exit(bad)
 '''
 
 
-def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     words, entries = _words(unit), _entries(unit)
     names = words.outputs
 

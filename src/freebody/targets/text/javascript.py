@@ -7,15 +7,14 @@ from freebody.identifiers import word_set
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     comment_block,
     flat,
     largest_entries,
     number,
     number_lists,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import Spelling, body_in_parts, refusal, words_of
 
 LONGEST = 800
 """Operations of one function. V8 does not optimise one of more than 60 kB of bytecode, and is
@@ -61,7 +60,7 @@ _SPELLING = Spelling(
 )
 
 
-def _definitions(unit: Unit, export: str = "") -> list[str]:
+def _definitions(unit: SourceUnit, export: str = "") -> list[str]:
     """The function, after what it calls."""
     words, room = words_of(unit, RESERVED), 0
 
@@ -95,27 +94,27 @@ _USE = (
 )
 
 
-def _head(unit: Unit) -> list[str]:
+def _head(unit: SourceUnit) -> list[str]:
     return comment_block(unit, _USE, "/*", " *", " */")
 
 
-def _emit_module(unit: Unit) -> str:
+def _emit_module(unit: SourceUnit) -> str:
     return "\n".join([*_head(unit), *_definitions(unit, "export ")])
 
 
-def _emit_script(unit: Unit) -> str:
+def _emit_script(unit: SourceUnit) -> str:
     word = words_of(unit, RESERVED).function
     inner = "\n".join(['"use strict";', "", *_definitions(unit), f"return {word};"])
     return "\n".join([*_head(unit), f"const {word} = (function () {{", inner, "})();\n"])
 
 
-def _package_module(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package_module(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     test = _self_test(unit, vectors, f'import {{ {word} }} from "./{word}.mjs";\n')
     return {f"{word}.mjs": _emit_module(unit), f"{word}_test.mjs": test}
 
 
-def _package_script(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package_script(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     # what a page does with <script src>
     beginning = (
@@ -127,7 +126,7 @@ def _package_script(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
     }
 
 
-def _self_test(unit: Unit, vectors: SelfTestSamples, beginning: str) -> str:
+def _self_test(unit: SourceUnit, vectors: SelfTestSamples, beginning: str) -> str:
     words = words_of(unit, RESERVED)
     columns = [
         "[\n" + ",\n".join(f"    [{row}]" for row in number_lists(rows, number)) + ",\n  ]"

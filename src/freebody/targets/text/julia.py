@@ -8,6 +8,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     called,
     comment_block,
     helpers,
@@ -17,9 +18,7 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import Spelling, body_in_parts, refusal, words_of
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
@@ -67,7 +66,7 @@ def _entry(word: str, argument: Argument, position: int) -> str:
     return f"{word}[{position + 1}]" if argument.shape else word
 
 
-def _spelling(unit: Unit) -> Spelling:
+def _spelling(unit: SourceUnit) -> Spelling:
     return Spelling(
         FUNCTIONS,
         _single if unit.dtype == "float32" else number,
@@ -79,11 +78,11 @@ def _spelling(unit: Unit) -> Spelling:
     )
 
 
-def _type(unit: Unit) -> str:
+def _type(unit: SourceUnit) -> str:
     return "Float32" if unit.dtype == "float32" else "Float64"
 
 
-def _definitions(unit: Unit) -> list[str]:
+def _definitions(unit: SourceUnit) -> list[str]:
     """The function, after what it calls."""
     words = words_of(unit, RESERVED)
     order = [*words.outputs, *words.inputs]
@@ -111,16 +110,16 @@ _USE = (
 )
 
 
-def _emit(unit: Unit) -> str:
+def _emit(unit: SourceUnit) -> str:
     return "\n".join([*comment_block(unit, _USE, "", "#", ""), "", *_definitions(unit)])
 
 
-def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.jl": _emit(unit), f"{word}_test.jl": _self_test(unit, vectors)}
 
 
-def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
+def _self_test(unit: SourceUnit, vectors: SelfTestSamples) -> str:
     words, spell, t = words_of(unit, RESERVED), _spelling(unit).number, _type(unit)
 
     def table(rows: list[str]) -> str:

@@ -9,6 +9,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     called,
     comment_block,
     helpers,
@@ -17,7 +18,6 @@ from freebody.targets.text.language import (
     numbered,
 )
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
-from freebody.targets.text.unit import Unit
 
 _ONE = ("sin", "cos", "exp", "tanh", "sign")
 _PARTIAL = {"sqrt": "x >= 0", "log": "x >= 0", "asin": "abs(x) <= 1", "acos": "abs(x) <= 1"}
@@ -74,13 +74,13 @@ _SPELLING = Spelling(
 
 
 def _sizes(argument: Argument) -> str:
-    """Of an array in MATLAB: vectors stand upright."""
+    """The sizes of an array in MATLAB: vectors stand upright."""
     return ", ".join(
         map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2])
     )
 
 
-def _emit(unit: Unit) -> str:
+def _emit(unit: SourceUnit) -> str:
     words, outputs = words_of(unit, RESERVED), unit.program.outputs
     returned = words.outputs[0] if len(outputs) == 1 else f"[{', '.join(words.outputs)}]"
     body = [f"  {word} = NaN({_sizes(a)});" for word, a in zip(words.outputs, outputs, strict=True)]
@@ -93,8 +93,8 @@ def _emit(unit: Unit) -> str:
     return "\n".join([*head, *body, "end\n", *helpers(unit.program, _HELPERS)])
 
 
-def _checks(unit: Unit, words: ProgramWords) -> list[str]:
-    """What answers a call with an input that is not finite."""
+def _checks(unit: SourceUnit, words: ProgramWords) -> list[str]:
+    """The statements that answer a call with an input that is not finite."""
     if not words.inputs:
         return []
     tests = " && ".join(f"all(isfinite({word}(:)))" for word in words.inputs)
@@ -104,7 +104,7 @@ def _checks(unit: Unit, words: ProgramWords) -> list[str]:
 _USE = ("Vectors are columns. An input that is NaN or infinite makes all outputs NaN.",)
 
 
-def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.m": _emit(unit), f"{word}_test.m": _self_test(unit, vectors)}
 
@@ -115,7 +115,7 @@ def _array(row: np.ndarray, argument: Argument) -> str:
     return f"reshape([{', '.join(map(number, order.tolist()))}], {_sizes(argument)})"
 
 
-def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
+def _self_test(unit: SourceUnit, vectors: SelfTestSamples) -> str:
     words, program = words_of(unit, RESERVED), unit.program
     found = [f"found{k + 1}" for k in range(len(program.outputs))]
     text = ["bad = false;", f"worst = zeros(1, {len(found)});"]

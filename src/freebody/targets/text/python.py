@@ -8,9 +8,15 @@ from functools import partial
 import numpy as np
 
 from freebody.program.program import Argument
-from freebody.targets.text.language import Language, SelfTestSamples, flat, helpers, number
+from freebody.targets.text.language import (
+    Language,
+    SelfTestSamples,
+    SourceUnit,
+    flat,
+    helpers,
+    number,
+)
 from freebody.targets.text.statements import ProgramWords, Spelling, lines, statements, words_of
-from freebody.targets.text.unit import Unit
 
 _IMPORTED = ("cos", "sign", "sin", "sqrt")
 _FUNCTIONS = {op: f"{op}({{a}})" for op in _IMPORTED} | {
@@ -84,12 +90,13 @@ _SCALARS = Spelling(
 
 
 def _columns(argument: Argument) -> int:
-    """Of an argument in CasADi, which has two dimensions: of three the last two become one."""
+    """The columns of an argument in CasADi, which has two dimensions: of three the last two become
+    one."""
     return int(np.prod(argument.shape[1:]))
 
 
 def _in_casadi(argument: Argument) -> tuple[int, int]:
-    """Its shape there: vectors are columns."""
+    """The shape of an argument in CasADi: vectors are columns."""
     return (*argument.shape, 1)[0], _columns(argument)
 
 
@@ -98,7 +105,7 @@ def _in_arrays(argument: Argument) -> tuple[int, ...]:
 
 
 def _computed(
-    unit: Unit, words: ProgramWords, spelling: Spelling
+    unit: SourceUnit, words: ProgramWords, spelling: Spelling
 ) -> tuple[list[str], list[list[str]]]:
     """Lines that compute, and for each output the texts of its scalars."""
     done = statements(unit, words, spelling, _OWN)
@@ -109,12 +116,12 @@ def _computed(
     ]
 
 
-def _docstring(unit: Unit) -> list[str]:
+def _docstring(unit: SourceUnit) -> list[str]:
     comment = unit.comment or (str(unit.program),)
     return [f'"""{comment[0]}', *(["", *comment[1:]] if len(comment) > 1 else []), '"""']
 
 
-def _emit_arrays(module: str, unit: Unit) -> str:
+def _emit_arrays(module: str, unit: SourceUnit) -> str:
     """A function of arrays (..., *core) that broadcast: an array or a tuple out."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _ARRAYS)
@@ -151,7 +158,7 @@ def _array(argument: Argument, scalars: list[str]) -> str:
     return stacked if len(argument.shape) == 1 else f"{stacked}.reshape(*batch, {shape})"
 
 
-def _emit_casadi(unit: Unit) -> str:
+def _emit_casadi(unit: SourceUnit) -> str:
     """A function without arguments that builds a casadi.Function of columns and matrices."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _SCALARS)
@@ -188,11 +195,11 @@ def _matrix(argument: Argument, scalars: Sequence[str]) -> str:
 
 
 def _package(
-    emit: Callable[[Unit], str],
+    emit: Callable[[SourceUnit], str],
     prelude: Sequence[str],
     function: str,
     shaped: Callable[[Argument], tuple[int, ...]],
-    unit: Unit,
+    unit: SourceUnit,
     vectors: SelfTestSamples,
 ) -> dict[str, str]:
     """Module and self-test; function: what is called with one sample, {name} being the word of the

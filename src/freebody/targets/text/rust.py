@@ -7,6 +7,7 @@ from freebody.program.program import Argument
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,
+    SourceUnit,
     comment_block,
     flat,
     helpers,
@@ -16,9 +17,13 @@ from freebody.targets.text.language import (
     numbered,
     single,
 )
-from freebody.targets.text.pieces import body_in_parts, refusal
-from freebody.targets.text.statements import ProgramWords, Spelling, words_of
-from freebody.targets.text.unit import Unit
+from freebody.targets.text.statements import (
+    ProgramWords,
+    Spelling,
+    body_in_parts,
+    refusal,
+    words_of,
+)
 
 LONGEST = 4000
 """Operations of one function: compilers take longer than in proportion."""
@@ -60,11 +65,11 @@ _HELPERS = {
 _ALLOW = "#[allow(non_snake_case, unused_parens)]"
 
 
-def _type(unit: Unit) -> str:
+def _type(unit: SourceUnit) -> str:
     return "f32" if unit.dtype == "float32" else "f64"
 
 
-def _spelling(unit: Unit) -> Spelling:
+def _spelling(unit: SourceUnit) -> Spelling:
     return Spelling(
         {op: text.replace("{t}", _type(unit)) for op, text in FUNCTIONS.items()},
         single if unit.dtype == "float32" else number,
@@ -76,7 +81,7 @@ def _spelling(unit: Unit) -> Spelling:
     )
 
 
-def _parameters(unit: Unit, words: ProgramWords) -> dict[str, str]:
+def _parameters(unit: SourceUnit, words: ProgramWords) -> dict[str, str]:
     """Each argument's word and its declaration."""
     t = _type(unit)
 
@@ -89,7 +94,7 @@ def _parameters(unit: Unit, words: ProgramWords) -> dict[str, str]:
     return {w: declared(w, a, False) for w, a in ins} | {w: declared(w, a, True) for w, a in outs}
 
 
-def _definitions(unit: Unit) -> list[str]:
+def _definitions(unit: SourceUnit) -> list[str]:
     """The function, after what it calls."""
     words, spelling, t = words_of(unit, RESERVED), _spelling(unit), _type(unit)
     parameters = _parameters(unit, words)
@@ -119,16 +124,16 @@ _USE = (
 )
 
 
-def _emit(unit: Unit) -> str:
+def _emit(unit: SourceUnit) -> str:
     return "\n".join([*comment_block(unit, _USE, "", "//", ""), "", *_definitions(unit)])
 
 
-def _package(unit: Unit, vectors: SelfTestSamples) -> dict[str, str]:
+def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
     word = words_of(unit, RESERVED).function
     return {f"{word}.rs": _emit(unit), f"{word}_test.rs": _self_test(unit, vectors)}
 
 
-def _self_test(unit: Unit, vectors: SelfTestSamples) -> str:
+def _self_test(unit: SourceUnit, vectors: SelfTestSamples) -> str:
     words, spell, t = words_of(unit, RESERVED), _spelling(unit).number, _type(unit)
     program, count = unit.program, vectors.count
     tables, body = [], []

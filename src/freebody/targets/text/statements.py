@@ -1,19 +1,21 @@
-"""A program as statements of an infix language: a value that is read once stands where it is
-read."""
+"""A program as statements of an infix language: a value that is read once stands where it is read;
+inputs that are not finite are refused, and a long body is cut into functions of bounded length,
+which hand values on in a workspace."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from freebody.identifiers import identifiers
 from freebody.program.program import Argument, Program
 from freebody.scalars.operations import ARITY
-from freebody.targets.text.unit import Section, Unit, sections
+from freebody.targets.text.language import Section, SourceUnit, sections
 
-INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
-INFIX |= {"div": ("{a}/{b}", 2, 2, 3), "neg": ("-{a}", 1, 2, 0)}
+_INFIX = {"add": ("{a} + {b}", 1, 1, 2), "sub": ("{a} - {b}", 1, 1, 2), "mul": ("{a}*{b}", 2, 2, 3)}
+_INFIX |= {"div": ("{a}/{b}", 2, 2, 3), "neg": ("-{a}", 1, 2, 0)}
 """Template, how tightly it binds, and how tightly its operands must. A sum of a sum keeps its
 brackets: rounding."""
 
@@ -64,8 +66,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class ProgramWords:
-    """What things are called in the text: the function, its inputs and its outputs in their
-    order."""
+    """The words of a text: for the function, its inputs and its outputs in their order."""
 
     function: str
     inputs: tuple[str, ...]
@@ -77,7 +78,7 @@ class ProgramWords:
         return frozenset((self.function, *self.inputs, *self.outputs))
 
 
-def words_of(unit: Unit, reserved: Collection[str]) -> ProgramWords:
+def words_of(unit: SourceUnit, reserved: Collection[str]) -> ProgramWords:
     """Words that are none of a language's own, and no two alike."""
     function = identifiers([unit.name], reserved)[unit.name]
     taken = {*reserved, function}
@@ -99,7 +100,7 @@ class _TextValue:
 
 
 def statements(
-    unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
+    unit: SourceUnit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
 ) -> list[Statement]:
     """The program, section by section, and last what writes the outputs."""
     return _StatementWriter(unit, words, spelling, reserved).run(
@@ -109,7 +110,7 @@ def statements(
 
 class _StatementWriter:
     def __init__(
-        self, unit: Unit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
+        self, unit: SourceUnit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
     ):
         program = unit.program
         self.program, self.spelling = program, spelling
@@ -163,8 +164,8 @@ class _StatementWriter:
             named = self.spelling.inputs_first or index in self.kept
             return self._named(value, self._input_word(index), section) if named else value
         operands = [self.values[i] for i in program.operands(index)]
-        if op in INFIX:
-            template, binds, *needed = INFIX[op]
+        if op in _INFIX:
+            template, binds, *needed = _INFIX[op]
         else:
             template, binds, needed = self.spelling.functions[op], _ATOM, [0] * len(operands)
         texts = {k: v.within(n) for k, v, n in zip("abc", operands, needed, strict=False)}
@@ -184,7 +185,7 @@ class _StatementWriter:
         return (
             self.uses[index] == 1
             and index not in self.marks
-            and self.program.op[index] in INFIX
+            and self.program.op[index] in _INFIX
             and len(value.text) <= _LONGEST
             and self.section_of[self.reader[index]] == self.section_of[index]
         )
@@ -254,3 +255,121 @@ def lines(done: Sequence[Statement], spelling: Spelling, indent: str) -> list[st
         template = spelling.assign if statement.writes else spelling.declare
         made.append(indent + template.format(word=statement.word, text=statement.text))
     return made
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """Statements of one function; (word, slot) of what it reads from the workspace before and puts
+    there after."""
+
+    statements: tuple[Statement, ...]
+    loads: tuple[tuple[str, int], ...]
+    stores: tuple[tuple[str, int], ...]
+
+    def arguments(self, order: Sequence[str]) -> list[str]:
+        """The names in this order that the piece reads or writes."""
+        used = {word for statement in self.statements for word in statement.arguments}
+        return [word for word in order if word in used]
+
+
+def _cut(statements: Sequence[Statement], longest: int) -> tuple[list[_Piece], int]:
+    """Pieces of at most about `longest` operations, and how many slots they need; one piece needs
+    none."""
+    parts = _parts(statements, longest)
+    home = {s.word: k for k, part in enumerate(parts) for s in part if not s.writes}
+    last = {word: k for k, part in enumerate(parts) for s in part for word in s.reads}
+    slot: dict[str, int] = {}
+    free: list[int] = []
+    slots = 0
+    made = []
+    for k, part in enumerate(parts):
+        read = dict.fromkeys(word for s in part for word in sorted(s.reads) if home[word] < k)
+        loads = tuple((word, slot[word]) for word in read)
+        free += sorted((slot[word] for word in read if last[word] == k), reverse=True)
+        stores = []
+        for statement in part:
+            if not statement.writes and last.get(statement.word, k) > k:
+                if not free:
+                    free.append(slots)
+                    slots += 1
+                slot[statement.word] = free.pop()
+                stores.append((statement.word, slot[statement.word]))
+        made.append(_Piece(tuple(part), loads, tuple(stores)))
+    return made, slots
+
+
+def _parts(statements: Sequence[Statement], longest: int) -> list[Sequence[Statement]]:
+    """The statements in runs of about equal weight."""
+    total = sum(s.weight for s in statements)
+    count = max(1, -(-total // longest))
+    bounds, done = [0], 0
+    for k, statement in enumerate(statements):
+        if done >= total * len(bounds) / count and k > bounds[-1]:
+            bounds.append(k)
+        done += statement.weight
+    return [statements[i:j] for i, j in pairwise([*bounds, len(statements)])]
+
+
+def body_in_parts(
+    unit: SourceUnit,
+    words: ProgramWords,
+    spelling: Spelling,
+    reserved: Collection[str],
+    longest: int,
+    order: Sequence[str],
+    part: Callable[[str, list[str], list[str], int], str],
+    call: str,
+    workspace: tuple[str, str] | None = None,
+    *,
+    indent: str = "    ",
+    first: int = 0,
+) -> tuple[list[str], list[str]]:
+    """The functions that a body of more than `longest` operations calls, and the lines of the body.
+
+    order: words of the arguments. part: the text of one of these functions, from its word, the
+    arguments that it uses, its lines and the size of the workspace w. call: how it is called, with
+    its word and its arguments for {}. workspace: where the body makes it, the line that does, with
+    {} for the number of slots, and how it is handed on; first: the number of its first slot.
+    """
+    pieces, slots = _cut(statements(unit, words, spelling, reserved), longest)
+    if len(pieces) == 1:
+        return [], lines(pieces[0].statements, spelling, indent)
+    slots = max(slots, 1)
+    declare, assign = (indent + template for template in (spelling.declare, spelling.assign))
+    made, body = [], [indent + workspace[0].format(slots)] if workspace else []
+    handed = [workspace[1]] if workspace else []
+    for k, piece in enumerate(pieces, 1):
+        name, used = f"{words.function}_part{k}", piece.arguments(order)
+        loads = [declare.format(word=x, text=f"w[{n + first}]") for x, n in piece.loads]
+        stores = [assign.format(word=f"w[{n + first}]", text=x) for x, n in piece.stores]
+        inner = [*loads, *lines(piece.statements, spelling, indent), *stores]
+        made.append(part(name, used, inner, slots))
+        body.append(indent + call.format(name, ", ".join([*used, *handed])))
+    return made, body
+
+
+def refusal(
+    unit: SourceUnit,
+    words: ProgramWords,
+    finite: tuple[str, str],
+    blank: tuple[str, str],
+    around: tuple[str, str, str],
+    indent: str = "    ",
+) -> list[str]:
+    """The statements that answer a call with an input that is not finite; none where there is no
+    input.
+
+    finite, blank: of an array and of a scalar, with {word} and {size}, the test of an input and the
+    statement that makes an output NaN. around: the lines before, with {} for the tests, and after.
+    """
+    tests, blanks = (
+        [pair[not a.shape].format(word=word, size=a.size) for word, a in zip(*named, strict=True)]
+        for pair, named in (
+            (finite, (words.inputs, unit.program.inputs)),
+            (blank, (words.outputs, unit.program.outputs)),
+        )
+    )
+    opening, refused, end = around
+    inner = [indent + text for text in (*blanks, refused)]
+    made = [opening.format(" && ".join(tests)), *inner, end]
+    return [indent + text for text in made] if tests else []

@@ -11,8 +11,7 @@ from __future__ import annotations
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.xla.layout import NUMBERS, OFFSETS, SIZES
-from freebody.targets.xla.llvm_lines import TextLines
-from freebody.targets.xla.thread_sharing import BASES, sharing, size_of
+from freebody.targets.xla.thread_sharing import BASES, TextLines, sharing, size_of
 
 _REFUSED = "freebody: a call that is laid out in another way than the interface's version says."
 _NUMBER = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FFI_DataType_F32"]}
@@ -41,7 +40,7 @@ def text(
 
 
 def _asked(lines: TextLines, version: tuple[int, int]) -> None:
-    """Where XLA asks what the function is, with an extension of the frame, tell it."""
+    """Lines that describe the function to XLA, where it asks with an extension of the frame."""
     frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
     start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
     extension = lines.field("extension", "ptr", "%frame", frame["extension_start"])
@@ -62,8 +61,8 @@ def _asked(lines: TextLines, version: tuple[int, int]) -> None:
 
 
 def _counted(lines: TextLines, program: Program) -> None:
-    """Whether the frame is of the known layout and has as many buffers as the program; then the
-    lists of them."""
+    """Lines that look whether the frame is of the known layout and has as many buffers as the
+    program; then the lists of them."""
     frame, right = OFFSETS["XLA_FFI_CallFrame"], []
     for part, kind, wanted in (
         ("args", "XLA_FFI_Args", len(program.inputs)),
@@ -97,8 +96,8 @@ def _right(lines: TextLines, k: int, argument: Argument, real: Real) -> str:
 
 
 def _sizes(lines: TextLines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
-    """Where the buffers are, bytes between samples along both axes, and how many there are; then
-    all is computed."""
+    """Lines that read where the buffers are, bytes between samples along both axes, and how many
+    there are; then all is computed."""
     buffer, count = OFFSETS["XLA_FFI_Buffer"], len(arguments)
     lines.append(f"  %work.new = call ptr @malloc(i64 {size_of(count)})")
     for k, argument in enumerate(arguments):

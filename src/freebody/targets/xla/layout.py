@@ -72,8 +72,8 @@ SIZES = {
     "XLA_FFI_ThreadPool_Schedule_Args": 40,
     "XLA_FFI_ThreadPool_NumThreads_Args": 32,
 }
-"""What `struct_size` says. Were one of the first two larger, what lies behind it would have
-moved."""
+"""The sizes that `struct_size` states. Were one of the first two larger, what lies behind it would
+have moved."""
 
 NUMBERS = {
     "XLA_FFI_Extension_Metadata": 1,

@@ -8,19 +8,19 @@ knows of it; equal kernels are given once.
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, partial
 from importlib.util import find_spec
+from itertools import count
+from math import prod
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from freebody import locks
-from freebody.program.program import Program
+from freebody.program.program import Argument, Program
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.xla import layout
-from freebody.targets.xla.batch_axes import arranged
-from freebody.targets.xla.partition import partitioned
 
 Arrays = tuple[Any, ...]
 
@@ -28,9 +28,9 @@ _given: dict[str, tuple[Any, ...]] = {}
 """Name of what XLA was given -> what keeps its code."""
 
 
-class Way(NamedTuple):
-    """How kernels are made: target and width of `compile_program`, the latter for numbers of this
-    type."""
+class Compilation(NamedTuple):
+    """The way in which kernels are made: target and width of `compile_program`, the latter for
+    numbers of this type."""
 
     target: str | None = None
     width: int | None = None
@@ -51,7 +51,7 @@ class Interface(NamedTuple):
 
 @cache
 def interface() -> Interface:
-    """What XLA offers here."""
+    """The interface that XLA offers here."""
     try:
         import jax.ffi
     except ImportError:
@@ -65,7 +65,7 @@ def interface() -> Interface:
     return Interface(None, f"XLA's interface to compiled functions {said}, known is {layout.MAJOR}")
 
 
-def operation(program: Program, way: Way) -> Callable[..., Arrays]:
+def operation(program: Program, way: Compilation) -> Callable[..., Arrays]:
     """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many
     leading axes, which broadcast: the outputs (*batch, *core).
 
@@ -90,7 +90,7 @@ def operation(program: Program, way: Way) -> Callable[..., Arrays]:
         found = kernel(dtype.name)
         if any(x.uniform and many for x, many in zip(program.inputs, varies, strict=True)):
             found = found.per_sample
-        results = partitioned(found.program, partial(_applied, found), size)(*placed)
+        results = _partitioned(found.program, partial(_applied, found), size)(*placed)
         return tuple(y.reshape(x.shape) for x, y in zip(outputs, results, strict=True))
 
     mapped = jax.custom_batching.custom_vmap(evaluate)
@@ -133,7 +133,8 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> A
 
 
 def _name(kernel: Kernel, version: tuple[int, int]) -> str:
-    """What XLA knows the kernel by; it is given to XLA where that does not have it yet."""
+    """The name by which XLA knows the kernel; it is given to XLA where that does not have it
+    yet."""
     import jax.ffi
 
     from freebody.targets.llvm.lanes import REALS
@@ -154,3 +155,133 @@ def _name(kernel: Kernel, version: tuple[int, int]) -> str:
             jax.ffi.register_ffi_target(name, capsule, platform="cpu")
             _given[name] = code, kernel.loop
     return name
+
+
+_Batch = tuple[int, int]
+
+
+def _partitioned(
+    program: Program, compute: Callable[[Sequence[Any], _Batch], Any], batch: _Batch
+) -> Callable[..., Any]:
+    """compute(arrays, batch) as a function of arrays (outer, inner, *core), each leading size 1 or
+    that of the batch, that XLA cuts along the batch where arrays lie on several devices; vectors
+    and matrices are never cut. Without it XLA would gather all samples on every device.
+
+    Where a process sees one device alone, nothing is changed: what XLA may cut, JAX does not keep
+    on disk.
+    """
+    import jax
+
+    if jax.device_count() == 1:
+        return lambda *arrays: compute(arrays, batch)
+    from jax.experimental.custom_partitioning import custom_partitioning
+    from jax.sharding import NamedSharding, PartitionSpec
+
+    def whole(*arrays: Any) -> Any:
+        return compute(arrays, batch)
+
+    def part(*arrays: Any) -> Any:
+        sizes = ([x.shape[axis] for x in arrays] for axis in (0, 1))
+        outer, inner = (max(every, default=1) for every in sizes)
+        return compute(arrays, (outer, inner))
+
+    def uncut(argument: Argument, placed: Any) -> Any:
+        """Along the batch as it lies, its vectors and matrices in one piece."""
+        spec = (*placed.sharding.spec, None, None)[:2]
+        core = (None,) * len(argument.shape)
+        return NamedSharding(placed.sharding.mesh, PartitionSpec(*spec, *core))
+
+    def partition(mesh: Any, arguments: Any, results: Any) -> Any:
+        given = tuple(map(uncut, program.inputs, arguments))
+        return mesh, part, tuple(map(uncut, program.outputs, results)), given
+
+    def made(*arrays: Any) -> Any:
+        numbers = count()
+        inputs = [list(_axes(x.shape[:2], x.ndim - 2, batch, numbers)) for x in arrays]
+        outputs = [list(_axes(batch, len(x.shape), batch, numbers)) for x in program.outputs]
+        rule = " -> ".join(", ".join(map(" ".join, side)) for side in (inputs, outputs))
+        own = [name for axes in inputs + outputs for name in axes if name not in _BATCH]
+        function = custom_partitioning(whole)
+        function.def_partition(
+            partition=partition, sharding_rule=rule, need_replication_factors=tuple(own)
+        )
+        return function(*arrays)
+
+    return made
+
+
+_BATCH = ("outer", "inner")
+
+
+def _axes(
+    leading: Sequence[int], core: int, batch: _Batch, numbers: Iterator[int]
+) -> Iterator[str]:
+    """A name for each axis; those of the batch have the same in all arrays that vary along it."""
+    for name, size, whole in zip(_BATCH, leading, batch, strict=True):
+        yield name if size == whole > 1 else f"own{next(numbers)}"
+    for _ in range(core):
+        yield f"own{next(numbers)}"
+
+
+_SHORT = 64
+"""Samples that are too few for a call of a kernel's loop, where there are several calls."""
+
+_Shape = tuple[int, ...]
+
+
+def arranged(
+    arrays: Sequence[Any], shapes: Sequence[_Shape]
+) -> tuple[tuple[int, int], list[Any], list[bool]]:
+    """Batches of any shape as two axes, an outer and an inner one: the sizes of these, the arrays
+    (outer, inner, *core), and whether each varies along the inner one.
+
+    shapes: of the leading axes, equally many of each array, which broadcast. Each of the two sizes
+    of an array is 1 or that of the batch; an array is copied only where it varies along some of the
+    axes that become one, but not all.
+    """
+    whole = np.broadcast_shapes(*shapes)
+    outer, axes = _split(whole, shapes)
+    size = prod(whole[axis] for axis in outer), prod(whole[axis] for axis in axes)
+    placed, varies = [], []
+    for array, shape in zip(arrays, shapes, strict=True):
+        core = array.shape[len(shape) :]
+        along = [axis for axis in axes if shape[axis] > 1]
+        if along and len(along) < len(axes):
+            full = tuple(whole[axis] if axis in axes else n for axis, n in enumerate(shape))
+            array = _broadcast(array, (*full, *core))
+        rows = size[0] if any(shape[axis] > 1 for axis in outer) else 1
+        placed.append(array.reshape(rows, size[1] if along else 1, *core))
+        varies.append(bool(along))
+    return size, placed, varies
+
+
+def _split(whole: _Shape, shapes: Sequence[_Shape]) -> tuple[list[int], list[int]]:
+    """The axes that become the outer one, and those that become the inner one."""
+    groups = _alike(whole, shapes)
+    first, *others = groups or [[]]
+    inner = [axis for group in others for axis in group]
+    if others and prod(whole[axis] for axis in inner) >= _SHORT:
+        return first, inner
+    return [], [*first, *inner]
+
+
+def _alike(whole: _Shape, shapes: Sequence[_Shape]) -> list[list[int]]:
+    """Neighbouring axes along which the same arrays vary."""
+    groups: list[list[int]] = []
+    last: list[bool] = []
+    for axis, size in enumerate(whole):
+        if size == 1:
+            continue
+        pattern = [shape[axis] > 1 for shape in shapes]
+        if groups and pattern == last:
+            groups[-1].append(axis)
+        else:
+            groups.append([axis])
+        last = pattern
+    return groups
+
+
+def _broadcast(array: Any, shape: _Shape) -> Any:
+    import jax.numpy
+
+    return jax.numpy.broadcast_to(array, shape)

@@ -11,7 +11,40 @@ from freebody.program.program import Argument
 from freebody.targets.llvm.lanes import Real
 from freebody.targets.threads import GRAIN
 from freebody.targets.xla.layout import OFFSETS, SIZES
-from freebody.targets.xla.llvm_lines import TextLines
+
+
+class TextLines(list[str]):
+    """Lines of LLVM text that read and write fields at offsets."""
+
+    def field(self, name: str, kind: str, base: str, offset: int) -> str:
+        """Load what lies at an offset."""
+        self.append(f"  %{name}.at = getelementptr i8, ptr {base}, i64 {offset}")
+        self.append(f"  %{name} = load {kind}, ptr %{name}.at, align {4 if kind == 'i32' else 8}")
+        return f"%{name}"
+
+    def entry(self, name: str, base: str, index: int) -> str:
+        """Load a pointer, or a size, of an array of them."""
+        return self.field(name, "ptr", base, 8 * index)
+
+    def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
+        """Store something at an offset."""
+        name = f"%put{len(self)}"
+        self.append(f"  {name} = getelementptr i8, ptr {base}, i64 {offset}")
+        self.append(f"  store {kind} {value}, ptr {name}, align {4 if kind == 'i32' else 8}")
+
+    def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
+        """Whether two numbers are equal."""
+        self.append(f"  %{name} = icmp eq {kind} {value}, {other}")
+        return f"%{name}"
+
+    def all(self, name: str, flags: list[str]) -> str:
+        """Whether all are true."""
+        known = "true"
+        for k, flag in enumerate(flags):
+            self.append(f"  %{name}.{k} = and i1 {known}, {flag}")
+            known = f"%{name}.{k}"
+        return known
+
 
 _NEXT, _LEFT, _HOLDERS, _PARTS, _IN_ROW, _SIZE, _INNER = range(0, 56, 8)
 """Offsets in the record of a call's work: the next part, those that are not done, who holds the
@@ -23,7 +56,8 @@ BASES = 56
 
 _NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
 _MODES = 0x1F80
-"""Of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero elsewhere."""
+"""The modes of SSE: no traps, to nearest, tiny numbers as they are, which XLA makes zero
+elsewhere."""
 
 
 def size_of(arguments: int) -> int:
@@ -109,7 +143,8 @@ def _share(each: int, x86: bool) -> str:
 
 
 def _ask(lines: TextLines) -> None:
-    """How many threads there are, where there is work for more than one; on to `cut`."""
+    """Lines that ask XLA for the number of threads, where there is work for more than one; on to
+    `cut`."""
     fields = OFFSETS[_NUMBER]
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
     lines.put("i64", SIZES[_NUMBER], "%asked", fields["struct_size"])
@@ -276,7 +311,8 @@ def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> 
 
 
 def _read_arrays(lines: TextLines, arguments: tuple[Argument, ...], real: Real) -> None:
-    """Where each array begins and how far its samples are apart; sizes and strides of its core."""
+    """Lines that read where each array begins and how far its samples are apart; sizes and strides
+    of its core."""
     count, axis = len(arguments), 0
     for k, argument in enumerate(arguments):
         lines.field(f"base{k}", "ptr", "%work", BASES + 8 * k)

@@ -20,18 +20,26 @@ def trace(
 ) -> Program:
     """The program of what `function` does to scalars.
 
-    Args:
-        name: name of the program, for messages and printing.
-        function: called once with one nested tuple of scalars for each input (a bare scalar for
-            shape ()); returns a sequence with one nested sequence of scalars or numbers for each
-            output, or arrays of objects.
-        inputs: names and core shapes of the arguments.
-        outputs: names and core shapes of the results; None: the function returns {name: array of
-            objects}, which says.
+    Parameters
+    ----------
+    name
+        Name of the program, for messages and printing.
+    function
+        Called once with one nested tuple of scalars for each input (a bare scalar for shape ());
+        returns a sequence with one nested sequence of scalars or numbers for each output, or arrays
+        of objects.
+    inputs
+        Names and core shapes of the arguments.
+    outputs
+        Names and core shapes of the results; None: the function returns {name: array of objects},
+        which says.
 
-    Raises:
-        ProgramError: if what the function returns does not have the shape of the outputs.
-        GraphError: if the function branches on a value or mixes scalars of two traces.
+    Raises
+    ------
+    ProgramError
+        If what the function returns does not have the shape of the outputs.
+    GraphError
+        If the function branches on a value or mixes scalars of two traces.
     """
     graph = Graph()
     arguments = [_nested(graph, argument.name, argument.shape) for argument in inputs]
