@@ -23,8 +23,7 @@ from freebody_textbook.methods.cut_loops import Loops, block_system, dotted
 from freebody_textbook.methods.energies import HALF
 from freebody_textbook.methods.method import Worked
 from freebody_textbook.methods.reactions import drive_part
-from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.shown_mechanism import LONGEST
+from freebody_textbook.methods.setting import LONGEST, Setting
 from freebody_textbook.methods.step_reasons import Efforts
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.elementary import Scalar
-from freebody.errors import listed
+from freebody.errors import FreebodyError, listed
 from freebody.expressions.polynomials.symbols import Formulas, Symbols, symbols
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.bodies import Body
@@ -23,7 +23,6 @@ from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass
 from freebody.spatial import of_dimension
-from freebody_textbook.methods.mechanism import require_single_joints
 
 _ENTRIES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of a tensor, as it is stored
 
@@ -42,7 +41,7 @@ def symbols_of_bodies(
     how = {"extra": extra, "euler": euler, "formulas": formulas}
     how |= {"turned": turned, "quarters": quarters}
     made = symbols(model, **how)
-    require_single_joints(made, what)
+    _require_single_joints(made, what)
     masses = {body.name: body.masses for body in made.tree.bodies}
     if all(len(own) < 2 for own in masses.values()):
         return made
@@ -55,6 +54,26 @@ def symbols_of_bodies(
         for body in model.bodies
     )
     return symbols(replace(model, bodies=bodies), **how)
+
+
+def _require_single_joints(symbols: Symbols, what: str) -> None:
+    """Refuse what is not written out body by body: joints of several coordinates, and in closed
+    chains joints that follow others."""
+    model = symbols.model
+    for body in model.bodies:
+        follows = bool(model.loops) and body.joint.mimic is not None
+        if body.kind.nv != 1 or follows:
+            instead = (
+                "fb.loop_equations gives those of its loops"
+                if model.loops
+                else "fb.equations gives the closed form"
+            )
+            raise FreebodyError(
+                f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
+                f"{' and follows another' if follows else ''}; derivations"
+                f"{' of closed chains' if follows else ''} are written "
+                f"for {'independent ' if follows else ''}joints of one coordinate: {instead}."
+            )
 
 
 def told(model: Model, made: Symbols, apart: bool = True) -> list[str]:
