@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody.expressions.nodes import Negative, Sourced, Sum, nodes
 from freebody.expressions.polynomials.symbols import RATE
-from freebody_textbook.methods.term_sources import KINETIC, POTENTIAL, SEVERAL, TIME
+from freebody_textbook.methods.terms import KINETIC, POTENTIAL, SEVERAL, TIME
 from freebody_textbook.relations.formula_values import value
 from freebody_textbook.render.term_sources import STYLE
 

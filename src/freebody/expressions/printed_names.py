@@ -70,6 +70,22 @@ def entry(letter: str, *indices: int) -> Symbol:
     return Symbol(name, GREEK.get(letter, letter), low)
 
 
+def place(i: int, j: int) -> str:
+    """Row and column of an entry in one subscript: 12, above 9 with a comma, 4,11."""
+    return f"{i}{j}" if max(i, j) < 10 else f"{i},{j}"
+
+
+def component(name: Symbol, label: str) -> Symbol:
+    """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
+    return Symbol(
+        f"{name.name}_{label}",
+        name.letter,
+        (*name.low, *label.split(",")),
+        name.dots,
+        high=name.high,
+    )
+
+
 def _without_dots(name: str) -> tuple[str, int]:
     for ending, dots in reversed(DOTS.items()):
         if name.endswith(ending) and len(name) > len(ending):

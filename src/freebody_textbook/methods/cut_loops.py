@@ -10,7 +10,7 @@ from freebody.algorithms.kinematics import frame_pose
 from freebody.errors import listed
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
-from freebody.expressions.printed_names import entry, sym
+from freebody.expressions.printed_names import entry, place, sym
 from freebody.expressions.typesetting.literal import literal
 from freebody.lazy import cached_property
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -22,7 +22,6 @@ from freebody_textbook.closed_chains.linear import Ratio, product, quotient
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.render.rows import place
 
 LONG = 90
 """Numbers and symbols up to which a matrix is written out."""

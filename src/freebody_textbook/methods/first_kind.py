@@ -19,11 +19,10 @@ from freebody_textbook.equations.equation_views import symmetric
 from freebody_textbook.methods import absolute_coordinates, glossary, lagrange, modular_ring
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import LONG, Loops, block_system
-from freebody_textbook.methods.energies import HALF, Energies
+from freebody_textbook.methods.energies import HALF, Energies, virtual_work
 from freebody_textbook.methods.method import Method, MethodOption, Worked
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.step_reasons import Efforts
-from freebody_textbook.methods.virtual_work import virtual_work
 
 SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""

@@ -20,14 +20,12 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import glossary, step_reasons
-from freebody_textbook.methods.body_motion import motion
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.coupled_joints import joints
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.geometry import geometry
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.reactions import rotor_part
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import geometry, joints, motion
 
 
 def work_out(setting: Setting) -> Worked:

@@ -16,13 +16,17 @@ from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import glossary, step_reasons
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.energies import Energies, kinetic_step, potential_step
-from freebody_textbook.methods.geometry import rotation_name
+from freebody_textbook.methods.energies import (
+    Energies,
+    kinetic_step,
+    potential_step,
+    squared_speeds,
+    virtual_work,
+)
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.squared_speeds import squared_speeds
-from freebody_textbook.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
-from freebody_textbook.methods.virtual_work import virtual_work
+from freebody_textbook.methods.shared_steps import rotation_name
+from freebody_textbook.methods.terms import KINETIC, POTENTIAL, TIME, TermSources
 
 
 def work_out(setting: Setting) -> Worked:

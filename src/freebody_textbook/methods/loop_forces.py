@@ -17,9 +17,9 @@ from freebody.spatial import Vector, sub
 from freebody_textbook.closed_chains.statics import LoopStatics
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.geometry import geometry
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import geometry
 
 FEW = 4
 """Multipliers up to which the equations for them are solved in print."""

@@ -21,13 +21,12 @@ from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression, Symbol
 from freebody.expressions.polynomials.symbols import symbols
 from freebody.expressions.polynomials.textbook_form import Layout, Poly, starts_with_minus
-from freebody.expressions.printed_names import sym, vec
+from freebody.expressions.printed_names import component, sym, vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.render.rows import part
 
 _LETTERS = {
     "w": ("omega", ""),
@@ -127,7 +126,7 @@ class ModularSetting(Setting):
     def components(self) -> dict[str, Symbol]:
         """By the name of its generator the symbol of each component."""
         return {
-            generator(quantity, self.numbers[i], axis): part(self.vector(quantity, i), axis)
+            generator(quantity, self.numbers[i], axis): component(self.vector(quantity, i), axis)
             for quantity, i in self.vectors()
             for axis in AXES
         }

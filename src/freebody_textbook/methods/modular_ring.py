@@ -20,12 +20,12 @@ from freebody.spatial import Vector, add, times, transposed
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import recursive
 from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.geometry import rotation_name
 from freebody_textbook.methods.glossary import MOMENT, NEWTON
-from freebody_textbook.methods.inward_recursion import Inward, worked
 from freebody_textbook.methods.loop_forces import LoopForces
 from freebody_textbook.methods.modular import AXES, ModularSetting, generator
+from freebody_textbook.methods.recursive import Inward, worked
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import rotation_name
 
 _OF_LOOP = ("loop.f", "loop.n")
 """Force and moment of the loop on the last body, as generators."""

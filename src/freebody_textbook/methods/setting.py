@@ -1,5 +1,5 @@
-"""One model, ready to be derived: its bodies by number, how they move, and how all of this is called
-and shown.
+"""One model, ready to be derived: its bodies by number, how they move, and how all of this is
+called and shown.
 
 In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of
 the body's own frame, as in chapter 6.

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from freebody.expressions.expression import Equation, Expression, Matrix, Symbol, Vector, eq
+from freebody.expressions.printed_names import component, place
 
 Measure = Callable[[Expression], float]
 
@@ -57,28 +58,12 @@ def unfolded(equation: Equation, width: float, measure: Measure) -> list[Equatio
 def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
     if isinstance(array, Matrix):
         return [
-            eq(part(name, place(i, j)), x)
+            eq(component(name, place(i, j)), x)
             for i, row in enumerate(array.rows, 1)
             for j, x in enumerate(row, 1)
         ]
     labels = "xyz" if len(array.entries) <= 3 else map(str, range(1, len(array.entries) + 1))
-    return [eq(part(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
-
-
-def place(i: int, j: int) -> str:
-    """Row and column of an entry in one subscript: 12, above 9 with a comma, 4,11."""
-    return f"{i}{j}" if max(i, j) < 10 else f"{i},{j}"
-
-
-def part(name: Symbol, label: str) -> Symbol:
-    """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
-    return Symbol(
-        f"{name.name}_{label}",
-        name.letter,
-        (*name.low, *label.split(",")),
-        name.dots,
-        high=name.high,
-    )
+    return [eq(component(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
 
 
 def left_side(equation: Equation) -> Expression:

@@ -1,23 +1,34 @@
-"""The step that says what each term of the equations of motion is."""
+"""Terms of equations: the step that says what each of them is, and which derivative of the
+energies it came from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import TypeGuard
 
 from freebody.errors import listed
 from freebody.expressions import expression as ex
+from freebody.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
-from freebody.expressions.nodes import Product, nodes
-from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.nodes import Function, Negative, Product, Sourced, Sum, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.term_sources import moving, patterns
 
-MANY = 12
+_MANY = 12
 """Terms up to which each has a row of its own."""
+
+
+_Pattern = tuple[str, ...]
+"""The rates, accelerations and other such factors of a product, sorted."""
+
+
+TIME, KINETIC, POTENTIAL, SEVERAL = "time", "kinetic", "potential", "several"
+"""Sources: d/dt ∂L/∂q̇, ∂T/∂q, ∂V/∂q, and more than one of them."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +114,7 @@ def term_meanings(s: Setting, closed: Step) -> list[Step]:
     if not terms:
         return []
     each = [Meaning((x.shown,), x.words, "") for x in terms]
-    rows = tuple(each if len(each) <= MANY else _by_kind(terms))
+    rows = tuple(each if len(each) <= _MANY else _by_kind(terms))
     return [Step("What each term means", _reason(terms), terms=rows)]
 
 
@@ -166,7 +177,7 @@ class _Terms:
         return f"{what} {s.numbers[s.leaders[i]]}"
 
     def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[TermKind, tuple[str, ...]]:
-        found = sorted(patterns(part, self.names))
+        found = sorted(_patterns(part, self.names))
         names = found[0] if found else ()
         coordinates = self.s.symbols.coordinates
         second = [k for k, x in enumerate(coordinates) if x + SECOND in names]
@@ -204,3 +215,88 @@ def _symbol(term: Expression) -> Expression:
     inside = term.operand if isinstance(term, ex.Negative) else term
     factors = inside.factors if isinstance(inside, Product) else (inside,)
     return next((x for x in factors if not isinstance(x, ex.Number)), inside)
+
+
+class TermSources:
+    """Polynomials by what they are derivatives of; a printed term is from those that hold its
+    products of rates and accelerations.
+
+    Two of them may hold such a product and cancel in part; then the term is from several.
+    """
+
+    def __init__(self, symbols: Symbols, polynomials: Mapping[str, Trig]):
+        self._moving = moving(symbols)
+        self._sources: dict[_Pattern, set[str]] = {}
+        for source, polynomial in polynomials.items():
+            for powers, _ in polynomial.terms():
+                pattern = tuple(
+                    name for name in sorted(powers) if name in self._moving
+                    for _ in range(powers[name])
+                )  # fmt: skip
+                self._sources.setdefault(pattern, set()).add(source)
+
+    def marked(self, shown: Expression) -> Expression:
+        """An expression with its terms marked; those from elsewhere stay as they are."""
+        terms = shown.terms if isinstance(shown, Sum) else (shown,)
+        return ex.add(*map(self._marked, terms))
+
+    def _marked(self, term: Expression) -> Expression:
+        if isinstance(term, Negative):
+            return Negative(self._marked(term.operand))
+        found = {
+            source
+            for pattern in _patterns(term, self._moving)
+            for source in self._sources.get(pattern, ())
+        }
+        if not found & {TIME, KINETIC, POTENTIAL}:
+            return term
+        return Sourced(term, found.pop() if len(found) == 1 else SEVERAL)
+
+
+def moving(symbols: Symbols) -> frozenset[str]:
+    """Names of rates, accelerations, signs of rates, and of what the model itself does not hold."""
+    names = symbols.coordinates
+    return frozenset(
+        (
+            *(x + dots for x in names for dots in (RATE, SECOND)),
+            *(f"sgn_{x}{RATE}" for x in names),
+            *symbols.extra,
+        )
+    )
+
+
+def _patterns(term: Expression, names: Collection[str]) -> Collection[_Pattern]:
+    """The products of these names that occur in a printed term; none where it is no product or sum
+    of scalars."""
+    nothing: frozenset[_Pattern] = frozenset({()})
+
+    def function(
+        node: Function, at: Callable[[Expression], Collection[_Pattern]]
+    ) -> Collection[_Pattern]:
+        if node.name == "sgn":
+            return frozenset((f"sgn_{name}",) for pattern in at(node.argument) for name in pattern)
+        return nothing
+
+    rules: Rules = {
+        **arithmetic(
+            lambda number: nothing,
+            total=lambda terms: frozenset().union(*terms),
+            product=_product,
+            negative=lambda operand: operand,
+            quotient=lambda above, below: above,
+            power=lambda base, exponent: _product([base] * max(exponent, 0)),
+        ),
+        Symbol: lambda node, at: frozenset({(node.name,)}) if node.name in names else nothing,
+        Function: function,
+    }
+    try:
+        return evaluate(term, rules)
+    except NoValue:
+        return ()
+
+
+def _product(factors: Iterable[Collection[_Pattern]]) -> Collection[_Pattern]:
+    def times(a: Collection[_Pattern], b: Collection[_Pattern]) -> Collection[_Pattern]:
+        return frozenset(tuple(sorted((*x, *y))) for x in a for y in b)
+
+    return reduce(times, factors, frozenset({()}))
