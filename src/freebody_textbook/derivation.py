@@ -18,7 +18,7 @@ from freebody_textbook.render import documents
 if TYPE_CHECKING:
     from freebody_textbook.closed_chains.first_kind import FirstKind
     from freebody_textbook.closed_chains.statics import LoopStatics
-    from freebody_textbook.render.living_parts import LivingParts
+    from freebody_textbook.render.documents import LivingParts
 
 
 @dataclass(frozen=True, repr=False)

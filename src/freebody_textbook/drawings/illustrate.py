@@ -34,7 +34,7 @@ from freebody_textbook.living.living import living
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_bodies import are_free
 from freebody_textbook.methods.free_body_steps import mass_symbol, thrusts_of
-from freebody_textbook.render.living_parts import LivingParts
+from freebody_textbook.render.documents import LivingParts
 
 WIDE, TALL = 460.0, 400.0
 _FREE = "free "

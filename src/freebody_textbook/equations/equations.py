@@ -24,8 +24,8 @@ from freebody_textbook.equations.base_parameters import base_view
 from freebody_textbook.equations.closed_form import ClosedForm
 from freebody_textbook.equations.equation_views import in_terms
 from freebody_textbook.equations.intermediates import intermediates
+from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.render import page
-from freebody_textbook.render.sympy import to_sympy
 
 Names = str | PathLike[str] | BookNotation
 """A notation, or "standard"."""

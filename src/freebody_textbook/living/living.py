@@ -42,7 +42,7 @@ from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.formula_values import rank
 from freebody_textbook.relations.quantities import Quantities, branches
-from freebody_textbook.render.living_parts import LivingParts
+from freebody_textbook.render.documents import LivingParts
 
 MOST_JOINTS = 4
 """Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
