@@ -30,8 +30,8 @@ from freebody.expressions.expression import (
 )
 from freebody.expressions.nodes import nodes, replaced
 from freebody.expressions.printed_names import entry, sym, vec
-from freebody.expressions.typesetting.lines import broken
 from freebody.expressions.typesetting.text import TEXT
+from freebody.expressions.typesetting.typesetter import broken
 from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.relations.formula_values import value
 from support.extras import extra

@@ -10,9 +10,8 @@ from typing import Any
 
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.expressions.nodes import Equation, Expression, Symbol, Words, nodes
-from freebody.expressions.notations.angles import angles_of
 from freebody.expressions.notations.lettering import lettering_of
-from freebody.expressions.notations.notation import BookNotation, notation_of
+from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model

@@ -10,9 +10,8 @@ from fractions import Fraction
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression
-from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.kinematics import Kinematics, shortest_determinant
 from freebody.expressions.polynomials.angle_sums import Monomial, gathered, raw
-from freebody.expressions.polynomials.determinant import shortest_determinant
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property

@@ -16,8 +16,7 @@ from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.arithmetic import times
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import determinant, times
 from freebody.expressions.singularities import Determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -12,7 +12,7 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.expressions.polynomials.textbook_form import Layout

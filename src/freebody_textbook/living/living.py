@@ -20,7 +20,6 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
-from freebody.expressions.polynomials.typical_values import typical
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
@@ -40,7 +39,7 @@ from freebody_textbook.methods.free_bodies import are_free
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.relations.formula_values import rank
+from freebody_textbook.relations.formula_values import rank, typical
 from freebody_textbook.relations.quantities import Quantities, branches
 from freebody_textbook.render.documents import LivingParts
 

@@ -9,12 +9,12 @@ from itertools import combinations
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.nodes import Product, Symbol, Words
-from freebody.expressions.polynomials.directions import Directed, cosine, directed, sine
 from freebody.expressions.printed_names import component, sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale, sub
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods import step_reasons
+from freebody_textbook.methods.lengths_and_directions import Directed, cosine, directed, sine
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import moment_of

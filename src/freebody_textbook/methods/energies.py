@@ -12,12 +12,12 @@ from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.nodes import Symbol, Words
 from freebody.expressions.polynomials.arithmetic import inner
-from freebody.expressions.polynomials.directions import cosine, directed, sine
 from freebody.expressions.printed_names import component, sym, vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import add, dot, times
 from freebody_textbook.derivation import Step
+from freebody_textbook.methods.lengths_and_directions import cosine, directed, sine
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import measured
 

@@ -25,7 +25,6 @@ from freebody.expressions.expression import Expression
 from freebody.expressions.naming import Naming
 from freebody.expressions.nodes import Equation, Words
 from freebody.expressions.notations.lettering import PLAIN, Lettering
-from freebody.expressions.polynomials.grouped_by_length import by_lengths
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.expressions.printed_names import sym, vec
@@ -36,6 +35,7 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
 from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.equations.equations import Equations
+from freebody_textbook.methods.lengths_and_directions import by_lengths
 
 MOST = 200
 """Terms that will not fit whatever their form."""

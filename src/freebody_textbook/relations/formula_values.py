@@ -1,10 +1,11 @@
-"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of
-tuples."""
+"""Values of formulas over exact polynomials or numbers, and usual values of symbols for
+examples: vectors are tuples, matrices tuples of tuples."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from typing import Any
@@ -35,6 +36,16 @@ from freebody.spatial import product, times, transposed
 from freebody_textbook.relations.formula import FormulaError
 
 Value = Any
+
+
+_TYPICAL = {
+    "l": (0.5, 0.4, 0.3, 0.2), "lc": (0.2, 0.15, 0.12, 0.1), "m": (3.0, 2.0, 1.5, 1.0),
+    "I": (0.08, 0.05, 0.03, 0.02),
+    "theta": (0.4, 0.9, -0.6, 0.7), "d": (0.25, 0.35, 0.15, 0.45),
+}  # fmt: skip
+
+
+_TYPICAL_RATES, _TYPICAL_SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 
 class Each(tuple):
@@ -273,3 +284,31 @@ _RULES: Rules = {
     Vector: lambda node, at: _stacked(list(map(at, node.entries))),
     Matrix: lambda node, at: tuple(tuple(map(at, row)) for row in node.rows),
 }
+
+
+def typical(
+    names: Sequence[str], given: Mapping[str, float | None] | None = None
+) -> dict[str, float]:
+    """A usual value for each symbol; those given stay."""
+    return {
+        name: typical_value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)
+    }
+
+
+def occurs(name: str, x: Trig) -> bool:
+    """Whether a polynomial has a symbol, or its sine or cosine, in it."""
+    index, degrees = x.ring.index, x.poly.degrees()
+    return any(n in index and degrees[index[n]] > 0 for n in (name, f"sin_{name}", f"cos_{name}"))
+
+
+def typical_value(name: str, given: float | None, shift: int, k: int) -> float:
+    """The model's value; else one of a usual size."""
+    if given is not None:
+        return given
+    match = re.fullmatch(r"([A-Za-z]+)(\d+)(_d{1,2})?", name)
+    number = (int(match[2]) if match else k) - 1 + shift
+    if match and match[3]:
+        return (_TYPICAL_RATES if match[3] == "_d" else _TYPICAL_SECONDS)[number % 4]
+    if match and match[1] in _TYPICAL:
+        return _TYPICAL[match[1]][number % 4]
+    return 9.81 if name == "g" else round(0.3 + 0.17 * (number % 5), 2)

@@ -12,7 +12,6 @@ import numpy as np
 from freebody.expressions.expression import Equation
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
-from freebody.expressions.polynomials.typical_values import occurs, typical
 from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
@@ -21,10 +20,12 @@ from freebody_textbook.relations.formula_values import (
     Each,
     Value,
     minus,
+    occurs,
     plain,
     plus,
     rank,
     shape_name,
+    typical,
     value,
 )
 from freebody_textbook.relations.quantities import of_link

@@ -25,9 +25,9 @@ from freebody.expressions.polynomials.angle_sums import (
     Wave,
     as_products,
     gathered,
+    paired,
     raw,
 )
-from freebody.expressions.polynomials.sums_to_products import paired
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import SECOND, Symbols
 from freebody.expressions.printed_names import sym

@@ -7,8 +7,7 @@ from fractions import Fraction
 from xml.sax.saxutils import escape
 
 from freebody.expressions.nodes import Expression, Symbol
-from freebody.expressions.typesetting.lines import BREAK
-from freebody.expressions.typesetting.typesetter import Notation, Typesetter, is_call
+from freebody.expressions.typesetting.typesetter import BREAK, Notation, Typesetter, is_call
 
 NAMESPACE = 'xmlns="http://www.w3.org/1998/Math/MathML"'
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'

@@ -12,8 +12,7 @@ from typing import Any
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.parser import PI
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.notations.angles import Weights, angles_of
-from freebody.expressions.notations.notation import BookNotation
+from freebody.expressions.notations.notation import BookNotation, Weights, angles_of
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import (
     RATE,
