@@ -1,37 +1,40 @@
-"""What `fb.derive` tells: the equations of motion step by step, by one of the methods of
-`derivations/methods`."""
+"""Derivations of the equations of motion, step by step, by one of the methods of
+`freebody_textbook.methods`, and parameters that formulas give in them: lc = l/2 of every link,
+I1 = m1 l1²/12, or a number."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+import re
+from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
 
 from freebody.errors import FreebodyError, UnknownNameError, listed
-from freebody.expressions.nodes import Equation, Expression, Symbol, Words, nodes
+from freebody.expressions.expression import Expression
+from freebody.expressions.nodes import Equation, Words, nodes
 from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
-from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.polynomials.symbols import Formulas, Symbols
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.printed_names import sym
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import inertial_names, negative, of_each_link
+from freebody.model.parameters import finite
+from freebody.scalars.trig import Trig
 from freebody.spatial import of_dimension
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.free_bodies import velocity_names
 from freebody_textbook.methods.method import LOADS, Method
-from freebody_textbook.methods.overview import overview
+from freebody_textbook.methods.overview import overview, told_once
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.whole_bodies import symbols_of_bodies, told
-from freebody_textbook.parameter_formulas import as_terms, formulas_of, freed
-from freebody_textbook.parameter_formulas import told as told_formulas
+from freebody_textbook.methods.whole_bodies import symbols_of_bodies, told, velocity_names
+from freebody_textbook.relations.formula import FormulaError, names_in, parse
+from freebody_textbook.relations.formula_values import value
 
-_FEW = 3
-"""Legs up to which each has lines of its own."""
-
-
-_Names = Mapping[str, str]
+_NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
 
 
 def undrawn_derivation(
@@ -71,20 +74,20 @@ def undrawn_derivation(
     _require_angles(record, style, model)
     angles = angles_of(caller, style, made.model)
     if style.parameters or any(angles):
-        formulas = as_terms(formulas_of(caller, made, style.parameters))
+        formulas = _as_terms(formulas_of(caller, made, style.parameters))
         made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
     lettering = lettering_of(style, made.model, made.coordinates)
     setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
     given = " ".join(
-        [given, *told(model, made, not worked.robot), *told_formulas(made, setting.layout)]
+        [given, *told(model, made, not worked.robot), *_told_formulas(made, setting.layout)]
     )
     derivation = Derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
-        _with_lengths(_told_once(setting, worked.steps)),
+        _with_lengths(told_once(setting, worked.steps)),
         worked.tau,
         given,
         glossary,
@@ -107,106 +110,6 @@ def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
 
 def _is_told_by_length(line: Equation) -> bool:
     return any(isinstance(x, Words) and x.text.endswith(("terms", "terms)")) for x in nodes(line))
-
-
-def _told_once(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ...]:
-    """The steps without the lines of further legs that are those of the first leg under other
-    names; steps of which none is left are dropped."""
-    first, *others = _legs(s)
-    if len(others) < _FEW:
-        return steps
-    renamings = [_renaming(s, first, leg) for leg in others]
-    known = {x for names in renamings for x in names}
-    model = [
-        (k, line)
-        for k, step in enumerate(steps)
-        for line in step.equations
-        if known & set(_names(line))
-    ]
-    told: set[int] = set()
-    found = []
-    for step in steps:
-        kept = []
-        for line in step.equations:
-            like = _model_of(line, model, renamings)
-            if like is None:
-                kept.append(line)
-            else:
-                told.add(like)
-        found.append(replace(step, equations=tuple(kept)))
-    reasons = _reasons(s, first, others)
-    return tuple(
-        replace(new, reason=new.reason + next(reasons)) if k in told else new
-        for k, (old, new) in enumerate(zip(steps, found, strict=True))
-        if new.equations or not old.equations
-    )
-
-
-def _legs(s: Setting) -> list[list[int]]:
-    """The most chains of bodies from the ground that have the same joints in a row."""
-    groups: dict[tuple[tuple[bool, bool], ...], list[list[int]]] = {(): [[]]}
-    for root in s.tree.children(-1):
-        leg = [root]
-        while len(below := s.tree.children(leg[-1])) == 1:
-            leg.append(below[0])
-        if not below and not set(leg) & s.links:
-            joints = tuple((s.turns(i), s.slides(i)) for i in leg)
-            groups.setdefault(joints, []).append(leg)
-    return max(groups.values(), key=len)
-
-
-def _renaming(s: Setting, first: list[int], leg: list[int]) -> _Names:
-    """Names of coordinates and their rates of one leg, from those of the first."""
-    return {
-        s.coordinate(a) + dots: s.coordinate(b) + dots
-        for a, b in zip(first, leg, strict=True)
-        for dots in ("", RATE, SECOND)
-    }
-
-
-def _names(line: Expression) -> Iterator[str]:
-    return (x.name for x in nodes(line) if isinstance(x, Symbol))
-
-
-def _model_of(
-    line: Expression, model: Iterable[tuple[int, Expression]], renamings: Iterable[_Names]
-) -> int | None:
-    """The step of the first leg's line that a line is under the names of its own leg."""
-    own = set(_names(line))
-    for names in renamings:
-        if own & set(names.values()):
-            for k, other in model:
-                if _same(other, line, dict(names), {b: a for a, b in names.items()}):
-                    return k
-    return None
-
-
-def _same(a: Any, b: Any, there: dict[str, str], back: dict[str, str]) -> bool:
-    """Whether two trees are equal but for names, each of which stands for one other."""
-    if isinstance(a, Symbol) and isinstance(b, Symbol):
-        look = [(x.letter, x.dots, x.high, x.bold) for x in (a, b)]
-        given = there.setdefault(a.name, b.name) == b.name
-        return look[0] == look[1] and given and back.setdefault(b.name, a.name) == a.name
-    if type(a) is not type(b):
-        return False
-    if isinstance(a, tuple):
-        return len(a) == len(b) and all(_same(x, y, there, back) for x, y in zip(a, b, strict=True))
-    if isinstance(a, Expression):
-        one, other = (tuple([getattr(x, name) for name in x.__match_args__]) for x in (a, b))
-        return _same(one, other, there, back)
-    return a == b
-
-
-def _reasons(s: Setting, first: list[int], others: list[list[int]]) -> Iterator[str]:
-    def span(leg: list[int]) -> str:
-        return f"{s.numbers[leg[0]]} to {s.numbers[leg[-1]]}"
-
-    yield (
-        f" The lines are those of the first leg, bodies {span(first)}; for bodies "
-        f"{listed(list(map(span, others)))} they are the same, with other numbers."
-    )
-    while True:
-        yield " The lines of the other legs are the same, with other numbers."
 
 
 def method_named(name: str) -> Method:
@@ -308,6 +211,116 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)
+
+
+# ---------------------------------------------------------------- parameters by formulas
+def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
+    """The values of the parameters that formulas give, in the others; a name without its number is
+    that of every link.
+
+    Raises UnknownNameError, and FreebodyError for a formula that cannot be read, that changes with
+    the motion, that names a parameter given by a formula, or that makes a mass or a moment of
+    inertia negative: with the model's values, and where it has none for all positive ones.
+    """
+    texts = {
+        own: text
+        for name, formula in given.items()
+        for own, text in _of_each_link(
+            caller, symbols, name, _formula_text(caller, name, formula)
+        ).items()
+        if text.strip() != own  # its own name
+    }
+    inertial = inertial_names(symbols.model)
+    known = {name: symbols.ring[name] for name in symbols.ring.names} | symbols.followed({})
+    found: dict[str, Trig] = {}
+    for name, text in texts.items():
+        parsed = _parsed(caller, name, text)
+        try:
+            made = value(parsed, known)
+        except FreebodyError as problem:
+            raise _bad(caller, name, text, problem) from None
+        except ZeroDivisionError:
+            raise _bad(caller, name, text, FreebodyError("it divides by 0")) from None
+        if isinstance(made, tuple):
+            raise _bad(caller, name, text, FreebodyError("a parameter is one number"))
+        made = made if isinstance(made, Trig) else symbols.zero() + made
+        if any(set(powers) & set(texts) for powers, _ in made.terms()):
+            raise FreebodyError(
+                f"{caller}: {name} = {text} names a parameter that is given by a formula; write "
+                "it with the others."
+            )
+        if not made.along(symbols.rates).is_zero:
+            raise FreebodyError(
+                f"{caller}: {name} = {text} changes with the motion; a parameter is constant."
+            )
+        if name in inertial:
+            model = symbols.model
+            fault = negative(made.terms(), model.parameters, model.name, inertial[name])
+            if fault:
+                raise FreebodyError(f"{caller}: {name} = {text} {fault}.")
+        found[name] = made
+    return found
+
+
+def _formula_text(caller: str, name: str, formula: object) -> str:
+    """A formula, or a number, as text."""
+    if not isinstance(formula, str):
+        return repr(finite(formula, f"{caller}: the parameter {name}"))
+    if _NOT_FINITE.fullmatch(formula):
+        raise _bad(caller, name, formula, FreebodyError("it is not a finite number"))
+    return formula
+
+
+def _as_terms(values: Mapping[str, Trig]) -> Formulas:
+    """Such values for `symbols`."""
+    return tuple(
+        (name, tuple((tuple(powers.items()), x) for powers, x in value.terms()))
+        for name, value in values.items()
+    )
+
+
+def _values_of(symbols: Symbols) -> dict[str, Trig]:
+    """The values of the parameters that `symbols` has by formulas."""
+    polynomial = symbols.ring.polynomial
+    return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
+
+
+def freed(model: Model, given: Mapping[str, str | float]) -> Model:
+    """The model without its own formulas for parameters that are given otherwise."""
+    return model.bind({name: name for name in given}) if model.formulas and given else model
+
+
+def _told_formulas(symbols: Symbols, layout: Layout) -> list[str]:
+    """A sentence with the formulas that hold in what is derived."""
+    if not symbols.follows:
+        return []
+    rows = [
+        f"{sym(name)} = {layout.form(x)}"
+        for name, x in symbols.followed(_values_of(symbols)).items()
+    ]
+    return [f"Here {listed(rows)}."] if rows else []
+
+
+def _parsed(caller: str, name: str, formula: str) -> Expression:
+    try:
+        return parse(formula)
+    except FormulaError as problem:
+        raise _bad(caller, name, formula, problem) from None
+
+
+def _bad(caller: str, name: str, formula: str, problem: FreebodyError) -> FreebodyError:
+    own = problem.bare if isinstance(problem, FormulaError) else str(problem)
+    return FreebodyError(f"{caller}: the parameter {name} = {formula}: {own.rstrip('.')}.")
+
+
+def _of_each_link(caller: str, symbols: Symbols, name: str, formula: str) -> dict[str, str]:
+    """A formula for one parameter, or that of a family for every link."""
+    parameters = symbols.model.parameters
+    names = () if name in parameters else names_in(_parsed(caller, name, formula))
+    found = of_each_link(name, formula, names, parameters)
+    if not found:
+        raise UnknownNameError("parameter", name, repr(symbols.model.name), parameters)
+    return found
 
 
 def _listed() -> str:

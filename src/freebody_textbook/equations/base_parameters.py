@@ -23,8 +23,7 @@ from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.model.inertial_parameters import body_parameters
 from freebody.scalars.trig import Trig
-from freebody_textbook.equations.closed_form import SHORT, ClosedForm
-from freebody_textbook.equations.equation_views import NOTES, Letters, named
+from freebody_textbook.equations.closed_form import NOTES, SHORT, ClosedForm, Letters, named
 
 if TYPE_CHECKING:
     from freebody_textbook.equations.equations import Equations

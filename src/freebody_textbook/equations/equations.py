@@ -19,10 +19,9 @@ from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
-from freebody_textbook.equations import equation_views, source_code
+from freebody_textbook.equations import source_code
 from freebody_textbook.equations.base_parameters import base_view
-from freebody_textbook.equations.closed_form import ClosedForm
-from freebody_textbook.equations.equation_views import in_terms
+from freebody_textbook.equations.closed_form import STANDARD, ClosedForm, expanded, in_terms, named
 from freebody_textbook.equations.intermediates import intermediates
 from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.render import page
@@ -68,15 +67,15 @@ class Equations(Titled, ClosedForm):
                 f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
                 "fb.derive(model, notation=...) writes equations with them."
             )
-        letters = equation_views.STANDARD if standard else in_terms(notation.terms)
+        letters = STANDARD if standard else in_terms(notation.terms)
         if view == "intermediates":
             groups = [self.intermediates()]
         elif view == "expanded":
-            groups = equation_views.expanded(self, self.layout)
+            groups = expanded(self, self.layout)
         elif view == "base":
             groups = base_view(self, letters)
         elif view in ("named", "auto"):
-            groups = equation_views.named(self, self.layout, letters)
+            groups = named(self, self.layout, letters)
         else:
             raise UnknownNameError("view", view, "Equations", VIEWS)
         if standard or notation is preset("notes"):

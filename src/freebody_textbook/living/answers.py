@@ -35,10 +35,10 @@ from freebody_textbook.check.states.admissible_states import AdmissibleStates, S
 from freebody_textbook.check.states.state_values import SIGN
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
+from freebody_textbook.derive import freed
 from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.language import tables
 from freebody_textbook.methods import METHODS
-from freebody_textbook.parameter_formulas import freed
 from freebody_textbook.relations.formula_values import rank, typical
 
 MOST_THOUGHT = 4

@@ -35,10 +35,10 @@ from freebody_textbook.living.page_figure import Labels, PageFigure
 from freebody_textbook.living.panel import below, panel
 from freebody_textbook.living.traced import TracedSetting, TracedSymbols
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.free_bodies import are_free
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.whole_bodies import are_free
 from freebody_textbook.relations.formula_values import rank, typical
 from freebody_textbook.relations.quantities import Quantities, branches
 from freebody_textbook.render.documents import LivingParts

@@ -18,8 +18,7 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import dot, sub
 from freebody_textbook.derivation import Step
 from freebody_textbook.equations.base_parameters import short_by_base
-from freebody_textbook.equations.equation_views import in_terms, named
-from freebody_textbook.methods.reactions import rotor_part
+from freebody_textbook.equations.closed_form import in_terms, named
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.step_reasons import motorless
 from freebody_textbook.methods.terms import term_meanings
@@ -236,7 +235,7 @@ def _swinging(s: Setting, pivot: int) -> Trig:
             arm, m = sub(s.centre_position(i), origin), s.mass(i)
             (weight,) = s.tree.space.moment(arm, s.gravity(i))
             total = total + (s.inertia(i) + m * dot(arm, arm)) * s.symbols.qdd[k] - m * weight
-    return s.symbols.element(total) + s.equations.drives[k] + rotor_part(s, pivot)
+    return s.symbols.element(total) + s.equations.drives[k] + s.rotor_part(pivot)
 
 
 def _at_zero(s: Setting, held: Iterable[int], straight: Iterable[int]) -> Callable[[Trig], Trig]:

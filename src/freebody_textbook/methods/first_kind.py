@@ -15,7 +15,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import MOST, Reduction
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.derivation import Meaning, Step
-from freebody_textbook.equations.equation_views import symmetric
+from freebody_textbook.equations.closed_form import symmetric
 from freebody_textbook.methods import absolute_coordinates, glossary, lagrange, modular_ring
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import LONG, Loops, block_system

@@ -16,50 +16,17 @@ from freebody.expressions.printed_names import sym, vec
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import Placement
 from freebody_textbook.derivation import Meaning
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.free_body_steps import (
     PLACES,
     UNITS,
-    XYZ,
     FreeBody,
-    mark_of,
     part_with_mass,
     thrusts_of,
 )
 from freebody_textbook.methods.method import Worked
 from freebody_textbook.methods.setting import Setting
-
-
-def are_free(model: Model) -> bool:
-    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
-
-    It is the same of a model with loads on its bodies and of that with each load part of its body.
-    """
-    return model.dim == 3 and all(
-        body.kind.frees(3)
-        and body.kind.quaternion is not None
-        and body.parent < 0
-        and body.joint.placement == Placement()
-        and len(body.inertias) > 0
-        for body in model.bodies
-    )
-
-
-def velocity_names(model: Model) -> tuple[str, ...]:
-    """The symbols that free bodies bring with them: components of v and ω, their derivatives, and
-    thrusts; none of another model."""
-    if not are_free(model):
-        return ()
-    moving = [
-        f"{letter}{mark_of(model, k)}_{axis}{dots}"
-        for dots in (RATE, "")  # accelerations stand first in equations
-        for k in range(len(model.bodies))
-        for letter in UNITS
-        for axis in XYZ
-    ]
-    return (*moving, *thrusts_of(model))
 
 
 def work_out(s: Setting, route: str) -> Worked:

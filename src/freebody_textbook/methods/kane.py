@@ -23,7 +23,6 @@ from freebody_textbook.methods import glossary, step_reasons
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
 from freebody_textbook.methods.method import Method, Worked
-from freebody_textbook.methods.reactions import rotor_part
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, joints, motion
 
@@ -219,7 +218,7 @@ class _JointRate:
 
     @property
     def _rotor(self) -> Trig:
-        return rotor_part(self.s, self.i)
+        return self.s.rotor_part(self.i)
 
     @property
     def _active(self) -> Trig:

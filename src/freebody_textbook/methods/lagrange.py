@@ -25,7 +25,6 @@ from freebody_textbook.methods.energies import (
 )
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.shared_steps import rotation_name
 from freebody_textbook.methods.terms import KINETIC, POTENTIAL, TIME, TermSources
 
 
@@ -141,7 +140,7 @@ def _velocities(s: Setting) -> Step:
     for i in s.weighted:
         rate: Expression = ex.d_dt(s.name("rc", i))
         if not s.planar:
-            rate = ex.mul(rotation_name(s, -1, i), rate)
+            rate = ex.mul(s.rotation_name(-1, i), rate)
         lines.append(eq(s.name("vc", i), rate, s.column(s.centre_velocity(i))))
     reason = "Differentiating the positions with respect to time gives the velocities"
     axes = (

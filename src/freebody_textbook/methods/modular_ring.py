@@ -25,7 +25,6 @@ from freebody_textbook.methods.loop_forces import LoopForces
 from freebody_textbook.methods.modular import AXES, ModularSetting, generator
 from freebody_textbook.methods.recursive import Inward, worked
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.shared_steps import rotation_name
 
 _OF_LOOP = ("loop.f", "loop.n")
 """Force and moment of the loop on the last body, as generators."""
@@ -161,7 +160,7 @@ def _turned(s: RingSetting) -> Step:
     for quantity in s.quantities:
         for k, i in enumerate(s.order):
             parent = s.tree.bodies[i].parent
-            rule = ex.mul(rotation_name(s, parent, i), s.vector(quantity, parent))
+            rule = ex.mul(s.rotation_name(parent, i), s.vector(quantity, parent))
             value = s.column(s.carried[quantity][k + 1])
             lines.append(worked(s.vector(quantity, i), rule, value, False))
     n = s.numbers[s.order[-1]]

@@ -36,13 +36,14 @@ from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, motion, shared_motors
 from freebody_textbook.methods.step_reasons import Efforts
+from freebody_textbook.methods.whole_bodies import are_free
 
 
 def work_out(setting: Setting, route: str) -> Worked:
     """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
     about its pivot. Of bodies that nothing holds: see `free_bodies`; of closed chains: see
     `_of_closed_chain`."""
-    if free_bodies.are_free(setting.symbols.given or setting.symbols.model):
+    if are_free(setting.symbols.given or setting.symbols.model):
         return free_bodies.work_out(setting, route)
     if setting.tree.loops:
         return _of_closed_chain(setting, route)

@@ -113,14 +113,4 @@ def drive_part(s: Setting, i: int) -> Trig:
         if body.drive is not None:
             stretch = body.position(s.symbols.q)[0] - body.drive.rest
             total = total + s.ratio(k) * (body.drive.stiffness * stretch)
-    return total if s.at_rest else s.equations.drives[s.index(i)] + rotor_part(s, i)
-
-
-def rotor_part(s: Setting, i: int) -> Trig:
-    """The same of rotors alone."""
-    total = s.symbols.zero()
-    for k in s.together(i):
-        drive = s.tree.bodies[k].drive
-        if drive is not None:
-            total = total + s.ratio(k) * (drive.rotor * s.rate(k, s.symbols.qdd))
-    return total
+    return total if s.at_rest else s.equations.drives[s.index(i)] + s.rotor_part(i)

@@ -19,7 +19,7 @@ from freebody_textbook.methods.method import Method, MethodOption, Worked
 from freebody_textbook.methods.modular import ModularSetting, last_step
 from freebody_textbook.methods.reactions import drive_part
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.shared_steps import coupled, geometry, rotation_name, shared_motors
+from freebody_textbook.methods.shared_steps import geometry, shared_motors
 from freebody_textbook.methods.step_reasons import coriolis, gyroscopic, working_part
 
 GRAVITIES = ("base", "explicit")
@@ -192,7 +192,7 @@ class Outward:
     def _carried(self, x: Expression, i: int) -> Expression:
         """A vector of the body before, in the axes of body i."""
         s = self.s
-        return x if s.planar else ex.mul(rotation_name(s, s.tree.bodies[i].parent, i), x)
+        return x if s.planar else ex.mul(s.rotation_name(s.tree.bodies[i].parent, i), x)
 
     def _linear(self, i: int) -> list[Equation]:
         s, motion, parent = self.s, self.record.motion, self.s.tree.bodies[i].parent
@@ -349,7 +349,7 @@ class Inward:
     def shared(self) -> list[Step]:
         """The motors that move several joints."""
         s, tau = self.s, self.record.tau
-        drives = {i: drive_part(s, i) for i in coupled(s)}
+        drives = {i: drive_part(s, i) for i in s.coupled}
         values = {i: tau[s.index(i)] for i in drives}
         return shared_motors(s, drives, None if self.rules else values)
 
@@ -364,7 +364,7 @@ class Inward:
 
     def _outer(self, i: int, x: Expression, k: int) -> Expression:
         """A vector of child k in the axes of body i."""
-        return x if self.s.planar else ex.mul(rotation_name(self.s, k, i), x)
+        return x if self.s.planar else ex.mul(self.s.rotation_name(k, i), x)
 
     def _force(self, i: int) -> Expression:
         s = self.s
@@ -378,7 +378,7 @@ class Inward:
 
     def _load(self, i: int) -> Expression:
         """f, in space turned from the world's axes."""
-        return vec("f") if self.s.planar else ex.mul(rotation_name(self.s, -1, i), vec("f"))
+        return vec("f") if self.s.planar else ex.mul(self.s.rotation_name(-1, i), vec("f"))
 
     def _moment(self, i: int) -> Expression:
         s = self.s

@@ -153,6 +153,11 @@ class Setting:
         """Whether the joint of body i neither follows another nor is followed."""
         return not self.follows(i) and len(self.together(i)) == 1
 
+    @cached_property
+    def coupled(self) -> tuple[int, ...]:
+        """Bodies whose joints others follow."""
+        return tuple(i for i in self.leaders if not self.is_alone(i))
+
     def ratio(self, i: int) -> float:
         """How far the joint of body i goes for each unit of its coordinate."""
         return self.tree.bodies[i].coordinates.ratio
@@ -160,6 +165,15 @@ class Setting:
     def rate(self, i: int, rates: Vector) -> Scalar:
         """The rate of body i's joint, or its acceleration, of those of the coordinates."""
         return self.tree.bodies[i].rates(rates)[0]
+
+    def rotor_part(self, i: int) -> Trig:
+        """Inertia of the rotors at joint i and those that follow it, times their accelerations."""
+        total = self.symbols.zero()
+        for k in self.together(i):
+            drive = self.tree.bodies[k].drive
+            if drive is not None:
+                total = total + self.ratio(k) * (drive.rotor * self.rate(k, self.symbols.qdd))
+        return total
 
     # ------------------------------------------------------------ masses
     def _mass(self, i: int) -> Mass:
@@ -302,6 +316,11 @@ class Setting:
     def axis_name(self, i: int) -> Expression:
         """z_i, which joint i turns about, or u_i, along which it slides."""
         return self.naming.axis(self.numbers[i])
+
+    def rotation_name(self, source: int, target: int) -> ex.Symbol:
+        """R^target_source, which takes components from the axes of one body to those of another."""
+        a, b = self.numbers[source], self.numbers[target]
+        return ex.Symbol(f"R{a}_{b}", "R", (str(a),), high=str(b))
 
     def motor(self, i: int) -> Expression:
         """τ_i of the motor; 0 of a passive joint."""

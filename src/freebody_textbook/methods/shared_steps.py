@@ -78,17 +78,11 @@ def _in_space(s: Setting, i: int, rotations: bool) -> list[Equation]:
     if rotations:
         R = s.motion.joints[i][0]
         back = [[R[c][r] for c in range(3)] for r in range(3)]
-        lines.append(eq(rotation_name(s, s.tree.bodies[i].parent, i), _matrix(s, back)))
+        lines.append(eq(s.rotation_name(s.tree.bodies[i].parent, i), _matrix(s, back)))
     elif s.weighs:
-        field = ex.mul(rotation_name(s, -1, i), vec("g"))
+        field = ex.mul(s.rotation_name(-1, i), vec("g"))
         lines.append(eq(field, s.column(s.gravity(i))))
     return lines
-
-
-def rotation_name(s: Setting, source: int, target: int) -> ex.Symbol:
-    """R^target_source, which takes components from the axes of one body to those of another."""
-    a, b = s.numbers[source], s.numbers[target]
-    return ex.Symbol(f"R{a}_{b}", "R", (str(a),), high=str(b))
 
 
 def _matrix(s: Setting, rows: list[list[Scalar]] | tuple) -> Expression:
@@ -160,17 +154,12 @@ def _second(s: Setting) -> str:
     )
 
 
-def coupled(s: Setting) -> list[int]:
-    """The bodies whose joints others follow."""
-    return [i for i in s.leaders if not s.is_alone(i)]
-
-
 def shared_motors(
     s: Setting, drives: Mapping[int, Scalar], values: Mapping[int, Scalar] | None = None
 ) -> list[Step]:
     """A step for each group of joints that move together; drives: what friction and the like take;
     values: of the motors, where they are told."""
-    return [_shared(s, i, drives[i], values) for i in coupled(s)]
+    return [_shared(s, i, drives[i], values) for i in s.coupled]
 
 
 def _shared(s: Setting, i: int, drives: Scalar, values: Mapping[int, Scalar] | None) -> Step:
