@@ -86,7 +86,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 
 
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
-    """The same as data; labels: "names", "values" or "both"."""
+    """The drawings as data, by their names; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
     moving, spoken = _lettered(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
@@ -95,16 +95,8 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
             wanted.setdefault(step.figure, step)
     found, scales = {}, forces.scales_of(moving.loads)
     for name, step in wanted.items():
-        weights = step is None or _has_weights(step)
-        seen = replace(moving, names=replace(moving.names, weights=weights))
-        drawing = _drawn(seen, name, scales)
+        drawing = _noted(moving, name, step, scales, labels)
         if drawing is not None:
-            loaded = name.startswith(("free-body", "carried"))
-            if loaded and not weights and _is_heavy(seen, name):
-                drawing.notes = ["No weights: gravity is in the accelerations"]
-            drawing.notes += _vanishing(step, drawing) if step else []
-            if labels != "names" and step is None:
-                drawing.notes += _state(seen)
             drawing.labels = labels
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
@@ -112,6 +104,24 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
     alike = [scales[int(name.split()[1]) - 1].longest for name in single]
     to_one_scale([found[name] for name in single], WIDE, TALL, alike)
     return found
+
+
+def _noted(
+    moving: Snapshot, name: str, step: Step | None, scales: Sequence[forces.Scale], labels: str
+) -> Drawing | None:
+    """The drawing that a step calls by a name, or without a step the first one, with its notes."""
+    weights = step is None or _has_weights(step)
+    seen = replace(moving, names=replace(moving.names, weights=weights))
+    drawing = _drawn(seen, name, scales)
+    if drawing is None:
+        return None
+    loaded = name.startswith(("free-body", "carried"))
+    if loaded and not weights and _is_heavy(seen, name):
+        drawing.notes = ["No weights: gravity is in the accelerations"]
+    drawing.notes += _vanishing(step, drawing) if step else []
+    if labels != "names" and step is None:
+        drawing.notes += _state(seen)
+    return drawing
 
 
 def _state(seen: Snapshot) -> list[str]:
@@ -329,14 +339,7 @@ def _names(
 ) -> dict[str, str]:
     """What stands beside a body and its joint, by what it names."""
     names, n, plane = seen.names, body.number, seen.model.dim == 2
-    lengths = {
-        "lc": names.centre_length(body) if body.mass > 0 else "",
-        "l": names.length(body, body.ends[0]) if body.ends else "",
-        "ground": names.on_the_ground(body) if body.parent < 0 and not body.kind.slides else "",
-    }
-    same = bool(body.ends) and np.linalg.norm(body.ends[0].place - body.com) < SAME
-    if same and lengths["lc"] == lengths["l"]:
-        lengths["lc"] = ""
+    lengths = _lengths(seen, body)
     found = {what: name for what, name in lengths.items() if canonical(name) in spoken}
     point = names.point(seen.pose, n)
     found["point"] = point if plane and point in written else ""
@@ -346,6 +349,20 @@ def _names(
     if not plane and body.axis is not None:
         found["z"] = names.axis(body) if canonical(names.axis(body)) in spoken else ""
     return {what: name for what, name in found.items() if name}
+
+
+def _lengths(seen: Snapshot, body: BodyPlace) -> dict[str, str]:
+    """Names of a body's lengths, "" of those that it does not have or that have one name."""
+    names = seen.names
+    lengths = {
+        "lc": names.centre_length(body) if body.mass > 0 else "",
+        "l": names.length(body, body.ends[0]) if body.ends else "",
+        "ground": names.on_the_ground(body) if body.parent < 0 and not body.kind.slides else "",
+    }
+    same = bool(body.ends) and np.linalg.norm(body.ends[0].place - body.com) < SAME
+    if same and lengths["lc"] == lengths["l"]:
+        lengths["lc"] = ""
+    return lengths
 
 
 # ---------------------------------------------------------------- the state

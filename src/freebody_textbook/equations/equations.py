@@ -21,7 +21,14 @@ from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
 from freebody_textbook.equations import source_code
 from freebody_textbook.equations.base_parameters import base_view
-from freebody_textbook.equations.closed_form import STANDARD, ClosedForm, expanded, in_terms, named
+from freebody_textbook.equations.closed_form import (
+    STANDARD,
+    ClosedForm,
+    Letters,
+    expanded,
+    in_terms,
+    named,
+)
 from freebody_textbook.equations.intermediates import intermediates
 from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.render import page
@@ -59,31 +66,26 @@ class Equations(Titled, ClosedForm):
     def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded", "intermediates" or "base"."""
         standard = names == "standard"
-        if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
-            raise UnknownNameError("naming", names, "Equations", NAMINGS)
-        notation = preset("notes") if standard else notation_of(names)
-        if notation.parameters or notation.absolute or notation.quarter_turns:
-            raise FreebodyError(
-                f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
-                "fb.derive(model, notation=...) writes equations with them."
-            )
-        letters = STANDARD if standard else in_terms(notation.terms)
-        if view == "intermediates":
-            groups = [self.intermediates()]
-        elif view == "expanded":
-            groups = expanded(self, self.layout)
-        elif view == "base":
-            groups = base_view(self, letters)
-        elif view in ("named", "auto"):
-            groups = named(self, self.layout, letters)
-        else:
-            raise UnknownNameError("view", view, "Equations", VIEWS)
+        notation = preset("notes") if standard else _letters_of(names)
+        groups = self._view(view, STANDARD if standard else in_terms(notation.terms))
         if standard or notation is preset("notes"):
             return groups
         lines = [line for group in groups for line in group]
         lettering = lettering_of(notation, self.symbols.model, self.symbols.coordinates)
         lettering = lettered_for(lettering, lines)
         return [[lettering.line(line) for line in group] for group in groups]
+
+    def _view(self, view: str, letters: Letters) -> list[list[Equation]]:
+        """The equations of a view in the letters of the notes or the usual ones."""
+        if view == "intermediates":
+            return [self.intermediates()]
+        if view == "expanded":
+            return expanded(self, self.layout)
+        if view == "base":
+            return base_view(self, letters)
+        if view in ("named", "auto"):
+            return named(self, self.layout, letters)
+        raise UnknownNameError("view", view, "Equations", VIEWS)
 
     def operations(self, view: str = "named") -> dict[str, int]:
         """Additions, multiplications and functions that a view takes, line by line as printed."""
@@ -178,6 +180,19 @@ class Equations(Titled, ClosedForm):
             lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p,
         )
         return equations(model, self.symbols.reader.numbers)
+
+
+def _letters_of(names: Names) -> BookNotation:
+    """A notation that has letters alone; refuses others."""
+    if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
+        raise UnknownNameError("naming", names, "Equations", NAMINGS)
+    notation = notation_of(names)
+    if notation.parameters or notation.absolute or notation.quarter_turns:
+        raise FreebodyError(
+            f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
+            "fb.derive(model, notation=...) writes equations with them."
+        )
+    return notation
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:

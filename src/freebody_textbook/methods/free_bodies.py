@@ -75,6 +75,12 @@ def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning
     ):
         yield Meaning(tuple(sym(f"tau{j}") for j in chosen), words, unit)
     yield from _parameters(s, given)
+    yield from _vectors(bodies)
+    yield from _constants(given, bodies)
+
+
+def _vectors(bodies: list[FreeBody]) -> Iterator[Meaning]:
+    """Vectors of the bodies; of velocities also components and their derivatives."""
     for letter, words, unit in (
         ("p", "position of the body's origin, world axes", "m"),
         ("v", "velocity of the body's origin", "m/s"),
@@ -88,16 +94,21 @@ def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning
             yield Meaning(tuple(map(sym, names)), "its components", unit)
             rates = tuple(sym(name + RATE) for name in names)
             yield Meaning(rates, "their derivatives with respect to time", f"{unit}²")
+
+
+def _constants(given: Model, bodies: list[FreeBody]) -> Iterator[Meaning]:
+    """Inertias, orientations, places of the centres of mass and the thrusts."""
     yield Meaning(tuple(b.inertia for b in bodies), "inertia about the centre of mass", "kg m²")
     yield Meaning(tuple(b.R for b in bodies), "rotation from the body's axes to the world's", "")
     yield Meaning(tuple(x for b in bodies for x in b.q), "the same as a quaternion", "")
     places = tuple(b.arm for b in bodies if b.is_off_centre)
     if places:
         yield Meaning(places, "centre of mass, from the body's origin", "m")
-    thrusts = tuple(map(sym, thrusts_of(given)))
-    if thrusts:
-        yield Meaning(thrusts, "thrusts along the z axes of the frames on the body", "N")
-        where = tuple(vec(f"s{name.removeprefix('T')}") for name in thrusts_of(given))
+    names = tuple(thrusts_of(given))
+    if names:
+        words = "thrusts along the z axes of the frames on the body"
+        yield Meaning(tuple(map(sym, names)), words, "N")
+        where = tuple(vec(f"s{name.removeprefix('T')}") for name in names)
         yield Meaning(where, "places of the thrusts, from the centre of mass", "m")
 
 

@@ -72,14 +72,16 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
             yield Meaning(rates, theirs, f"{words.unit}/s, {words.unit}/s²")
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:
-            plural = "s" if len(driven) > 1 else ""
-            yield Meaning(
-                tuple(map(s.motor, driven)),
-                f"torque{plural} on the bod{'ies' if plural else 'y'}"
-                if absolute
-                else f"{words.effort}{plural} of the motor{plural}",
-                words.effort_unit,
-            )
+            yield _motors(s, driven, words, absolute)
+
+
+def _motors(s: Setting, driven: list[int], words: JointWords, absolute: bool) -> Meaning:
+    """What the motors of joints that are spoken of alike give; absolute: along angles of links."""
+    plural = "s" if len(driven) > 1 else ""
+    meaning = f"{words.effort}{plural} of the motor{plural}"
+    if absolute:
+        meaning = f"torque{plural} on the bod{'ies' if plural else 'y'}"
+    return Meaning(tuple(map(s.motor, driven)), meaning, words.effort_unit)
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:

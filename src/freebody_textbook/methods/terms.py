@@ -179,22 +179,33 @@ class _Terms:
     def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[TermKind, tuple[str, ...]]:
         found = sorted(_patterns(part, self.names))
         names = found[0] if found else ()
-        coordinates = self.s.symbols.coordinates
-        second = [k for k, x in enumerate(coordinates) if x + SECOND in names]
-        first = [k for k, x in enumerate(coordinates) if x + RATE in names]
+        second = self._places(names, SECOND)
         if second:
             return (INERTIA, ()) if second == [i] else (COUPLING, self._joints(second))
         if any(name.startswith(MULTIPLIER) for name in names) or not found:
             return CLOSING, ()
+        if names:
+            return self._kind_by_rates(names, is_drive)
+        return (SPRING, ()) if is_drive else self._kind_by_weights(part)
+
+    def _places(self, names: Collection[str], dots: str) -> list[int]:
+        """Coordinates whose rates (or accelerations) are among some names."""
+        return [k for k, x in enumerate(self.s.symbols.coordinates) if x + dots in names]
+
+    def _kind_by_rates(
+        self, names: Collection[str], is_drive: bool
+    ) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term with rates or their signs."""
+        first = self._places(names, RATE)
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS
             return GYROSCOPIC if self.still else kind, self._joints(first)
         if first:
             return (VISCOUS, ()) if is_drive else (RATES, self._joints(first))
-        if names:
-            return DRY, ()
-        if is_drive:
-            return SPRING, ()
+        return DRY, ()
+
+    def _kind_by_weights(self, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term without rates: gravity, with the bodies whose weights it names."""
         bodies = {self.bodies[x.name]: None for x in nodes(part) if _is_in(x, self.bodies)}
         return (WEIGHT, tuple(bodies)) if bodies else (WEIGHTS, ())
 

@@ -231,13 +231,19 @@ def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Letteri
         other = called.setdefault(lettering.symbol(old), old)
         if other != old:
             return lettered_for(_with_another(lettering, old, other), symbols)
+    return _without_ambiguous_functions(lettering, called)
+
+
+def _without_ambiguous_functions(lettering: Lettering, called: Iterable[Symbol]) -> Lettering:
+    """The letters without short sines and cosines, where one of them is also a letter of these
+    symbols."""
     letters = {x.letter for x in called if x.low and x.low[0].isdigit()}
     names = lettering.notation.names
     short = {x for x, y in names.items() if y in ("sin", "cos")}
-    if any(spelt(x) in letters for x in short):
-        kept = {x: y for x, y in names.items() if x not in short}
-        lettering = replace(lettering, notation=replace(lettering.notation, names=kept))
-    return lettering
+    if not any(spelt(x) in letters for x in short):
+        return lettering
+    kept = {x: y for x, y in names.items() if x not in short}
+    return replace(lettering, notation=replace(lettering.notation, names=kept))
 
 
 def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:

@@ -37,6 +37,11 @@ Terms = dict[tuple[Monomial, Wave], Fraction]
 Angle = dict[str, int]
 
 
+_InPowers = dict[tuple[tuple[int, ...], Exponents], tuple[int, int]]
+"""Real and imaginary part by the powers of e^{ix} of the first angles, and the exponents of sine
+and cosine of the others."""
+
+
 def raw(x: Trig) -> Raw:
     """The terms of a polynomial."""
     return list(x.terms())
@@ -117,21 +122,11 @@ def _waves(
     """
     degree = max(sum(s + c for s, c in exponents) for exponents in part)
     scale = math.lcm(*(value.denominator for value in part.values())) << degree
-    laurent: dict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = {}
+    laurent: _InPowers = {}
     for exponents, value in part.items():
         laurent[(), exponents] = (int(value * scale) >> sum(s + c for s, c in exponents), 0)
     for _ in names:
-        wider: defaultdict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = defaultdict(
-            lambda: (0, 0)
-        )
-        for (multiples, ((s, c), *later)), (re, im) in laurent.items():
-            if s % 2:  # times -i
-                re, im = im, -re
-            for k, factor in _laurent(s, c):
-                key = ((*multiples, k), tuple(later))
-                x, y = wider[key]
-                wider[key] = (x + factor * re, y + factor * im)
-        laurent = {key: value for key, value in wider.items() if value != (0, 0)}
+        laurent = _next_angle(laurent)
     for (multiples, _), (re, im) in laurent.items():
         first = next((k for k in multiples if k), 0)
         argument = tuple((x, k) for x, k in zip(names, multiples, strict=True) if k)
@@ -143,6 +138,19 @@ def _waves(
                 yield (("cos", argument, 1),), Fraction(2 * re, scale)
             if im:
                 yield (("sin", argument, 1),), Fraction(-2 * im, scale)
+
+
+def _next_angle(laurent: _InPowers) -> _InPowers:
+    """The sine and cosine of one more angle written by powers of z."""
+    wider: _InPowers = defaultdict(lambda: (0, 0))
+    for (multiples, ((s, c), *later)), (re, im) in laurent.items():
+        if s % 2:  # times -i
+            re, im = im, -re
+        for k, factor in _laurent(s, c):
+            key = ((*multiples, k), tuple(later))
+            x, y = wider[key]
+            wider[key] = (x + factor * re, y + factor * im)
+    return {key: value for key, value in wider.items() if value != (0, 0)}
 
 
 @lru_cache(maxsize=256)

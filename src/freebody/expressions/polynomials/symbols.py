@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -261,28 +261,11 @@ def symbols(
     model = with_single_joints(model, euler)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
-    turning = [
-        name
-        for body, own in zip(model.bodies, names_by_body(model), strict=True)
-        for name, is_angle in zip(own, body.kind.angular, strict=False)
-        if is_angle
-    ]
-    turns = _angle_parameters(model)
     own = {x.name: x for x in model.formulas if follows and x.name in following}
     given_by_formulas = own.keys() | {name for name, _ in formulas}
-    names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
-    names = [name for name in names if name not in given_by_formulas]
-    angles = [x for x in names if x in turns]
-    others = [
-        *(x for x in coordinates if x not in turning),
-        *(x + RATE for x in coordinates),
-        *(x + SECOND for x in coordinates),
-        *(f"sgn_{x}{RATE}" for x in coordinates),
-        *(x for x in names if x not in angles),
-        *extra,
-        *(inertial or ()),
-    ]
-    ring = TrigRing([*turning, *angles], others)
+    names = [] if numbers else list(dict.fromkeys(p.name for p in each_parameter(model)))
+    parameters = [name for name in names if name not in given_by_formulas]
+    ring = _ring(model, coordinates, parameters, (*extra, *(inertial or ())))
     return Symbols(
         model,
         ring,
@@ -356,6 +339,30 @@ def names_by_formulas(model: Model) -> set[str]:
     """Parameters that formulas of the model give in symbols: all but angles, whose sines and
     cosines have names of their own."""
     return {formula.name for formula in model.formulas} - _angle_parameters(model)
+
+
+def _ring(
+    model: Model, coordinates: Sequence[str], parameters: Sequence[str], further: Iterable[str]
+) -> TrigRing:
+    """The polynomials in coordinates, their rates and accelerations, and parameters; coordinates
+    and parameters that are angles have sines and cosines."""
+    turning = [
+        name
+        for body, own in zip(model.bodies, names_by_body(model), strict=True)
+        for name, is_angle in zip(own, body.kind.angular, strict=False)
+        if is_angle
+    ]
+    turns = _angle_parameters(model)
+    angles = [x for x in parameters if x in turns]
+    others = [
+        *(x for x in coordinates if x not in turning),
+        *(x + RATE for x in coordinates),
+        *(x + SECOND for x in coordinates),
+        *(f"sgn_{x}{RATE}" for x in coordinates),
+        *(x for x in parameters if x not in angles),
+        *further,
+    ]
+    return TrigRing([*turning, *angles], others)
 
 
 def _angle_parameters(model: Model) -> set[str]:

@@ -241,35 +241,38 @@ class Layout:
 
     def _square(self, poly: Poly) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
         """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer
-        terms."""
+        terms: of the first symbol x that allows it."""
         names = sorted(
             {n for m in poly for n, _ in m},
             key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),
         )
-        for x in names:
-            squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
-            if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
-                continue
-            (top, a) = squares[0]
-            front = _without(top, ((x, 2),))
-            linear = {m: c for m, c in poly.items() if dict(m).get(x) == 1}
-            divisor = self._sorted((*front, (x, 1)))
-            if not linear or not all(_divides(divisor, m) for m in linear):
-                continue
-            base: Poly = {((x, 1),): Fraction(1)} | {
-                _without(m, divisor): c / (2 * a) for m, c in linear.items()
-            }
-            rest = defaultdict(Fraction, poly)
-            for m, c in base.items():
-                for n, d in base.items():
-                    rest[self._product(front, m, n)] -= a * c * d
-            left = {m: c for m, c in rest.items() if c}
-            printed = not self.order.decimal or all(
-                map(_is_short, [*base.values(), *left.values()])
-            )
-            if len(left) + 1 < len(poly) and printed:
-                return (top, front, a), base, left
-        return None
+        completed = (self._completed(poly, x) for x in names)
+        return next((found for found in completed if found is not None), None)
+
+    def _completed(
+        self, poly: Poly, x: str
+    ) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
+        """The square completed in one symbol, as above."""
+        squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
+        if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
+            return None
+        (top, a) = squares[0]
+        front = _without(top, ((x, 2),))
+        linear = {m: c for m, c in poly.items() if dict(m).get(x) == 1}
+        divisor = self._sorted((*front, (x, 1)))
+        if not linear or not all(_divides(divisor, m) for m in linear):
+            return None
+        base: Poly = {((x, 1),): Fraction(1)} | {
+            _without(m, divisor): c / (2 * a) for m, c in linear.items()
+        }
+        rest = defaultdict(Fraction, poly)
+        for m, c in base.items():
+            for n, d in base.items():
+                rest[self._product(front, m, n)] -= a * c * d
+        left = {m: c for m, c in rest.items() if c}
+        numbers = [*base.values(), *left.values()]
+        printed = not self.order.decimal or all(map(_is_short, numbers))
+        return ((top, front, a), base, left) if printed and len(left) + 1 < len(poly) else None
 
     def _product(self, *monomials: Monomial) -> Monomial:
         total: defaultdict[str, int] = defaultdict(int)
