@@ -272,7 +272,7 @@ def _formula_text(caller: str, name: str, formula: object) -> str:
 
 
 def _as_terms(values: Mapping[str, Trig]) -> Formulas:
-    """Such values for `symbols`."""
+    """Values of parameters in the form that `symbols` takes."""
     return tuple(
         (name, tuple((tuple(powers.items()), x) for powers, x in value.terms()))
         for name, value in values.items()

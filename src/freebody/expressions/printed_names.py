@@ -1,4 +1,5 @@
-"""How the names of code print: theta1_d is θ̇₁, lc1 is l_c1, I1xx is I_1,xx, f01 is f_0,1."""
+"""Printed forms of the names of code: theta1_d is θ̇₁, lc1 is l_c1, I1xx is I_1,xx, f01 is
+f_0,1."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Where det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a joint where
-that is possible."""
+"""Poses in which det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a
+joint where that is possible."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Condition(Titled):
     equation: Equation
     """factor = 0."""
     solutions: tuple[Equation, ...]
-    """The same solved for a joint or a sum of joints; empty where it has no short solution."""
+    """The equation solved for a joint or a sum of joints; empty where it has no short solution."""
 
     def _title(self) -> str:
         return f"Condition: {self}"

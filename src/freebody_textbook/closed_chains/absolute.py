@@ -41,11 +41,11 @@ class _AbsoluteOrder(Order):
 
 
 class _AbsoluteLayout(Layout):
-    """How polynomials in absolute coordinates are printed."""
+    """The printed layout of polynomials in absolute coordinates."""
 
     @cached_property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The kinds and the order of the symbols."""
         return _AbsoluteOrder(self.symbols)
 
 
@@ -60,7 +60,7 @@ class Constraint:
 
     @property
     def rows(self) -> range:
-        """Which equations these are."""
+        """The places of the constraint's equations among all."""
         return range(self.first, self.first + len(self.values))
 
 
@@ -87,7 +87,7 @@ class AbsoluteCoordinates:
         return x, y, phi
 
     def _symbols(self) -> Symbols:
-        """The same model over a ring with these coordinates in the place of the joints'."""
+        """The model over a ring with absolute coordinates in the place of the joints'."""
         given = self.given
         moving = {x + end for x in given.coordinates for end in ("", RATE, SECOND)}
         signs = {f"sgn_{x}{RATE}" for x in given.coordinates}
@@ -105,12 +105,12 @@ class AbsoluteCoordinates:
 
     @cached_property
     def tree(self) -> Tree:
-        """Its tree over that ring, of which only the constant numbers are read."""
+        """The model's tree over the ring, of which only the constant numbers are read."""
         return self.symbols.tree
 
     @cached_property
     def layout(self) -> Layout:
-        """How these polynomials are printed."""
+        """The printed layout of polynomials in absolute coordinates."""
         return _AbsoluteLayout(self.symbols)
 
     # ------------------------------------------------------------ poses
@@ -176,8 +176,8 @@ class AbsoluteCoordinates:
 
     @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
-        """Those of the loops first, whose multipliers are then those of joint coordinates, and of
-        each joint."""
+        """The constraints of the loops first, whose multipliers are then those of joint
+        coordinates, and of each joint."""
         found: list[Constraint] = []
         first = 0
         for loop in self.tree.loops:
@@ -275,7 +275,7 @@ class AbsoluteCoordinates:
         return total
 
     def _load(self) -> list[Trig]:
-        """What the force on the tip does along the coordinates."""
+        """Generalized forces of the force on the tip."""
         force = tuple(self.symbols.ring[x] for x in COMPONENTS if x in self.given.extra)
         if not force:
             return [self.symbols.zero()] * len(self.names)

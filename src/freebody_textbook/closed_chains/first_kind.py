@@ -41,7 +41,7 @@ class FirstKind:
 
     loops: LoopEquations
     equations: Equations
-    """Those of the tree that is left when the loops are cut."""
+    """The equations of the tree that is left when the loops are cut."""
 
     @property
     def symbols(self) -> Symbols:
@@ -78,9 +78,9 @@ class FirstKind:
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """In independent coordinates; None where the count leaves none, where no choice of them
-        determines the others, and for more than `MOST` loop equations, whose determinants would
-        fill books."""
+        """The equations in independent coordinates; None where the count leaves none, where no
+        choice of them determines the others, and for more than `MOST` loop equations, whose
+        determinants would fill books."""
         chosen = _independent(self.loops)
         return None if chosen is None else Reduction(self, chosen)
 

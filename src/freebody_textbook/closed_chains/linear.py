@@ -43,7 +43,8 @@ class Ratio:
         return self.below == 1
 
     def form(self, layout: Layout) -> Expression:
-        """As it is printed, numerator and denominator factored, a sign in front of the whole."""
+        """The quotient as it is printed, numerator and denominator factored, a sign in front of the
+        whole."""
         above = product(self.above, layout)
         if self.is_polynomial:
             return above
@@ -53,7 +54,7 @@ class Ratio:
         return quotient(above, below)
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
-        """Its value; infinite or NaN where the denominator vanishes."""
+        """The quotient's value; infinite or NaN where the denominator vanishes."""
         return self.above.evaluate(values) / self.below.evaluate(values)
 
     def __str__(self) -> str:

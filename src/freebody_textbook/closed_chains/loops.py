@@ -71,7 +71,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         )
 
     def rows(self, loop: TreeLoop) -> range:
-        """Which equations are those of a loop."""
+        """The places of a loop's equations among all."""
         sizes = [x.closure.size(self.tree.space) for x in self.tree.loops]
         k = [x.name for x in self.tree.loops].index(loop.name)
         return range(sum(sizes[:k]), sum(sizes[: k + 1]))

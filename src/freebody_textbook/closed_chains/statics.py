@@ -20,7 +20,8 @@ from freebody_textbook.closed_chains.loops import LoopEquations
 
 @dataclass(frozen=True)
 class LoopStatics:
-    """What joints need, linear in the multipliers, by coordinate; the passive coordinates."""
+    """Torques that joints need, linear in the multipliers, by coordinate; the passive
+    coordinates."""
 
     loops: LoopEquations
     needed: Mapping[int, Trig]
@@ -71,7 +72,7 @@ class LoopStatics:
         return [ratio(x, below) for x in above]
 
     def torque(self, k: int) -> Ratio | None:
-        """What the motor of joint k gives, λ put in."""
+        """The torque of joint k's motor, λ put in."""
         if self._solution is None:
             return None
         above, below = self._solution

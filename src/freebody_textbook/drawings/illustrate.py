@@ -45,7 +45,7 @@ from freebody_textbook.render.documents import LivingParts
 
 WIDE, TALL = 460.0, 400.0
 _FREE = "free "
-"""What the drawings of bodies that nothing holds begin with."""
+"""The first word of names of drawings of bodies that nothing holds."""
 _DARK = "@media screen and (prefers-color-scheme:dark)"
 _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 """Direction of the load on the tip in drawings."""
@@ -298,7 +298,7 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
         **_tip(geometry.variables),
     },
 }  # fmt: skip
-"""By dimension and by the name that steps give them: a line of words, and the layers."""
+"""Drawings by dimension and by the name that steps give them: a line of words, and the layers."""
 
 
 def _page_figure(
@@ -337,7 +337,7 @@ def _formula(name: Expression) -> str:
 def _names(
     seen: Snapshot, body: BodyPlace, written: Collection[str], spoken: Collection[str]
 ) -> dict[str, str]:
-    """What stands beside a body and its joint, by what it names."""
+    """The labels beside a body and its joint, by what they name."""
     names, n, plane = seen.names, body.number, seen.model.dim == 2
     lengths = _lengths(seen, body)
     found = {what: name for what, name in lengths.items() if canonical(name) in spoken}

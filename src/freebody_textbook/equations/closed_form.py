@@ -149,7 +149,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @property
     def length(self) -> str:
-        """How many terms there are, in words; of what is vast only that."""
+        """The number of terms in words; of what is vast only that."""
         if self.is_vast:
             return f"M alone has more than {_MOST} terms"
         terms = self.count()
@@ -175,7 +175,7 @@ _Group = list[Equation]
 
 @dataclass(frozen=True)
 class Letters:
-    """What the quantities are called."""
+    """Letters of the mass matrix, velocity terms and gravity."""
 
     M: str
     c: str
@@ -217,7 +217,7 @@ def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list
 
 
 def _entries(letter: str, column: Sequence[Trig]) -> list[tuple[Symbol, Trig]]:
-    """Those that are not zero, with their names."""
+    """The entries of a column that are not zero, with their names."""
     return [(entry(letter, i), x) for i, x in enumerate(column, 1) if not x.is_zero]
 
 
@@ -252,12 +252,12 @@ def _torque(
 
 
 class _VelocityTerms(Protocol):
-    """How the velocity terms are written."""
+    """Velocity terms in one of a notation's forms."""
 
     def __init__(self, equations: ClosedForm, names: Letters): ...
 
     def terms(self, i: int) -> Iterator[Expression]:
-        """In τ_i."""
+        """The velocity terms in τ_i."""
         ...
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
@@ -310,7 +310,8 @@ class _Coefficients:
     equations: ClosedForm
     names: Letters
     found: dict[Trig, tuple[tuple[int, int, int], Trig, Fraction]] = field(default_factory=dict)
-    """By what is common to its multiples: the indices and value of the first, and its factor."""
+    """Christoffel symbols by what is common to their multiples: the indices and value of the first,
+    and its factor."""
 
     def __post_init__(self) -> None:
         for i in range(len(self.equations.M)):
@@ -342,7 +343,7 @@ class _Coefficients:
 
     @cached_property
     def values(self) -> dict[Trig, Trig]:
-        """What each name stands for: the first multiple found, its sign chosen so that it begins
+        """The value of each name: the first multiple found, its sign chosen so that it begins
         without a minus."""
         is_negative = self.equations.layout.is_negative
         return {

@@ -110,22 +110,22 @@ class Equations(Titled, ClosedForm):
     def latex(
         self, view: str = "auto", names: Names = "notes", environment: str = "aligned"
     ) -> str:
-        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
-        across pages."""
+        """The equations as an amsmath environment, without dollar signs; "align*" in a document
+        breaks across pages."""
         if view == "auto" and not self.is_short:
             lines = " \\\\ ".join(line.latex() for line in self._told())
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
     def mathml(self, view: str = "auto", names: Names = "notes") -> str:
-        """The same as one `<math>` element."""
+        """The equations as one `<math>` element."""
         if view == "auto" and not self.is_short:
             rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
             return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
         return page.html(self.groups(view, names), alone=True)
 
     def _told(self) -> list[ex.Expression]:
-        """How long they are that nobody reads."""
+        """Two lines on the length of equations that are too long to read."""
         return [
             ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),
             ex.words(

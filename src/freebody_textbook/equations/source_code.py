@@ -69,7 +69,7 @@ class CodeNames:
         self.parameter = parameter
         self.words = identifiers(equations.parameters, _OWN.union(words))
         self.waves: dict[Function, str] = {}
-        """Of each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
+        """A variable for each sine and cosine: cos_12 is cos(θ1 + θ2)."""
         taken = {*self.words.values(), *_OWN}
         parts = [part for row in rows for part in nodes(row.value) if isinstance(part, Function)]
         self.sign = any(part.name == "sgn" for part in parts)
@@ -100,7 +100,8 @@ def _spelt(argument: Expression) -> str:
 
 @dataclass(frozen=True)
 class _ClosedFormSource:
-    """How a language writes the function: its text, what is put into that, and one assignment."""
+    """A language's way of writing the function: its text, what is put into that, and one
+    assignment."""
 
     text: str
     parts: Callable[[Equations, CodeNames], dict[str, str]]
@@ -110,7 +111,7 @@ class _ClosedFormSource:
     parameter: str = "{}"
     reserved: Collection[str] = ()
     library: str = ""
-    """What stands before the names of its functions."""
+    """The prefix of the names of its functions."""
     constant: str = "    {} = {}"
 
     def __call__(self, equations: Equations) -> str:
@@ -283,8 +284,8 @@ _NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "
 
 
 def to_sympy(node: Expression) -> Any:
-    """The same expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d,
-    l1, …).
+    """An expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d, l1,
+    …).
 
     Raises MissingPackageError, FreebodyError.
     """

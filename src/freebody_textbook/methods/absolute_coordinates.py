@@ -69,7 +69,7 @@ class _Absolute:
         self.loops = Loops(s)
 
     def symbols(self) -> Iterator[Meaning]:
-        """What the coordinates bring in."""
+        """Meanings of the symbols that absolute coordinates bring in."""
         names = [self.given.names_of(i) for i in self.bodies]
         places = [x for name in names for x in name[:2]]
         angles = [name[2] for name in names]
@@ -129,7 +129,7 @@ class _Absolute:
         return Step("The constraints", reason, tuple(lines), ("5.21",))
 
     def _turns(self) -> dict[int, Expression]:
-        """By equation the constant turn of a guide."""
+        """The constant turn of a guide, by its equation."""
         s = self.s
         return {
             c.rows[-1]: ex.neg_each(_turn_of(s.symbols.model, s.numbers[c.body]))
@@ -199,7 +199,8 @@ class _Absolute:
         return Step("Energies", reason, tuple(lines), ("5.3", "5.4", "5.25"))
 
     def effort(self, i: int) -> Expression:
-        """What acts along the coordinate of joint i: its motor, less friction, spring and rotor."""
+        """Torque or force along the coordinate of joint i: its motor, less friction, spring and
+        rotor."""
         drive = self.s.show(drive_part(self.s, i))
         return self.s.motor(i) if drive == ex.ZERO else sym(f"Q{self.s.numbers[i]}")
 
@@ -239,7 +240,7 @@ class _Absolute:
         return Step(f"The equations of body {n}", reason, tuple(lines), ("5.23",))
 
     def meaning(self) -> Step:
-        """Which force is which multiplier."""
+        """The step that says which force each multiplier is."""
         lines: list[Equation] = []
         for constraint in self.given.constraints:
             lines += self._forces(constraint)

@@ -66,7 +66,7 @@ class FreeBodies:
         return []
 
     def told(self, i: int) -> list[str]:
-        """What acts on body i besides joints, weight and load, in words."""
+        """Further forces on body i, besides joints, weight and load, in words."""
         return []
 
     def forces(self, i: int) -> Expression:
@@ -92,12 +92,13 @@ class FreeBodies:
         return ex.add(*terms, *self.turned(i))
 
     def inertia_force(self, i: int) -> Expression:
-        """What the forces on body i add up to."""
+        """The sum of the forces on body i: its mass times its acceleration."""
         return self.s.mass_times(i, self.s.name("vc", i, "_d"))
 
     # ------------------------------------------------------------ elimination
     def left_over(self, i: int) -> str:
-        """What is unknown when the reaction at joint i is eliminated, the motor's part aside."""
+        """Unknowns that are left when the reaction at joint i is eliminated, the motor's part
+        aside."""
         return "nothing unknown"
 
     def passed(self, i: int) -> Expression:
@@ -204,7 +205,7 @@ def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
 
 
 def _arms(s: Setting) -> Iterator[_Arm]:
-    """Those to the centres of mass, and from joint to joint."""
+    """Vectors from the joints to the centres of mass, and from joint to joint."""
     for i in s.weighted:
         yield s.centre_name(i), s.centre(i)
     for i in s.order:

@@ -1,5 +1,5 @@
-"""What derivations of closed chains share: where loops are cut, their equations, and which wrench a
-multiplier is."""
+"""Steps that derivations of closed chains share: where loops are cut, their equations, and which
+wrench a multiplier is."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ class Loops:
         )
 
     def holds(self, loop: TreeLoop) -> str:
-        """What a loop does."""
+        """Words for the constraint of a loop."""
         first, second = self.points(loop)
         if loop.closure.distance:
             return f"{literal(loop.name)} is a massless rod from {first} to {second}"
@@ -198,7 +198,7 @@ class Loops:
         return Step("Acceleration constraints", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
-        """Which force is which multiplier."""
+        """The step that says which force each multiplier is."""
         lines: list[Equation] = []
         words: list[str] = []
         for loop in self.s.tree.loops:

@@ -78,7 +78,7 @@ def _closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> 
 
 
 def _with(torques: list[Equation], through_loops: Sequence[Expression]) -> list[Equation]:
-    """What the loops add at the end of each torque."""
+    """The torques with the part of the loops at the end of each."""
     return [
         eq(*line.sides[:-1], ex.add(line.sides[-1], more))
         for line, more in zip(torques, through_loops, strict=True)
@@ -95,7 +95,7 @@ def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
 
 
 def _by(setting: Setting) -> str:
-    """What torques are sorted by."""
+    """Words for the kinds of terms by which torques are sorted."""
     return listed(["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])])
 
 
@@ -115,7 +115,7 @@ def _sorted(setting: Setting) -> str:
 
 
 def _undriven(setting: Setting) -> str:
-    """What the equations of joints without motor are."""
+    """A sentence on the equations of joints without motor; nothing where all have one."""
     if setting.tree.loops or all(map(setting.driven, setting.order)):
         return ""
     return (
@@ -125,7 +125,7 @@ def _undriven(setting: Setting) -> str:
 
 
 def _told(setting: Setting) -> str:
-    """How long equations are that nobody reads."""
+    """A sentence on the length of equations that are too long to print."""
     lines = "" if setting.planar else ", and the recursive method writes them line by line"
     return (
         f"Sorted by {_by(setting)}, the torques are exact but too long to print; fb.equations "
@@ -226,8 +226,8 @@ def _one_turning(s: Setting) -> Iterator[tuple[str, list[Equation]]]:
 
 
 def _swinging(s: Setting, pivot: int) -> Trig:
-    """What turns a rigid body about a joint: its moment of inertia there times the acceleration,
-    less the moment of its weights, and what the joint's drive takes."""
+    """The torque that turns a rigid body about a joint: its moment of inertia there times the
+    acceleration, less the moment of its weights, and what the joint's drive takes."""
     k, total = s.index(pivot), s.symbols.zero()
     _, origin = s.world[pivot]
     for i in s.order[s.order.index(pivot) :]:

@@ -107,7 +107,8 @@ class _FirstKindSteps:
 
     @property
     def forces(self) -> list[Trig]:
-        """What motors must give, by joint: 0 of those without motor; the load's part taken off."""
+        """Torques that the motors must give, by joint: 0 of those without motor; the load's part
+        taken off."""
         zero = self.s.symbols.zero()
         return [self.system.forces[self.s.index(i)] - self.works.get(i, zero) for i in self.s.order]
 
@@ -190,7 +191,7 @@ class _FirstKindSteps:
 
     # ------------------------------------------------------------ the second kind
     def reduced(self) -> list[Step]:
-        """In independent coordinates (5.24)."""
+        """The equations in independent coordinates (5.24)."""
         reduction = self.system.reduction
         if reduction is None:
             reason = (

@@ -53,7 +53,7 @@ def work_out(s: Setting, route: str) -> Worked:
 
 
 def _robot(count: int) -> tuple[str, ...]:
-    """What is spoken of, in words."""
+    """Sentences on the robot and on the axes of its vectors."""
     many = "A rigid body moves" if count == 1 else f"{count} rigid bodies move"
     return (
         f"{many} freely in space, held by no joint: {PLACES * count} degrees of freedom.",
@@ -120,7 +120,7 @@ def _coordinates(names: Iterable[str], words: str, unit: str) -> Iterator[Meanin
 
 
 def _parameters(s: Setting, given: Model) -> Iterator[Meaning]:
-    """Those that occur, by what they are."""
+    """Parameters that occur, by what they are."""
     used = set(s.symbols.ring.names)
     for parameter, words, unit in _in_model(given):
         if parameter.name in used:

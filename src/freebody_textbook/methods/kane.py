@@ -84,7 +84,7 @@ class _JointRate:
 
     # ------------------------------------------------------------ partial velocities
     def partial_velocities(self) -> Step:
-        """Those that are not zero."""
+        """Partial velocities that are not zero."""
         s, lines = self.s, []
         for k in s.weighted:
             if k in self.turning and _some(self.turning[k]):
@@ -117,7 +117,7 @@ class _JointRate:
 
     @property
     def _moved(self) -> str:
-        """What moves, with the comma that goes before its rate."""
+        """The moving thing in words, with the comma that goes before its rate."""
         if self.s.is_alone(self.i):
             return f"joint {self.number} moves,"
         return f"{joints(self.s, self.i)} move, joint {self.number}"
@@ -213,7 +213,7 @@ class _JointRate:
 
     @property
     def _resisting(self) -> Trig:
-        """What friction and spring of the joint take."""
+        """The torque that friction and spring of the joint take."""
         return self.s.equations.drives[self.s.index(self.i)]
 
     @property
@@ -244,7 +244,7 @@ class _JointRate:
     # ------------------------------------------------------------ the equation
     @property
     def torque(self) -> Trig:
-        """What the motor must give."""
+        """The torque or force that the motor must give."""
         return -self._active - self._inertia
 
     def equation(self) -> Step:

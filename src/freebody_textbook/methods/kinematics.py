@@ -162,7 +162,7 @@ class _Tip:
         return jacobian_determinant(self.closed, self.rows)
 
     def singular(self) -> list[Step]:
-        """Where det J = 0, if J is square."""
+        """The step to the poses with det J = 0, if J is square."""
         s = self.s
         if len(self.rows) != len(s.leaders):
             return []
@@ -329,7 +329,7 @@ class _TipAndDrives:
         return Step("The robot's Jacobian", reason, tuple(lines), ("2.36",), result=True)
 
     def singular(self) -> Step:
-        """Where det J_b or det J_a vanishes."""
+        """The step to the poses in which det J_b or det J_a vanishes."""
         lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
         reason = (
             "First type, det J_b = 0: the drives can move while the tip does not, and the tip "
@@ -340,7 +340,7 @@ class _TipAndDrives:
         return Step("Singular positions", reason, tuple(lines))
 
     def _partly(self) -> str:
-        """What holds where fewer components of the tip's motion are counted than it has."""
+        """A sentence for where fewer components of the tip's motion are counted than it has."""
         rows = self.io.rows
         if len(rows) >= self.s.tree.space.dim:
             return ""

@@ -50,7 +50,7 @@ def work_out(setting: Setting) -> Worked:
 
 
 def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
-    """What the energies bring in."""
+    """Meanings of the symbols that the energies bring in."""
     yield from meanings(s, "rc{n}")
     yield from meanings(s, "omega{n}", "vc{n}")
     yield Meaning(
@@ -185,10 +185,10 @@ class LagrangianDerivatives:
 
     step: Step
     needed: Trig
-    """What they and friction add up to."""
+    """The sum of the derivatives and friction: the force along the coordinate."""
     friction: Trig
     sources: TermSources
-    """Which terms of that are from which of them."""
+    """The derivative that each term of the needed force is from."""
 
 
 def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives:

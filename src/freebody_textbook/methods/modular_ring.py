@@ -53,8 +53,8 @@ class RingSetting(ModularSetting):
         return Loops(self)
 
     def vector(self, quantity: str, i: int) -> Symbol:
-        """That of the loop is f_{0,n}, or n_{0,n}; with the number of a body above it in that
-        body's axes."""
+        """The symbol of a force or moment; of the loop f_{0,n}, or n_{0,n}; with the number of a
+        body above it in that body's axes."""
         if quantity not in _OF_LOOP:
             return super().vector(quantity, i)
         (loop,), force = self.tree.loops, quantity == _OF_LOOP[0]
@@ -87,7 +87,7 @@ class RingSetting(ModularSetting):
         return found
 
     def tip_load(self) -> tuple[External, ...]:
-        """What the loop does to the last body."""
+        """The loop's force and moment on the last body."""
         (loop,), last, space = self.tree.loops, self.order[-1], self.tree.space
         acting = [self.named(x, last, self.carried[x][-1]) for x in self.quantities]
         force, moment = (*acting, space.zero_angular)[:2]
@@ -173,7 +173,7 @@ def _turned(s: RingSetting) -> Step:
 
 
 def symbols(s: Setting) -> Iterator[Meaning]:
-    """What these steps bring in."""
+    """Meanings of the symbols that steps of a ring bring in."""
     yield from recursive.symbols(s)
     n = str(s.numbers[s.order[-1]])
     for letter, what, unit in (("f", "force", NEWTON), ("n", "moment", MOMENT)):

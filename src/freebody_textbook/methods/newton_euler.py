@@ -145,7 +145,7 @@ class _LoopedBodies(FreeBodies):
         return self.loop_forces.told(i)
 
     def left_over(self, i: int) -> str:
-        """Of a body that carries the end of a loop the loop's force."""
+        """The loop's force, of a body that carries the end of a loop."""
         carried = [i]
         for k in carried:
             carried += self.s.tree.children(k)
@@ -153,14 +153,14 @@ class _LoopedBodies(FreeBodies):
         return f"nothing unknown{f' but forces in {self.loops.named}' if looped else ''}"
 
     def loops_cut(self) -> Step:
-        """What stands for each loop."""
+        """The step that cuts the loops and puts forces in their place."""
         return self.loop_forces.step(
             " λ_k is the multiplier of loop equation k, so that Lagrange's equations of the first "
             "kind have the same unknowns."
         )
 
     def count(self, bodies: list[int]) -> Step:
-        """As many equations as unknowns?"""
+        """The step that counts equations and unknowns."""
         s, loops = self.s, self.loops.named
         n, m = len(bodies), len(self.loop_forces.unknowns)
         free = [f"body {s.numbers[i]}" for i in bodies if not s.is_held(i)]

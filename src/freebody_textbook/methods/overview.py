@@ -1,5 +1,5 @@
-"""What stands before the first step: the robot in words, what is sought, and a table of the
-symbols."""
+"""The text before the first step, the robot in words, what is sought and a table of the symbols;
+and legs that are alike, told once."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _arm(s: Setting) -> str:
 
 
 def _rows(s: Setting) -> str:
-    """Which bodies the joints join, by rows of bodies one after the other."""
+    """A sentence on which bodies the joints join, by rows of bodies one after the other."""
     rows: dict[int, list[list[int]]] = {}
     row: list[int] = []
     for i in s.order:
@@ -92,7 +92,7 @@ def _rows(s: Setting) -> str:
 
 
 def _kinds(s: Setting) -> str:
-    """What the joints are, and which have no motor."""
+    """A sentence on the kinds of the joints, and which have no motor."""
     by_words: dict[tuple[str, str], list[int]] = {}
     for i in s.leaders:
         by_words.setdefault((s.words(i).joint, s.words(i).coordinate), []).append(i)
@@ -156,7 +156,7 @@ def _follows(s: Setting, i: int) -> str:
 
 
 def _coupled(s: Setting, forces: bool) -> list[str]:
-    """What it means that joints follow others; forces: whether there are any."""
+    """Sentences on joints that follow others; forces: whether there are any."""
     what, told = "the rate" if s.at_rest else "the rate and the acceleration", []
     for i in s.coupled:
         every = "both" if len(s.together(i)) == 2 else "all of them"
@@ -186,7 +186,7 @@ def _coordinate(s: Setting, i: int) -> str:
 
 
 def _composed(s: Setting) -> list[str]:
-    """Which joints were taken apart."""
+    """Sentences on the joints that were taken apart."""
     told, n = [], 0
     given = s.symbols.given
     for body in given.bodies if given else ():
@@ -255,7 +255,7 @@ def _axes(s: Setting) -> list[str]:
 
 
 def _angles(s: Setting) -> list[str]:
-    """Where the angles of a planar robot begin."""
+    """A sentence on where the angles of a planar robot begin."""
     turning = [i for i in s.order if s.turns(i)]
     if not turning:
         return []

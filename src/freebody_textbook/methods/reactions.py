@@ -1,5 +1,5 @@
-"""What each joint must carry, from the equations of Newton and Euler solved from the last body
-inward."""
+"""Reactions that each joint must carry, from the equations of Newton and Euler solved from the last
+body inward."""
 
 from __future__ import annotations
 
@@ -105,8 +105,8 @@ class SolvedReactions:
 
 
 def drive_part(s: Setting, i: int) -> Trig:
-    """What friction, spring and rotor of joint i, and of those that follow it, take of its motor;
-    at rest the springs alone."""
+    """The torque that friction, spring and rotor of joint i, and of those that follow it, take of
+    its motor; at rest the springs alone."""
     total = s.symbols.zero()
     for k in s.together(i) if s.at_rest else ():
         body = s.tree.bodies[k]

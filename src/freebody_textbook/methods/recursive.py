@@ -70,7 +70,7 @@ def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> li
 
 
 def symbols(s: Setting) -> Iterator[Meaning]:
-    """What the recursion brings in."""
+    """Meanings of the symbols that the recursion brings in."""
     yield from glossary.vectors(s)
     yield from meanings(s, "omega{n}", "vc{n}", "v{n}")
     if s.planar:
@@ -149,7 +149,7 @@ class Outward:
         return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
 
     def _field(self, i: int) -> list[Equation]:
-        """Of a modular recursion with weights, gravity in the axes of the body."""
+        """The line of gravity in the axes of the body, of a modular recursion with weights."""
         s = self.s
         name, parent = s.field_name(i), s.tree.bodies[i].parent
         if self.base or name == vec("g"):
@@ -213,7 +213,7 @@ class Outward:
         return rows if self.velocities else rows[1:]
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
-        """What a slide adds: its rate, or its acceleration and Coriolis' term."""
+        """The term that a slide adds: its rate, or its acceleration and Coriolis' term."""
         s = self.s
         rates = self._rate(i), self._rate(i, "_d")
         speed, change = (ex.mul(s.advance(i), x, s.axis_name(i)) for x in rates)
@@ -295,8 +295,8 @@ class Inward:
         return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"
 
     def _unborne(self, i: int) -> str:
-        """Of a planar slide that bears no other moment than that of a child without motor, which is
-        0."""
+        """A clause on a planar slide that bears no other moment than that of a child without motor,
+        which is 0."""
         s = self.s
         if not s.planar or s.is_pin(i):
             return ""

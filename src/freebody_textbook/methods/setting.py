@@ -69,7 +69,7 @@ class Setting:
 
     @cached_property
     def naming(self) -> Naming:
-        """What everything is called."""
+        """The names of the model's forces, masses, vectors and lengths."""
         return Naming(self.symbols.model, self.symbols.reader.numbers)
 
     # ------------------------------------------------------------ joints
@@ -86,7 +86,7 @@ class Setting:
 
     @cached_property
     def links(self) -> frozenset[int]:
-        """Of a closed chain the bodies without mass between joints in a row that hold nothing: a
+        """Bodies without mass of a closed chain, between joints in a row that hold nothing: a
         platform on legs is moved by these, not borne."""
         return frozenset(links_of(self.symbols) if self.tree.loops else ())
 
@@ -103,7 +103,7 @@ class Setting:
         return self.tree.bodies[i].primitive.slides
 
     def words(self, i: int) -> JointWords:
-        """How the joint of body i is spoken of."""
+        """Words for the joint of body i."""
         return self.tree.bodies[i].primitive.words
 
     @cached_property
@@ -159,7 +159,7 @@ class Setting:
         return tuple(i for i in self.leaders if not self.is_alone(i))
 
     def ratio(self, i: int) -> float:
-        """How far the joint of body i goes for each unit of its coordinate."""
+        """The ratio of the motion of body i's joint to its coordinate's."""
         return self.tree.bodies[i].coordinates.ratio
 
     def rate(self, i: int, rates: Vector) -> Scalar:
@@ -177,7 +177,7 @@ class Setting:
 
     # ------------------------------------------------------------ masses
     def _mass(self, i: int) -> Mass:
-        """What body i weighs; one without mass is a point of none."""
+        """Mass, centre and inertia of body i; one without mass is a point of none."""
         masses = self.tree.bodies[i].masses
         assert len(masses) < 2, "its parts are made one by symbols_of_bodies"
         return masses[0] if masses else Mass(0.0, self.tree.space.zero, self._nothing())
@@ -237,7 +237,7 @@ class Setting:
 
     @property
     def layout(self) -> Layout:
-        """How polynomials are printed."""
+        """The printed layout of polynomials."""
         return self.equations.layout
 
     # ------------------------------------------------------------ how values are shown
@@ -340,14 +340,15 @@ class Setting:
 
     # ------------------------------------------------------------ terms of equations
     def position(self, i: int) -> Expression:
-        """What the joint of body i has turned or slid: its coordinate, or of one that follows
-        another ratio times that and the offset."""
+        """The displacement of body i's joint: its coordinate, or of one that follows another ratio
+        times that and the offset."""
         at = self.tree.bodies[i].coordinates
         turned = ex.mul(self.show(at.ratio), sym(self.coordinate(i)))
         return ex.add(turned, self.show(at.offset))
 
     def advance(self, i: int) -> Expression:
-        """How far joint i takes its body along its axis for each unit of its coordinate."""
+        """The distance that joint i takes its body along its axis for each unit of its
+        coordinate."""
         return self.show(self.tree.bodies[i].primitive.advance)
 
     def along(

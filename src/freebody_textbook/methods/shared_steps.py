@@ -133,7 +133,7 @@ def motion(s: Setting) -> list[Step]:
 
 
 def _second(s: Setting) -> str:
-    """What the terms of an acceleration are."""
+    """A sentence on the terms of an acceleration."""
     extra = coriolis(s, s.order)
     if extra:
         return (
@@ -198,7 +198,8 @@ def _work(s: Setting, i: int) -> str:
 
 
 def following(s: Setting, i: int, what: str = "the rate") -> str:
-    """What part of the rate of body i's joint those that follow it have, without a full stop."""
+    """A clause on the part of the rate of body i's joint that its followers have, without a full
+    stop."""
     others = s.together(i)[1:]
     factors = listed([f"{s.ratio(k):.15g}" for k in others])
     have = "has" if len(others) == 1 else "have"

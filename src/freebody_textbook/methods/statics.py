@@ -62,7 +62,7 @@ class _Equilibrium:
         self.reactions = reactions
 
     def convention(self) -> Step:
-        """What f is."""
+        """The step that says what the force on the tip is."""
         robot = "robot" if self.s.tree.loops else "arm"
         return Step(
             "The load",
@@ -220,7 +220,7 @@ class _Balance(_Equilibrium):
         return replace(step, equations=(*step.equations, motor))
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """Those of the tree, and the loops' forces."""
+        """Forces from outside as in the tree, and the loops' forces."""
         return [*super().outer(i), *self.forces.on(i)]
 
     def about(self, i: int) -> list[Expression]:
@@ -230,7 +230,7 @@ class _Balance(_Equilibrium):
 
     # ------------------------------------------------------------ solved
     def passive(self) -> list[Step]:
-        """What passive joints do not carry gives the loops' forces."""
+        """The steps in which balance at passive joints gives the loops' forces."""
         s = self.s
         free = [i for i in s.order if not s.driven(i)]
         if not free:

@@ -97,7 +97,7 @@ class Term:
 
     @property
     def words(self) -> str:
-        """What it is."""
+        """The term in words."""
         return self.kind.one.format(here=self.here, others=listed(self.others))
 
 
@@ -222,7 +222,7 @@ def _terms(x: Expression) -> tuple[Expression, ...]:
 
 
 def _symbol(term: Expression) -> Expression:
-    """What stands before the rates: H₁₂ of H₁₂ θ̈₂."""
+    """The symbol before the rates: H₁₂ of H₁₂ θ̈₂."""
     inside = term.operand if isinstance(term, ex.Negative) else term
     factors = inside.factors if isinstance(inside, Product) else (inside,)
     return next((x for x in factors if not isinstance(x, ex.Number)), inside)

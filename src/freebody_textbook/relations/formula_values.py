@@ -81,7 +81,7 @@ def rank(x: Value) -> int:
 
 
 def shape_name(x: Value) -> str:
-    """What a value is, in words."""
+    """The shape of a value in words."""
     if rank(x) == 0:
         return "a scalar"
     return f"a vector of {len(x)}" if rank(x) == 1 else f"a matrix of {len(x)} × {len(x[0])}"

@@ -1,5 +1,5 @@
-"""What a derivation speaks of, by name: the positions, velocities, forces and energies of every
-body, exact."""
+"""Quantities of a derivation by name: the positions, velocities, forces and energies of every body,
+exact."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Quantities(Titled, Values):
         return f"Quantities: {counted(len(self), 'name')}: {', '.join(self)}"
 
     def __or__(self, other: Any) -> Quantities:
-        """With further quantities."""
+        """The quantities with further ones."""
         return Quantities({**self, **other}, self.layout)
 
     def form(self, x: Any) -> Expression:
@@ -105,7 +105,7 @@ class QuantityValues:
         return found
 
     def of_body(self, i: int) -> Values:
-        """Of one body."""
+        """The quantities of one body."""
         return values_of(RecursionValues(self.s, i, self.record, self.base))
 
     @cached_property
@@ -160,8 +160,8 @@ class QuantityValues:
 
 
 def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
-    """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those
-    before and behind.
+    """The quantities with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k
+    those before and behind.
 
     Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
     """

@@ -31,9 +31,9 @@ from freebody_textbook.relations.formula_values import (
 from freebody_textbook.relations.quantities import of_link
 
 ROUNDING = 1e-9
-"""Of the largest number of either side: what floats may differ by."""
+"""A difference of floats that counts as none, relative to the largest number of either side."""
 PLACES = 16
-"""Where functions are compared by numbers."""
+"""The number of places at which functions are compared by numbers."""
 
 
 @dataclass(frozen=True, repr=False)

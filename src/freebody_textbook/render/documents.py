@@ -31,14 +31,14 @@ Figures = Mapping[str, str]
 """SVG text by the name that a step gives its figure."""
 
 Rows = Sequence[tuple[str, str, str]]
-"""Of the table of symbols: symbols, meaning, unit or ""."""
+"""Rows of the table of symbols: symbols, meaning, unit or ""."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 TALLEST = 40
 """Lines that a frame around a result may hold, so that it fits on a page."""
 
 LETTERS = 34.0
-"""Of a line in a window of 400 px."""
+"""Letters of a line in a window of 400 px."""
 LARGEST = 595_000
 """Bytes that a page may have with them."""
 
@@ -55,7 +55,8 @@ class LivingParts:
 
 @dataclass(frozen=True, kw_only=True)
 class _Document:
-    """How the blocks of a document are written: templates for words that `prose` has set."""
+    """A kind of document by how its blocks are written: templates for words that `prose` has
+    set."""
 
     prose: Medium
     symbol: Callable[[Expression], str]
@@ -68,23 +69,24 @@ class _Document:
     )
     title: str
     underline: str = ""
-    """What a title is underlined with, as many letters as it has."""
+    """The letter that a title is underlined with."""
     given: str = "{}"
     row: str = ""
-    """Of the table of symbols."""
+    """A row of the table of symbols."""
     table: str = "{}"
     terms: str = "{}"
     """The table of what terms are, without unit."""
     figure: str = ""
     opening: str = ""
-    """What stands before the first step."""
+    """The text before the first step."""
     heading: str
-    """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
+    """The heading of a step: its number, what is done, and `notes` with the notes' equation
+    numbers."""
     number: str = "{}. "
     notes: str
     reason: str = "{}"
     end: str = ""
-    """Of a step."""
+    """The end of a step."""
     source: str
     between: str = "\n"
 
@@ -93,7 +95,8 @@ class _Document:
         return self.of(derivation)._written(derivation, figures)
 
     def of(self, derivation: Derivation) -> _Document:
-        """The same with symbols in sentences as the equations have them."""
+        """The kind of document with symbols in sentences as the derivation's equations have
+        them."""
         planar = derivation.equations.symbols.model.dim == 2
         return replace(self, prose=self.prose.planar) if planar else self
 
@@ -197,7 +200,7 @@ def _text_table(rows: Rows, width: int) -> str:
 
 # ---------------------------------------------------------------- Markdown and LaTeX
 def _framed(step: Step) -> str:
-    """Its equations as LaTeX, with a frame around a result that fits into one."""
+    """A step's equations as LaTeX, with a frame around a result that fits into one."""
     formula = page.latex([step.equations])
     return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
 
@@ -270,7 +273,7 @@ def latex(derivation: Derivation) -> str:
 
 # ---------------------------------------------------------------- HTML
 NOTEBOOK_STYLE = f"{page.STYLE}{styles.TERMS}section>details>summary>h2{{display:inline}}"
-"""What steps need where they stand in a page of others, such as a notebook."""
+"""The style that steps need in a page of others, such as a notebook."""
 
 body = _Document(
     prose=web_prose,
@@ -309,7 +312,7 @@ def tried(living: LivingParts) -> _Document:
 
 
 def on_phones(document: _Document, steps: Sequence[Step], room: int) -> _Document:
-    """The same with equations in short lines too, of `room` bytes at most."""
+    """A document with equations in short lines too, of `room` bytes at most."""
     short = _short_lines(steps, room)
     return replace(document, equations=lambda step: short.get(step, "") + document.equations(step))
 
@@ -365,7 +368,7 @@ def _legend(lines: Iterable[Expression]) -> str:
 
 
 def _short_lines(steps: Iterable[Step], room: int) -> dict[Step, str]:
-    """Of each step whose equations are too long for a phone the same as HTML, in shorter lines and
+    """HTML for each step whose equations are too long for a phone: its equations in shorter lines,
     hidden where there is room for long ones; of the first steps only, if those of all take more
     than `room` bytes: the others are scrolled."""
     found: dict[Step, str] = {}

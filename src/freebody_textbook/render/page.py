@@ -73,7 +73,7 @@ def _letters(node: Expression) -> float:
 def _lines(
     group: Sequence[_Row], room: float, setter: Typesetter
 ) -> Iterator[tuple[str, str, bool]]:
-    """What stands left and right of the sign, line by line, and whether a line goes on with the one
+    """The texts left and right of the sign, line by line, and whether a line goes on with the one
     before."""
     for row in group:
         left = "" if row.left is None else setter.line(row.left)
@@ -238,12 +238,12 @@ def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
 
 
 def _left_side(equation: Equation) -> Expression:
-    """What stands left of the sign at which equations are aligned."""
+    """The side left of the sign at which equations are aligned."""
     return _head(equation)[0]
 
 
 def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
-    """What stands left of the sign that is aligned, and the sides right of it: names come first."""
+    """The side left of the sign that is aligned, and the sides right of it: names come first."""
     names = 1
     while names < len(equation.sides) - 1 and isinstance(equation.sides[names], Symbol):
         names += 1

@@ -29,8 +29,8 @@ _TEX = {
 
 @dataclass(frozen=True)
 class Medium:
-    """How a sentence is set: its words, its symbols (sign, letter, subscript, whether it is a
-    vector), names of others."""
+    """A medium by how a sentence is set: its words, its symbols (sign, letter, subscript, whether
+    it is a vector), names of others."""
 
     words: Callable[[str], str]
     symbol: Callable[[str, str, str, bool], str]
@@ -40,7 +40,7 @@ class Medium:
 
     @property
     def planar(self) -> Medium:
-        """The same where moments are scalars."""
+        """The medium for the plane, where moments are scalars."""
         return replace(self, vectors=self.vectors - {"n"})
 
     def __call__(self, sentence: str) -> str:

@@ -23,7 +23,7 @@ figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
 @media screen and (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
 .source,h2 .notes{color:#9aa6b5}}
 """
-"""Of a page of a derivation, whatever it is shown on."""
+"""The style of a page of a derivation, whatever it is shown on."""
 
 TERMS = """
 .term-time{color:#1d4fc4;border-bottom:.07em solid}
@@ -34,8 +34,8 @@ TERMS = """
 @media screen and (prefers-color-scheme:dark){.term-time{color:#8ab4ff}
 .term-kinetic{color:#ffa765}.term-potential{color:#74cf8a}.sources{color:#9aa6b5}}
 """
-"""Of terms by where they came from: each source has a colour and a kind of line, so that print
-without colour shows it too."""
+"""The style of terms by where they came from: each source has a colour and a kind of line, so that
+print without colour shows it too."""
 
 PANEL = """
 .try{border:1px solid #c9d0d8;border-radius:.5rem;padding:.2rem 1rem;margin:1.5rem 0;
@@ -65,7 +65,8 @@ overflow-y:auto}}
 @media screen and (prefers-color-scheme:dark){.try{border-color:#48525e}.values{color:#9aa6b5}
 .value output{color:#ff86b3}.answer.right p{color:#74cf8a}}
 """
-"""Of the panel that can be tried and the values; wide windows have the panel beside the steps."""
+"""The style of the panel that can be tried and of the values; wide windows have the panel beside
+the steps."""
 
 ROWS = """
 @media print{math[display=block]:has(>.aligned){display:block!important}
@@ -75,8 +76,9 @@ math:not(:has(>.aligned>mtr:nth-child(5))){break-inside:avoid}
 break-inside:avoid}
 .aligned>mtr>mtd{display:block math}.aligned>mtr>mtd:first-child{justify-self:end}}
 """
-"""Of equations: sheets end between rows, which are those of a grid. They would end between rows of
-a table too, but Chromium then forgets their baselines; and within a formula they never do."""
+"""The style of printed equations: sheets end between rows, which are those of a grid. They would
+end between rows of a table too, but Chromium then forgets their baselines; and within a formula
+they never do."""
 
 STEPS = """
 @media print{body{font-size:10pt;line-height:1.4}main{max-width:none;padding:0}
@@ -97,8 +99,9 @@ section p:has(+.equations){padding-bottom:3.5em;margin-bottom:-3.3em}
 .equations.result{--kept:.1em}
 .source{font-size:.92em;margin-top:.8rem;break-before:avoid}}
 """
-"""Of a page of a derivation. A text keeps room below it, in which two rows stand, the last row room
-for its legend and values: told to stay together, Chromium moved whole steps to the next sheet."""
+"""The style of a printed page of a derivation. A text keeps room below it, in which two rows stand,
+the last row room for its legend and values: told to stay together, Chromium moved whole steps to
+the next sheet."""
 
 STATE = """
 @media print{.try{border:0;padding:0;margin:.6rem 0;font-size:.92em}
@@ -113,7 +116,8 @@ details:not(:last-of-type) .slider:last-child::after,.value:not(:last-child)::af
 .values{font-size:.92em;overflow:visible}
 .value math,.slider math{font-size:1.05em}.value output{color:inherit}}
 """
-"""Of the panel, which is printed as the state that its sliders are in, and of the values."""
+"""The style of the panel, which is printed as the state that its sliders are in, and of the
+values."""
 
 _SHADE = "linear-gradient({},#5a7fb8b0,#5a7fb800) {} 0 top 0/.9rem 100%"
 _COVER = "linear-gradient({},var(--paper) 40%,#0000) {} -1px top 0/2.6rem 100% local"
@@ -124,8 +128,9 @@ SCROLLED = f"""
 .card pre,.card figure,.solution>math{{background:{_LAYERS} var(--paper);
 background-repeat:no-repeat}}}}
 """
-"""Of what can be wider than the window: a shaded edge as long as something is hidden behind it. The
-shades stand still, the covers above them, of the colour of the page, scroll with the content."""
+"""The style of what can be wider than the window: a shaded edge as long as something is hidden
+behind it. The shades stand still, the covers above them, of the colour of the page, scroll with the
+content."""
 
 TOUCHED = """
 .short{display:none}
@@ -151,12 +156,13 @@ box-sizing:border-box}
 @media screen and (max-width:40rem) and (min-height:36rem){.try #arm{position:sticky;top:0;
 z-index:1;background:var(--paper)}}
 """
-"""Of the parts that all pages with steps share: targets as large as a finger, values side by side,
-the table of symbols as lines, the drawing in sight while sliders are moved."""
+"""The style of the parts that all pages with steps share, in narrow windows and under fingers:
+targets as large as a finger, values side by side, the table of symbols as lines, the drawing in
+sight while sliders are moved."""
 
 NARROW = """
 @media screen and (max-width:40rem){main{padding:1rem .9rem 3rem}h1{font-size:1.55rem}
 .result{padding:.6rem .4rem}figure{margin:1rem -.9rem}.try{padding:.2rem .7rem}
 h2,section>details>summary{margin-top:1.8rem}}
 """
-"""Of a page of a derivation alone."""
+"""The style of a page of a derivation in narrow windows."""

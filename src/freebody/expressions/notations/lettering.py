@@ -105,7 +105,7 @@ class Lettering(ByValue):
 
     @cached_property
     def letters(self) -> Mapping[str, str]:
-        """By the letters of `KIND_OF` those of the notation."""
+        """The notation's letters, by those of `KIND_OF`."""
         given, others = self.notation.letters, self.notation.all_letters
         taken = {letter for letters in given.values() for letter in letters}
         found = {}
@@ -133,7 +133,8 @@ class Lettering(ByValue):
         return line.mapped(self)
 
     def _numbers(self, angle: Expression) -> str:
-        """Of a sum of the model's angles their numbers, rising, of one digit each; else ""."""
+        """The numbers of the angles in a sum of the model's angles, rising, of one digit each; else
+        ""."""
         terms = angle.terms if isinstance(angle, Sum) else (angle,)
         names = [x.name if isinstance(x, Symbol) else "" for x in terms]
         plain = all(x in _ANGLES and x in self.coordinates for x in names)
@@ -218,8 +219,8 @@ def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, .
 
 
 def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
-    """The same for a document: without short sines and cosines where s_1 is something else, and the
-    reduced mass matrix H as it is where there is a larger M.
+    """The letters for a document: without short sines and cosines where s_1 is something else, and
+    the reduced mass matrix H as it is where there is a larger M.
 
     Raises FreebodyError where two symbols of it would be one.
     """
@@ -247,7 +248,7 @@ def _without_ambiguous_functions(lettering: Lettering, called: Iterable[Symbol])
 
 
 def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:
-    """The same with the next letter for one of two symbols that are called alike."""
+    """The letters with the next one for one of two symbols that are called alike."""
     notation = lettering.notation
     for symbol in (one, other):
         kind = KIND_OF.get(symbol.letter)

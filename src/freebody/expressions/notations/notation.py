@@ -34,7 +34,7 @@ PRESETS = (
 """Names of the notations that come with freebody, each a file."""
 
 TERMS = ("coefficients", "vector", "matrix", "bias")
-"""How torques are written by terms without accelerations: by coefficients h of products of rates, a
+"""Forms of the terms of torques without accelerations: by coefficients h of products of rates, a
 vector of velocity terms, the matrix C times the rates, or a vector with gravity in it."""
 
 _PRINTED = {
@@ -54,7 +54,7 @@ Weights = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class BookNotation(ByValue):
-    """How somebody writes."""
+    """A notation: letters, names, angles and parameters of a course or a book."""
 
     name: str
     title: str = ""
@@ -64,7 +64,7 @@ class BookNotation(ByValue):
     zero: str = "x axis"
     """A key of `ZEROS`."""
     names: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
+    """Names and what they stand for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
     parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
     letters: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
@@ -102,7 +102,7 @@ class BookNotation(ByValue):
 
     @property
     def quarter_turns(self) -> int:
-        """By how many right angles the direction of zero is turned from x."""
+        """The right angles by which the direction of zero is turned from x."""
         return ZEROS[self.zero]
 
 

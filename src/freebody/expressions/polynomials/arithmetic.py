@@ -39,7 +39,7 @@ def collected(x: Trig, names: Collection[str]) -> dict[Product, Trig]:
 
 
 def determinant(rows: Sequence[Sequence[Trig]], s: Symbols) -> Trig:
-    """By Laplace's expansion, every minor once, sparse rows first."""
+    """The determinant by Laplace's expansion, every minor once, sparse rows first."""
     n = len(rows)
     order = sorted(range(n), key=lambda i: sum(not x.is_zero for x in rows[i]))
     sign = _parity(order)

@@ -1,4 +1,4 @@
-"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and
+"""Kinds of the symbols of a model (angles by parallel axes, masses by body, gravity, rates) and
 their order."""
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Rank = tuple[int, int, int, str]
 
 @dataclass(frozen=True)
 class Order:
-    """What the symbols of a model are, so that terms can be grouped and factors ordered."""
+    """Kinds and order of a model's symbols, so that terms can be grouped and factors ordered."""
 
     symbols: Symbols
 

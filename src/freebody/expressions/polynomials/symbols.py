@@ -29,7 +29,7 @@ from freebody.values import ByValue, key
 Formulas = tuple[tuple[str, tuple[tuple[tuple[tuple[str, int], ...], Fraction], ...]], ...]
 """Names, and the terms of the polynomials that they stand for."""
 RATE, SECOND = "_d", "_dd"
-"""What the names of velocities and accelerations end with."""
+"""Endings of the names of velocities and accelerations."""
 
 
 class TrigReader(QuantityReader):
@@ -111,7 +111,7 @@ class Symbols(ByValue):
     turned: tuple[tuple[int, ...], ...] | None = None
     """B of θ = B φ, where the joints' coordinates are θ and the symbols stand for φ."""
     quarters: tuple[int, ...] = ()
-    """By how many right angles each of φ is 0 elsewhere than on the x axis."""
+    """The right angles from the x axis to where each of φ is 0."""
     follows: bool = True
     """Whether formulas of the model are put in; else all its parameters are symbols."""
 
@@ -155,12 +155,12 @@ class Symbols(ByValue):
 
     @property
     def qd(self) -> tuple[Trig, ...]:
-        """Their rates."""
+        """Rates of the coordinates."""
         return self.of_joints(self.own(RATE))
 
     @property
     def qdd(self) -> tuple[Trig, ...]:
-        """Their accelerations."""
+        """Accelerations of the coordinates."""
         return self.of_joints(self.own(SECOND))
 
     def followed(self, given: Mapping[str, Trig]) -> dict[str, Trig]:
@@ -295,7 +295,8 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
 
 
 def names_by_body(model: Model) -> list[tuple[str, ...]]:
-    """That of each body's joint; none of one that follows another or has several coordinates."""
+    """Names of the coordinate of each body's joint; none of one that follows another or has several
+    coordinates."""
     names: list[tuple[str, ...]] = []
     parameters = {p.name for p in each_parameter(model)}
     i = 0

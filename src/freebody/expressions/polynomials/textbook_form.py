@@ -49,7 +49,7 @@ class Layout:
 
     @cached_property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The kinds and the order of the symbols."""
         return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
@@ -301,7 +301,7 @@ class InTextbookForm:
 
     @cached_property
     def layout(self) -> Layout:
-        """How polynomials of this model are printed: `layout.form(x)` is an expression."""
+        """The printed layout of the model's polynomials: `layout.form(x)` is an expression."""
         return Layout(self.symbols)
 
     def form(self, x: Trig) -> Expression:
