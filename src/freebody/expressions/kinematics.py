@@ -17,7 +17,7 @@ from typing import Any
 from freebody.algorithms import kinematics as algorithms
 from freebody.algorithms.kinematics import Column, Pose, ancestors, joint_poses
 from freebody.errors import FreebodyError
-from freebody.expressions.polynomials.arithmetic import determinant, inner
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
@@ -25,8 +25,6 @@ from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.scalars.trig import Trig
 from freebody.spatial import Matrix, Vector, add, compose, identity, neg, sub, times, transposed
-
-Entries = list[list[Trig]]
 
 
 @dataclass(frozen=True)

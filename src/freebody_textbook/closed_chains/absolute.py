@@ -15,6 +15,7 @@ from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import Pose
 from freebody.algorithms.loop_constraints import LoopEquation, loop_equations
 from freebody.elementary import Scalar
+from freebody.expressions.polynomials.arithmetic import Entries
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, TrigReader
 from freebody.expressions.polynomials.textbook_form import Layout
@@ -24,7 +25,6 @@ from freebody.model.tree import Tree, TreeLoop
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Vector, add, dot, product, sub, times
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
-from freebody_textbook.closed_chains.linear import Entries
 
 LETTERS = ("x", "y", "phi")
 _HALF = 0.5

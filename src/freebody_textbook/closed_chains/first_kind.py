@@ -13,11 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
-from freebody.expressions.polynomials.arithmetic import determinant, inner, times
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner, times
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import Entries, Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.equations.equations import Equations
 

@@ -12,13 +12,12 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.arithmetic import determinant
+from freebody.expressions.polynomials.arithmetic import Entries, determinant
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
-Entries = list[list[Trig]]
 _WIDE = 24
 """Numbers and symbols up to which a numerator is written over its denominator."""
 _FACTORED = 120

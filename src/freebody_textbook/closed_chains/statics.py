@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from freebody.expressions.polynomials.arithmetic import determinant, inner
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import multiplier_names
-from freebody_textbook.closed_chains.linear import Entries, Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 
 

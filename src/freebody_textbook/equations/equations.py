@@ -33,7 +33,7 @@ from freebody_textbook.equations.intermediates import intermediates
 from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.render import page
 
-Names = str | PathLike[str] | BookNotation
+NotationName = str | PathLike[str] | BookNotation
 """A notation, or "standard"."""
 NAMINGS = ("notes", "standard", *PRESETS[1:])
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
@@ -63,7 +63,7 @@ class Equations(Titled, ClosedForm):
         self.symbols.require_plain("intermediates")
         return intermediates(self.symbols)
 
-    def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
+    def groups(self, view: str = "named", names: NotationName = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded", "intermediates" or "base"."""
         standard = names == "standard"
         notation = preset("notes") if standard else _letters_of(names)
@@ -94,7 +94,7 @@ class Equations(Titled, ClosedForm):
             total.update(operations(line))
         return dict(total)
 
-    def text(self, view: str = "auto", names: Names = "notes", width: int = 100) -> str:
+    def text(self, view: str = "auto", names: NotationName = "notes", width: int = 100) -> str:
         """The equations for a terminal.
 
         view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates"
@@ -108,7 +108,7 @@ class Equations(Titled, ClosedForm):
         return page.text(self.groups(view, names), width)
 
     def latex(
-        self, view: str = "auto", names: Names = "notes", environment: str = "aligned"
+        self, view: str = "auto", names: NotationName = "notes", environment: str = "aligned"
     ) -> str:
         """The equations as an amsmath environment, without dollar signs; "align*" in a document
         breaks across pages."""
@@ -117,7 +117,7 @@ class Equations(Titled, ClosedForm):
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
-    def mathml(self, view: str = "auto", names: Names = "notes") -> str:
+    def mathml(self, view: str = "auto", names: NotationName = "notes") -> str:
         """The equations as one `<math>` element."""
         if view == "auto" and not self.is_short:
             rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
@@ -182,7 +182,7 @@ class Equations(Titled, ClosedForm):
         return equations(model, self.symbols.reader.numbers)
 
 
-def _letters_of(names: Names) -> BookNotation:
+def _letters_of(names: NotationName) -> BookNotation:
     """A notation that has letters alone; refuses others."""
     if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
         raise UnknownNameError("naming", names, "Equations", NAMINGS)

@@ -26,7 +26,7 @@ _FEW = 6
 """Pairs of arms up to which the angle between each two is told."""
 
 
-_Arm = tuple[Expression, Vector]
+_NamedVector = tuple[Expression, Vector]
 """Name and value of a vector along a body."""
 
 
@@ -204,7 +204,7 @@ def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
     return found
 
 
-def _arms(s: Setting) -> Iterator[_Arm]:
+def _arms(s: Setting) -> Iterator[_NamedVector]:
     """Vectors from the joints to the centres of mass, and from joint to joint."""
     for i in s.weighted:
         yield s.centre_name(i), s.centre(i)
@@ -229,7 +229,7 @@ def _products(
         yield ex.eq(product, ex.mul(*lengths, function(first, second)), s.show_moved(value))
 
 
-def _crossed(s: Setting, arm: _Arm, force: _Arm) -> Equation:
+def _crossed(s: Setting, arm: _NamedVector, force: _NamedVector) -> Equation:
     """arm × force by components, and what that is with the motion put in."""
     (a, u), (f, v) = arm, force
     mass, rest = _without_mass(f)

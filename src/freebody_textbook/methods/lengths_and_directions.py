@@ -16,17 +16,23 @@ from fractions import Fraction
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.angle_sums import Monomial, Terms, Wave, gathered, raw
+from freebody.expressions.polynomials.angle_sums import (
+    SymbolPowers,
+    TrigProduct,
+    TrigTerms,
+    gathered,
+    raw,
+)
 from freebody.expressions.polynomials.textbook_form import (
     Layout,
     Poly,
     function,
+    product_rank,
     starts_with_minus,
-    wave_rank,
 )
 from freebody.scalars.trig import Trig
 
-Inner = dict[tuple[Monomial, Wave], Fraction]
+Inner = dict[tuple[SymbolPowers, TrigProduct], Fraction]
 """Coefficients of products of rates times a direction."""
 
 _UNITS = tuple(ex.num(sign, decimal) for sign in (1, -1) for decimal in (False, True))
@@ -38,7 +44,7 @@ def by_lengths(layout: Layout, x: Trig) -> Expression:
     return ex.add(*(_times_mass(layout, name, terms) for name, terms in groups.items()))
 
 
-def _times_mass(layout: Layout, name: str, terms: Terms) -> Expression:
+def _times_mass(layout: Layout, name: str, terms: TrigTerms) -> Expression:
     """mass · Σ length · (…)."""
     parts = ex.add(
         *(_moved(layout, lengths, inner) for lengths, inner in _by_length(layout, terms))
@@ -50,9 +56,9 @@ def _times_mass(layout: Layout, name: str, terms: Terms) -> Expression:
     return ex.mul(layout.symbol(name), parts)
 
 
-def _by_length(layout: Layout, terms: Terms) -> list[tuple[Poly, Inner]]:
+def _by_length(layout: Layout, terms: TrigTerms) -> list[tuple[Poly, Inner]]:
     """(lengths, motion): lengths that move alike are added up."""
-    inner: defaultdict[Monomial, Inner] = defaultdict(dict)
+    inner: defaultdict[SymbolPowers, Inner] = defaultdict(dict)
     for (monomial, wave), coefficient in terms.items():
         still = tuple((n, e) for n, e in monomial if n not in layout.order.moving)
         rates = tuple((n, e) for n, e in monomial if n in layout.order.moving)
@@ -68,15 +74,15 @@ def _by_length(layout: Layout, terms: Terms) -> list[tuple[Poly, Inner]]:
     return list(rows.values())
 
 
-def _rank(layout: Layout, key: tuple[Monomial, Wave]) -> tuple:
+def _rank(layout: Layout, key: tuple[SymbolPowers, TrigProduct]) -> tuple:
     """Accelerations before products of velocities, then by direction."""
     rates, wave = key
-    return layout.rate_rank(rates), wave_rank(wave, layout.order.angles)
+    return layout.rate_rank(rates), product_rank(wave, layout.order.angles)
 
 
 def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
     """lengths · Σ rates · direction."""
-    directions: defaultdict[Wave, Poly] = defaultdict(dict)
+    directions: defaultdict[TrigProduct, Poly] = defaultdict(dict)
     for rates, wave in sorted(inner, key=lambda key: _rank(layout, key)):
         directions[wave][rates] = inner[rates, wave]
     motion = ex.add(
@@ -97,7 +103,7 @@ class Directed:
     """along · (cos φ, sin φ) + across · (-sin φ, cos φ); angle: φ as multiples of coordinates, ()
     of the x axis."""
 
-    angle: Monomial
+    angle: SymbolPowers
     along: Trig
     across: Trig
 
@@ -111,7 +117,7 @@ def directed(layout: Layout, vector: Sequence[Trig]) -> list[Directed]:
     """The parts of a vector by their angles, inner ones first; none where it does not consist of
     such parts."""
     symbols, angles = layout.symbols, layout.order.angles
-    parts: defaultdict[Monomial, list[dict[str, Trig]]] = defaultdict(lambda: [{}, {}])
+    parts: defaultdict[SymbolPowers, list[dict[str, Trig]]] = defaultdict(lambda: [{}, {}])
     for k, component in enumerate(vector):
         for (monomial, wave), coefficient in gathered(raw(component), angles, (angles,)).items():
             ((name, angle, exponent),) = wave or (("cos", (), 1),)
@@ -130,7 +136,7 @@ def directed(layout: Layout, vector: Sequence[Trig]) -> list[Directed]:
     return sorted(found, key=lambda part: len(part.angle))
 
 
-def _turned(angle: Monomial, xc: Trig, xs: Trig, yc: Trig, ys: Trig) -> Directed | None:
+def _turned(angle: SymbolPowers, xc: Trig, xs: Trig, yc: Trig, ys: Trig) -> Directed | None:
     """The part whose components are xc cos φ + xs sin φ and yc cos φ + ys sin φ."""
     if not angle or (xc == ys and xs == -yc):
         return Directed(angle, xc, yc)
@@ -144,7 +150,7 @@ def _both(one: Directed, other: Directed, names: tuple[str, str]) -> Expression:
     return ex.mul(*(_wave(f, x.angle) for f, x in zip(names, (one, other), strict=True)))
 
 
-def _wave(name: str, angle: Monomial) -> Expression:
+def _wave(name: str, angle: SymbolPowers) -> Expression:
     if not angle:
         return ex.ONE if name == "cos" else ex.ZERO
     return function(name, angle, 1)

@@ -23,7 +23,7 @@ _MANY = 12
 """Terms up to which each has a row of its own."""
 
 
-_Pattern = tuple[str, ...]
+_MovingFactors = tuple[str, ...]
 """The rates, accelerations and other such factors of a product, sorted."""
 
 
@@ -107,7 +107,7 @@ def term_meanings(s: Setting, closed: Step) -> list[Step]:
     equations = closed.equations
     if not equations:
         return []
-    found = _Terms(s, equations)
+    found = _PrintedTerms(s, equations)
     terms = [
         term for i, line in enumerate(equations[: len(s.leaders)]) for term in found.of(i, line)
     ]
@@ -140,7 +140,7 @@ def _reason(terms: Iterable[Term]) -> str:
     return "The terms of the equations above by name" + (f": {more}." if more else ".")
 
 
-class _Terms:
+class _PrintedTerms:
     """The terms of printed equations, by what is in them."""
 
     def __init__(self, s: Setting, equations: Iterable[Equation]):
@@ -237,7 +237,7 @@ class TermSources:
 
     def __init__(self, symbols: Symbols, polynomials: Mapping[str, Trig]):
         self._moving = moving(symbols)
-        self._sources: dict[_Pattern, set[str]] = {}
+        self._sources: dict[_MovingFactors, set[str]] = {}
         for source, polynomial in polynomials.items():
             for powers, _ in polynomial.terms():
                 pattern = tuple(
@@ -276,14 +276,14 @@ def moving(symbols: Symbols) -> frozenset[str]:
     )
 
 
-def _patterns(term: Expression, names: Collection[str]) -> Collection[_Pattern]:
+def _patterns(term: Expression, names: Collection[str]) -> Collection[_MovingFactors]:
     """The products of these names that occur in a printed term; none where it is no product or sum
     of scalars."""
-    nothing: frozenset[_Pattern] = frozenset({()})
+    nothing: frozenset[_MovingFactors] = frozenset({()})
 
     def function(
-        node: Function, at: Callable[[Expression], Collection[_Pattern]]
-    ) -> Collection[_Pattern]:
+        node: Function, at: Callable[[Expression], Collection[_MovingFactors]]
+    ) -> Collection[_MovingFactors]:
         if node.name == "sgn":
             return frozenset((f"sgn_{name}",) for pattern in at(node.argument) for name in pattern)
         return nothing
@@ -306,8 +306,10 @@ def _patterns(term: Expression, names: Collection[str]) -> Collection[_Pattern]:
         return ()
 
 
-def _product(factors: Iterable[Collection[_Pattern]]) -> Collection[_Pattern]:
-    def times(a: Collection[_Pattern], b: Collection[_Pattern]) -> Collection[_Pattern]:
+def _product(factors: Iterable[Collection[_MovingFactors]]) -> Collection[_MovingFactors]:
+    def times(
+        a: Collection[_MovingFactors], b: Collection[_MovingFactors]
+    ) -> Collection[_MovingFactors]:
         return frozenset(tuple(sorted((*x, *y))) for x in a for y in b)
 
     return reduce(times, factors, frozenset({()}))

@@ -35,7 +35,7 @@ from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import product, times, transposed
 from freebody_textbook.relations.formula import FormulaError
 
-Value = Any
+FormulaValue = Any
 
 
 _TYPICAL = {
@@ -52,10 +52,10 @@ class Each(tuple):
     """One value for each of several bodies, such as the masses m_i; `sum` adds them up."""
 
 
-def value(node: Expression, values: Mapping[str, Value]) -> Value:
+def value(node: Expression, values: Mapping[str, FormulaValue]) -> FormulaValue:
     """The value of an expression, given each symbol's by name."""
 
-    def symbol(node: Symbol, at: Any) -> Value:
+    def symbol(node: Symbol, at: Any) -> FormulaValue:
         if node.name not in values:
             raise UnknownNameError("quantity", node.name, "the values given", values)
         return plain(values[node.name])
@@ -66,7 +66,7 @@ def value(node: Expression, values: Mapping[str, Value]) -> Value:
         raise FormulaError(problem.problem) from None
 
 
-def plain(x: Any) -> Value:
+def plain(x: Any) -> FormulaValue:
     """Arrays and lists as tuples; scalars as they are."""
     if isinstance(x, np.ndarray):
         return plain(x.tolist())
@@ -75,12 +75,12 @@ def plain(x: Any) -> Value:
     return tuple(map(plain, x)) if isinstance(x, list | tuple) else x
 
 
-def rank(x: Value) -> int:
+def rank(x: FormulaValue) -> int:
     """0 of a scalar, 1 of a vector, 2 of a matrix."""
     return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
 
 
-def shape_name(x: Value) -> str:
+def shape_name(x: FormulaValue) -> str:
     """The shape of a value in words."""
     if rank(x) == 0:
         return "a scalar"
@@ -88,7 +88,7 @@ def shape_name(x: Value) -> str:
 
 
 # ---------------------------------------------------------------- arithmetic
-def plus(a: Value, b: Value) -> Value:
+def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a + b of the same shape."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(plus, a, b)
@@ -97,12 +97,12 @@ def plus(a: Value, b: Value) -> Value:
     return tuple(map(plus, a, b)) if rank(a) else a + b
 
 
-def minus(a: Value) -> Value:
+def minus(a: FormulaValue) -> FormulaValue:
     """-a."""
     return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
 
 
-def multiplied(a: Value, b: Value) -> Value:
+def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a b: scalars times anything, matrices times vectors and matrices."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(multiplied, a, b)
@@ -122,7 +122,7 @@ def multiplied(a: Value, b: Value) -> Value:
     )
 
 
-def crossed(a: Value, b: Value) -> Value:
+def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
     ω z × b."""
     if isinstance(a, Each) or isinstance(b, Each):
@@ -139,7 +139,7 @@ def crossed(a: Value, b: Value) -> Value:
     raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
 
 
-def dotted(a: Value, b: Value) -> Value:
+def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a · b."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(dotted, a, b)
@@ -148,14 +148,14 @@ def dotted(a: Value, b: Value) -> Value:
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
 
 
-def _each(rule: Any, a: Value, b: Value) -> Value:
+def _each(rule: Any, a: FormulaValue, b: FormulaValue) -> FormulaValue:
     n = max(len(x) for x in (a, b) if isinstance(x, Each))
     left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
     return Each(map(rule, left, right))
 
 
 # ---------------------------------------------------------------- functions and powers
-def _raised(base: Value, exponent: int) -> Value:
+def _raised(base: FormulaValue, exponent: int) -> FormulaValue:
     """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
     if isinstance(base, Each):
         return Each(_raised(x, exponent) for x in base)
@@ -171,34 +171,34 @@ def _raised(base: Value, exponent: int) -> Value:
     raise FormulaError(f"{shape_name(base)} has no power {exponent}")
 
 
-def _in_numbers(x: Value) -> Array:
+def _in_numbers(x: FormulaValue) -> Array:
     """A matrix of numbers as an array."""
     if any(isinstance(entry, Trig | Composed) for row in x for entry in row):
         raise FormulaError(f"{shape_name(x)} of polynomials is not inverted here; give it numbers")
     return np.array(x, dtype=float)
 
 
-def _determinant(x: Value) -> Value:
+def _determinant(x: FormulaValue) -> FormulaValue:
     if len(x) == 2:
         return x[0][0] * x[1][1] - x[0][1] * x[1][0]
     return float(np.linalg.det(_in_numbers(x)))
 
 
-def _added(x: Value) -> Value:
+def _added(x: FormulaValue) -> FormulaValue:
     if not isinstance(x, Each):
         raise FormulaError("∑ needs a value for each body")
     return reduce(plus, x)
 
 
-def _norm(x: Value) -> Value:
+def _norm(x: FormulaValue) -> FormulaValue:
     return elementary.sqrt(dotted(x, x))
 
 
-def _diagonal(x: Value) -> Value:
+def _diagonal(x: FormulaValue) -> FormulaValue:
     return tuple(tuple(d if i == j else 0.0 for j in range(len(x))) for i, d in enumerate(x))
 
 
-def _skew(x: Value) -> Value:
+def _skew(x: FormulaValue) -> FormulaValue:
     """The matrix of x × …"""
     a, b, c = x
     return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
@@ -213,11 +213,11 @@ _FUNCTIONS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _derivative(node: Derivative, at: Any) -> Value:
+def _derivative(node: Derivative, at: Any) -> FormulaValue:
     return _slope(at(node.of), _variable(at(node.by)) if node.partial else None)
 
 
-def _variable(x: Value) -> str:
+def _variable(x: FormulaValue) -> str:
     """The name of a symbol of a ring."""
     names = x.ring.names if isinstance(x, Trig) else x.variables if isinstance(x, Composed) else ()
     for name in names:
@@ -226,7 +226,7 @@ def _variable(x: Value) -> str:
     raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter")
 
 
-def _slope(x: Value, by: str | None) -> Value:
+def _slope(x: FormulaValue, by: str | None) -> FormulaValue:
     """The partial derivative by a symbol, or the time derivative."""
     if rank(x):
         return tuple(_slope(entry, by) for entry in x)
@@ -243,7 +243,7 @@ def time_rates(ring: TrigRing) -> dict[str, Trig]:
     return first | {x + RATE: ring[x + SECOND] for x in ring.names if x + SECOND in ring.index}
 
 
-def divided(a: Value, b: Value) -> Value:
+def divided(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a / b: anything by a scalar; exact where both are whole."""
     if isinstance(a, tuple):
         return type(a)(divided(x, b) for x in a)
@@ -252,12 +252,12 @@ def divided(a: Value, b: Value) -> Value:
     return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
 
 
-def _applied(function: Any, x: Value, name: str) -> Value:
+def _applied(function: Any, x: FormulaValue, name: str) -> FormulaValue:
     """A function of each of several values, but for the sum, which takes them together."""
     return Each(map(function, x)) if isinstance(x, Each) and name != "∑" else function(x)
 
 
-def _stacked(entries: list[Value]) -> Value:
+def _stacked(entries: list[FormulaValue]) -> FormulaValue:
     """A vector; of entries that are given for several bodies a vector for each."""
     counts = {len(x) for x in entries if isinstance(x, Each)}
     if not counts:

@@ -18,7 +18,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.relations.formula import FormulaError, names_in, parse
 from freebody_textbook.relations.formula_values import (
     Each,
-    Value,
+    FormulaValue,
     minus,
     occurs,
     plain,
@@ -41,7 +41,7 @@ class Relation(Titled):
     """True when both sides are equal."""
 
     formula: str
-    sides: tuple[Value, ...]
+    sides: tuple[FormulaValue, ...]
     """Values of the sides; none where they cannot be formed."""
     equal: bool
     exact: bool
@@ -58,7 +58,7 @@ class Relation(Titled):
         return f"Relation {self.formula}: {self.problem or found}"
 
     @property
-    def differences(self) -> list[Value]:
+    def differences(self) -> list[FormulaValue]:
         """First side minus the last, entry by entry."""
         return (
             list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
@@ -122,21 +122,21 @@ def symbols_of(formula: str) -> list[str]:
     return names_in(parse(formula))
 
 
-def _filled(side: Value, sides: tuple[Value, ...]) -> Value:
+def _filled(side: FormulaValue, sides: tuple[FormulaValue, ...]) -> FormulaValue:
     """0 stands for a zero vector where another side is one."""
     other = max(sides, key=rank)
     return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
 
 
-def _is_zero(x: Value) -> bool:
+def _is_zero(x: FormulaValue) -> bool:
     return bool(x.is_zero) if hasattr(x, "is_zero") else bool(np.all(np.asarray(x) == 0))
 
 
-def _shape(x: Value) -> tuple[int, ...]:
+def _shape(x: FormulaValue) -> tuple[int, ...]:
     return (len(x), *_shape(x[0])) if isinstance(x, tuple) and x else ()
 
 
-def _entries(x: Value) -> Iterator[Value]:
+def _entries(x: FormulaValue) -> Iterator[FormulaValue]:
     if isinstance(x, tuple):
         for entry in x:
             yield from _entries(entry)
@@ -144,7 +144,7 @@ def _entries(x: Value) -> Iterator[Value]:
         yield x
 
 
-def _compared(a: Value, b: Value, scale: list[Value]) -> tuple[bool, bool]:
+def _compared(a: FormulaValue, b: FormulaValue, scale: list[FormulaValue]) -> tuple[bool, bool]:
     """Whether two scalars are equal, and whether that is certain beside rounding.
 
     A difference of functions that does not become 0 is looked at in places: where it is 0 in all of
@@ -166,7 +166,7 @@ def _compared(a: Value, b: Value, scale: list[Value]) -> tuple[bool, bool]:
     return equal, not equal
 
 
-def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
+def _equal(a: FormulaValue, b: FormulaValue, scale: list[FormulaValue]) -> bool:
     if isinstance(a, Trig) or isinstance(b, Trig):
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
     numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]
@@ -178,7 +178,7 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
     )
 
 
-def _numbers(side: Value, values: Mapping[str, float]) -> Any:
+def _numbers(side: FormulaValue, values: Mapping[str, float]) -> Any:
     if isinstance(side, tuple):
         return tuple(_numbers(x, values) for x in side)
     return float(side.evaluate(values)) if isinstance(side, Trig | Composed) else float(side)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 Figures = Mapping[str, str]
 """SVG text by the name that a step gives its figure."""
 
-Rows = Sequence[tuple[str, str, str]]
+SymbolRows = Sequence[tuple[str, str, str]]
 """Rows of the table of symbols: symbols, meaning, unit or ""."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
@@ -64,7 +64,7 @@ class _Document:
     listed: Callable[[list[str]], str] = ", ".join
     """Symbols of one meaning."""
     wrap: Callable[[str, str], str] = lambda words, indent: words
-    rows: Callable[[_Document, Rows], str] = lambda self, rows: "".join(
+    rows: Callable[[_Document, SymbolRows], str] = lambda self, rows: "".join(
         self.row.format(*row) for row in rows
     )
     title: str
@@ -185,7 +185,7 @@ def _cells(line: str) -> int:
     return len(re.sub("[\u0300-\u036f]", "", line))
 
 
-def _text_table(rows: Rows, width: int) -> str:
+def _text_table(rows: SymbolRows, width: int) -> str:
     size = min(24, max((_cells(names) for names, _, _ in rows), default=0))
     lines = []
     for names, words, unit in rows:

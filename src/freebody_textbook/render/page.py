@@ -32,7 +32,7 @@ _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0"
 STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}{ROWS}"
 """A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
-Groups = Sequence[Sequence[Equation]]
+EquationGroups = Sequence[Sequence[Equation]]
 
 WIDE = 0.25
 """The part of a line from which on a left side is wide."""
@@ -42,7 +42,7 @@ TALL = 24
 """About the rows of a table where there are many: a printed page breaks between tables."""
 
 
-_Measure = Callable[[Expression], float]
+_WidthOf = Callable[[Expression], float]
 
 
 _SIGN = 4.2
@@ -50,7 +50,7 @@ _SIGN = 4.2
 
 
 # ---------------------------------------------------------------- text
-def text(groups: Groups, width: int = 100) -> str:
+def text(groups: EquationGroups, width: int = 100) -> str:
     """A line an equation, longer ones broken; an empty line between groups."""
     return "\n\n".join("\n".join(_text_group(group, width)) for group in groups)
 
@@ -82,14 +82,16 @@ def _lines(
         yield from ((left, part, k > 0) for k, part in enumerate(parts))
 
 
-def _set(groups: Groups, width: float, setter: Typesetter) -> list[list[tuple[str, str, bool]]]:
+def _set(
+    groups: EquationGroups, width: float, setter: Typesetter
+) -> list[list[tuple[str, str, bool]]]:
     """The lines of each group; all have the same room."""
     found = [_rows(group, width, _span) for group in groups]
     room = min((room for _, room in found), default=width)
     return [list(_lines(group, room, setter)) for group, _ in found]
 
 
-def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
+def latex(groups: EquationGroups, environment: str = "aligned", width: int = 76) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
     blocks = [
         " \\\\\n".join(
@@ -120,7 +122,7 @@ def _span(node: Expression) -> float:
     return width_of(LATEX.line(node))
 
 
-def html(groups: Groups, width: float = 74, alone: bool = False) -> str:
+def html(groups: EquationGroups, width: float = 74, alone: bool = False) -> str:
     """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
     wide left side have a table of their own, lest others have no room.
 
@@ -148,7 +150,7 @@ def _height(line: Equation) -> int:
     return max((len(x.rows if isinstance(x, Matrix) else x.entries) for x in arrays), default=1)
 
 
-def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equation]]]:
+def _tables(groups: EquationGroups, width: float, tall: float) -> list[list[list[Equation]]]:
     """The groups, in the same order, in tables of left sides that are all wide or all narrow, and
     not of very many rows."""
     tables: list[list[list[Equation]]] = []
@@ -166,7 +168,7 @@ def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equatio
     return tables
 
 
-def _table(groups: Groups, width: float, alone: bool) -> str:
+def _table(groups: EquationGroups, width: float, alone: bool) -> str:
     cells = ""
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):
@@ -194,7 +196,7 @@ class _Row:
     right: Expression
 
 
-def _rows(group: Iterable[Equation], width: float, measure: _Measure) -> tuple[list[_Row], float]:
+def _rows(group: Iterable[Equation], width: float, measure: _WidthOf) -> tuple[list[_Row], float]:
     """The lines of a group of equations, and the room that their right sides have beside the widest
     left one."""
     turned = (_turned_round(equation, width, measure) for equation in group)
@@ -204,7 +206,7 @@ def _rows(group: Iterable[Equation], width: float, measure: _Measure) -> tuple[l
     return [row for head, rest in heads for row in _chain(head, rest, room, measure)], room
 
 
-def _turned_round(equation: Equation, width: float, measure: _Measure) -> Equation:
+def _turned_round(equation: Equation, width: float, measure: _WidthOf) -> Equation:
     """The equation; a = b as b = a where a is too wide for a line, as only the right side is
     broken."""
     left, *others = equation.sides
@@ -214,7 +216,7 @@ def _turned_round(equation: Equation, width: float, measure: _Measure) -> Equati
     return eq(others[0], left)
 
 
-def _unfolded(equation: Equation, width: float, measure: _Measure) -> list[Equation]:
+def _unfolded(equation: Equation, width: float, measure: _WidthOf) -> list[Equation]:
     """The equation; one whose last side is an array too wide for a line by the array's entries
     instead."""
     *before, last = equation.sides
@@ -252,7 +254,7 @@ def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
 
 
 def _chain(
-    head: Expression, rest: tuple[Expression, ...], room: float, measure: _Measure
+    head: Expression, rest: tuple[Expression, ...], room: float, measure: _WidthOf
 ) -> list[_Row]:
     """One line if it fits, else a line a side."""
     joined = rest[0] if len(rest) == 1 else Equation(rest)

@@ -18,23 +18,23 @@ from freebody.scalars.trig import Trig
 Raw = list[tuple[dict[str, int], Fraction]]
 """Terms as `Trig.terms` gives them: {generator: exponent}, coefficient."""
 
-Monomial = tuple[tuple[str, int], ...]
+SymbolPowers = tuple[tuple[str, int], ...]
 """Powers of symbols, (name, exponent)."""
 
-Wave = tuple[tuple[str, Monomial, int], ...]
+TrigProduct = tuple[tuple[str, SymbolPowers, int], ...]
 """A product of functions (sin or cos, multiples of angles, exponent); () is 1."""
 
 Exponents = tuple[tuple[int, int], ...]
 """Exponents of sine and cosine for each angle."""
 
-Blocks = tuple[tuple[str, ...], ...]
+AngleBlocks = tuple[tuple[str, ...], ...]
 """Angles that are gathered with one another, each in one block."""
 
-Terms = dict[tuple[Monomial, Wave], Fraction]
+TrigTerms = dict[tuple[SymbolPowers, TrigProduct], Fraction]
 """Coefficient of each monomial times wave."""
 
 
-Angle = dict[str, int]
+_Multiples = dict[str, int]
 
 
 _InPowers = dict[tuple[tuple[int, ...], Exponents], tuple[int, int]]
@@ -47,10 +47,10 @@ def raw(x: Trig) -> Raw:
     return list(x.terms())
 
 
-def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
+def as_products(terms: Raw, angles: tuple[str, ...]) -> TrigTerms:
     """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin²
     again."""
-    result: Terms = {}
+    result: TrigTerms = {}
     for powers, coefficient in terms:
         wave = tuple(
             (f, ((x, 1),), powers[f"{f}_{x}"])
@@ -62,7 +62,7 @@ def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
     return _with_squares(result)
 
 
-def _with_squares(terms: Terms) -> Terms:
+def _with_squares(terms: TrigTerms) -> TrigTerms:
     """a X - a X cos²x written a X sin²x."""
     result = dict(terms)
     for (monomial, wave), coefficient in terms.items():
@@ -83,17 +83,17 @@ def _with_squares(terms: Terms) -> Terms:
     return result
 
 
-def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
+def gathered(terms: Raw, angles: tuple[str, ...], blocks: AngleBlocks) -> TrigTerms:
     """Sines and cosines of sums of the angles of a block, each with its first multiple positive."""
-    state: dict[tuple[Monomial, Wave, Exponents], Fraction] = {}
+    state: dict[tuple[SymbolPowers, TrigProduct, Exponents], Fraction] = {}
     for powers, coefficient in terms:
         exponents = tuple((powers.get(f"sin_{x}", 0), powers.get(f"cos_{x}", 0)) for x in angles)
         state[_rest(powers, angles), (), exponents] = coefficient
     for block in blocks:
         places = [angles.index(x) for x in block]
-        parts: defaultdict[tuple[Monomial, Wave, Exponents], dict[Exponents, Fraction]] = (
-            defaultdict(dict)
-        )
+        parts: defaultdict[
+            tuple[SymbolPowers, TrigProduct, Exponents], dict[Exponents, Fraction]
+        ] = defaultdict(dict)
         for (monomial, wave, exponents), coefficient in state.items():
             ours = tuple(exponents[k] for k in places)
             others = tuple((0, 0) if k in places else e for k, e in enumerate(exponents))
@@ -101,20 +101,20 @@ def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
         state = {
             (monomial, wave + own, others): value
             for (monomial, wave, others), part in parts.items()
-            for own, value in _waves(part, block)
+            for own, value in _in_sums_of_angles(part, block)
         }
     return {(monomial, wave): value for (monomial, wave, _), value in state.items()}
 
 
-def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
+def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> SymbolPowers:
     """The monomial without its sines and cosines."""
     waves = {f"{f}_{x}" for x in angles for f in ("sin", "cos")}
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
 
-def _waves(
+def _in_sums_of_angles(
     part: dict[Exponents, Fraction], names: tuple[str, ...]
-) -> Iterator[tuple[Wave, Fraction]]:
+) -> Iterator[tuple[TrigProduct, Fraction]]:
     """A polynomial in the sines and cosines of a block's angles as a sum over waves.
 
     Angle by angle it becomes one in z = e^{ix}, with 2 cos x = z + 1/z and 2 sin x = -i (z - 1/z),
@@ -166,11 +166,11 @@ def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
     return tuple((k, value) for k, value in powers.items() if value)
 
 
-def paired(terms: Terms, blocks: Blocks) -> Terms:
+def paired(terms: TrigTerms, blocks: AngleBlocks) -> TrigTerms:
     """Gathered terms, two of them made one product wherever their coefficients and angles allow
     it."""
     block_of = {x: k for k, block in enumerate(blocks) for x in block}
-    candidates: defaultdict[tuple, list[tuple[Wave, Angle]]] = defaultdict(list)
+    candidates: defaultdict[tuple, list[tuple[TrigProduct, _Multiples]]] = defaultdict(list)
     for (monomial, wave), value in terms.items():
         for k, (f, argument, _) in enumerate(wave):
             rest = wave[:k] + wave[k + 1 :]
@@ -185,7 +185,11 @@ def paired(terms: Terms, blocks: Blocks) -> Terms:
 
 
 def _join(
-    result: Terms, monomial: Monomial, rest: Wave, f: str, rows: list[tuple[Wave, Angle]]
+    result: TrigTerms,
+    monomial: SymbolPowers,
+    rest: TrigProduct,
+    f: str,
+    rows: list[tuple[TrigProduct, _Multiples]],
 ) -> None:
     """Replaces pairs of rows, first come first served."""
     left = [row for row in rows if (monomial, row[0]) in result]
@@ -204,7 +208,7 @@ def _join(
                 break
 
 
-def _halves(a: Angle, b: Angle) -> tuple[Angle, Angle] | None:
+def _halves(a: _Multiples, b: _Multiples) -> tuple[_Multiples, _Multiples] | None:
     """½(a + b) and ½(a - b), if they are whole."""
     names = list(dict.fromkeys([*a, *b]))
     total = {x: a.get(x, 0) + b.get(x, 0) for x in names}
@@ -215,7 +219,7 @@ def _halves(a: Angle, b: Angle) -> tuple[Angle, Angle] | None:
     return plus, minus
 
 
-def _product(f: str, plus: Angle, minus: Angle, equal: bool) -> tuple[int, Wave]:
+def _product(f: str, plus: _Multiples, minus: _Multiples, equal: bool) -> tuple[int, TrigProduct]:
     """f(a) + f(b) (or f(a) - f(b) where not `equal`) as sign · 2 · product of functions of ½(a+b)
     and ½(a-b)."""
     kinds = {
@@ -236,6 +240,6 @@ def _product(f: str, plus: Angle, minus: Angle, equal: bool) -> tuple[int, Wave]
     return sign, tuple(functions)
 
 
-def _sorted(wave: Wave) -> Wave:
+def _sorted(wave: TrigProduct) -> TrigProduct:
     """Short arguments first."""
     return tuple(sorted(wave, key=lambda f: (len(f[1]), sum(abs(k) for _, k in f[1]), f[1], f[0])))

@@ -6,11 +6,12 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from fractions import Fraction
 
+from freebody.expressions.polynomials.angle_sums import SymbolPowers
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.scalars.trig import Trig
 
-Product = tuple[tuple[str, int], ...]
-"""Powers of generators, (name, exponent), by name."""
+Entries = list[list[Trig]]
+"""A matrix of polynomials by its rows."""
 
 
 def inner(a: Sequence[Trig], b: Sequence[Trig], s: Symbols) -> Trig:
@@ -28,9 +29,9 @@ def times(A: Sequence[Sequence[Trig]], B: Sequence[Sequence[Trig]], s: Symbols) 
     return [[inner(row, column, s) for column in columns] for row in A]
 
 
-def collected(x: Trig, names: Collection[str]) -> dict[Product, Trig]:
+def collected(x: Trig, names: Collection[str]) -> dict[SymbolPowers, Trig]:
     """A polynomial by its products of the generators named: what stands with each."""
-    rows: dict[Product, list[tuple[dict[str, int], Fraction]]] = {}
+    rows: dict[SymbolPowers, list[tuple[dict[str, int], Fraction]]] = {}
     for powers, coefficient in x.terms():
         key = tuple(sorted((name, k) for name, k in powers.items() if name in names))
         rest = {name: k for name, k in powers.items() if name not in names}

@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.angle_sums import Blocks
+from freebody.expressions.polynomials.angle_sums import AngleBlocks
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
@@ -35,7 +35,7 @@ class Order:
         return self.symbols.ring.angles
 
     @cached_property
-    def blocks(self) -> Blocks:
+    def blocks(self) -> AngleBlocks:
         """The angles by parallel axes: those of one block turn about the same direction."""
         bodies = self.symbols.tree.bodies
         blocks: list[list[str]] = []
