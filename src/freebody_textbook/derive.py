@@ -28,9 +28,13 @@ from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import LOADS, Method
-from freebody_textbook.methods.overview import overview, told_once
+from freebody_textbook.methods.overview import overview, without_repeated_legs
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.whole_bodies import symbols_of_bodies, told, velocity_names
+from freebody_textbook.methods.whole_bodies import (
+    sentences_on_whole_bodies,
+    symbols_of_bodies,
+    velocity_names,
+)
 from freebody_textbook.relations.formula import FormulaError, names_in, parse
 from freebody_textbook.relations.formula_values import value
 
@@ -81,13 +85,17 @@ def undrawn_derivation(
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
     given = " ".join(
-        [given, *told(model, made, not worked.robot), *_told_formulas(made, setting.layout)]
+        [
+            given,
+            *sentences_on_whole_bodies(model, made, not worked.robot),
+            *_formulas_in_words(made, setting.layout),
+        ]
     )
     derivation = Derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
-        _with_lengths(told_once(setting, worked.steps)),
+        _with_lengths(without_repeated_legs(setting, worked.steps)),
         worked.tau,
         given,
         glossary,
@@ -99,7 +107,7 @@ def undrawn_derivation(
 
 def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
     """The steps; the first that tells only how long a line is says where the line can be had."""
-    first = next((step for step in steps if any(map(_is_told_by_length, step.equations))), None)
+    first = next((step for step in steps if any(map(_is_shown_by_length, step.equations))), None)
     reason = (
         " Where only the number of terms is given, the line is too long to read; in Python the "
         "derivation holds the torques exactly, as .tau, and M, Φ_q and c of a closed chain, as "
@@ -108,7 +116,7 @@ def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
     return tuple(replace(x, reason=x.reason + reason) if x is first else x for x in steps)
 
 
-def _is_told_by_length(line: Equation) -> bool:
+def _is_shown_by_length(line: Equation) -> bool:
     return any(isinstance(x, Words) and x.text.endswith(("terms", "terms)")) for x in nodes(line))
 
 
@@ -290,7 +298,7 @@ def freed(model: Model, given: Mapping[str, str | float]) -> Model:
     return model.bind({name: name for name in given}) if model.formulas and given else model
 
 
-def _told_formulas(symbols: Symbols, layout: Layout) -> list[str]:
+def _formulas_in_words(symbols: Symbols, layout: Layout) -> list[str]:
     """A sentence with the formulas that hold in what is derived."""
     if not symbols.follows:
         return []

@@ -104,7 +104,7 @@ class Equations(Titled, ClosedForm):
         `check`.
         """
         if view == "auto" and not self.is_short:
-            return "\n".join(map(str, self._told()))
+            return "\n".join(map(str, self._lines_on_length()))
         return page.text(self.groups(view, names), width)
 
     def latex(
@@ -113,18 +113,20 @@ class Equations(Titled, ClosedForm):
         """The equations as an amsmath environment, without dollar signs; "align*" in a document
         breaks across pages."""
         if view == "auto" and not self.is_short:
-            lines = " \\\\ ".join(line.latex() for line in self._told())
+            lines = " \\\\ ".join(line.latex() for line in self._lines_on_length())
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
     def mathml(self, view: str = "auto", names: NotationName = "notes") -> str:
         """The equations as one `<math>` element."""
         if view == "auto" and not self.is_short:
-            rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
+            rows = (
+                f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._lines_on_length()
+            )
             return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
         return page.html(self.groups(view, names), alone=True)
 
-    def _told(self) -> list[ex.Expression]:
+    def _lines_on_length(self) -> list[ex.Expression]:
         """Two lines on the length of equations that are too long to read."""
         return [
             ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),

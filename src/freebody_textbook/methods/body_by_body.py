@@ -53,7 +53,7 @@ class FreeBodies:
             ("RR", 1): ("3.10", "3.11"),
             ("RR", 2): ("3.12", "3.13"),
         }.get((s.cited, n), ("3.1", "3.2") if s.planar else ("6.1", "6.2"))
-        reason = step_reasons.free_body(s, i, self.told(i))
+        reason = step_reasons.free_body(s, i, self.further_forces(i))
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
@@ -65,7 +65,7 @@ class FreeBodies:
         """Moments on body i from outside."""
         return []
 
-    def told(self, i: int) -> list[str]:
+    def further_forces(self, i: int) -> list[str]:
         """Further forces on body i, besides joints, weight and load, in words."""
         return []
 

@@ -56,7 +56,7 @@ def _closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> 
     if groups is None and len(setting.order) <= _FEW:
         groups = short_by_base(equations, form)
     if groups is None:
-        return Step("The closed form", _told(setting), (), numbers, result=True)
+        return Step("The closed form", _length_in_words(setting), (), numbers, result=True)
     reason = _sorted(setting) + ("" if equations.is_short else _BASE)
     if setting.cited == "RR":
         reason += (
@@ -124,7 +124,7 @@ def _undriven(setting: Setting) -> str:
     )
 
 
-def _told(setting: Setting) -> str:
+def _length_in_words(setting: Setting) -> str:
     """A sentence on the length of equations that are too long to print."""
     lines = "" if setting.planar else ", and the recursive method writes them line by line"
     return (

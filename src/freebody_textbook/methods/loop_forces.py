@@ -99,7 +99,7 @@ class LoopForces:
         moments = [(self.loops.moment_name(loop), loop) for loop, _ in self._ends(i)]
         return [self._signed(name, loop, i) for name, loop in moments if name != ex.ZERO]
 
-    def told(self, i: int) -> list[str]:
+    def in_words(self, i: int) -> list[str]:
         """The loops' forces on body i, in words."""
         found = []
         for loop, frame in self._ends(i):

@@ -140,9 +140,9 @@ class _LoopedBodies(FreeBodies):
         """Moments of loops."""
         return self.loop_forces.moments_on(i)
 
-    def told(self, i: int) -> list[str]:
+    def further_forces(self, i: int) -> list[str]:
         """The loops' forces in words."""
-        return self.loop_forces.told(i)
+        return self.loop_forces.in_words(i)
 
     def left_over(self, i: int) -> str:
         """The loop's force, of a body that carries the end of a loop."""

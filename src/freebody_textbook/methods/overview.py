@@ -314,7 +314,7 @@ def _sought(s: Setting) -> str:
 
 
 # ---------------------------------------------------------------- legs that are alike
-def told_once(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+def without_repeated_legs(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ...]:
     """The steps without the lines of further legs that are those of the first leg under other
     names; steps of which none is left are dropped."""
     first, *others = _legs(s)

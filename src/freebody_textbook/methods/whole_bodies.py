@@ -78,7 +78,7 @@ def _require_single_joints(symbols: Symbols, what: str) -> None:
             )
 
 
-def told(model: Model, made: Symbols, apart: bool = True) -> list[str]:
+def sentences_on_whole_bodies(model: Model, made: Symbols, apart: bool = True) -> list[str]:
     """A sentence for each body of a model that is made of parts; made: what `symbols_of_bodies`
     made of it; apart: whether a body is counted by its last joint of one coordinate."""
     assert made.given is not None

@@ -28,13 +28,13 @@ from freebody_textbook.methods.recursive import GRAVITIES
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.whole_bodies import symbols_of_bodies
 
-QuantityValues = dict[str, Any]
+ValuesByName = dict[str, Any]
 
 
-class Quantities(Titled, QuantityValues):
+class Quantities(Titled, ValuesByName):
     """Exact quantities by name, and how they print."""
 
-    def __init__(self, values: QuantityValues, layout: Layout):
+    def __init__(self, values: ValuesByName, layout: Layout):
         super().__init__(values)
         self.layout = layout
 
@@ -98,13 +98,13 @@ class QuantityValues:
         self.base = gravity == "base"
         self.gravity = gravity
 
-    def all(self) -> QuantityValues:
+    def all(self) -> ValuesByName:
         found = self._symbols() | self._arm()
         for i in self.s.order:
             found |= self.of_body(i)
         return found
 
-    def of_body(self, i: int) -> QuantityValues:
+    def of_body(self, i: int) -> ValuesByName:
         """The quantities of one body."""
         return values_of(RecursionValues(self.s, i, self.record, self.base))
 
@@ -120,9 +120,9 @@ class QuantityValues:
         return tuple(map(self._element, v))
 
     # ------------------------------------------------------------ groups
-    def _symbols(self) -> QuantityValues:
+    def _symbols(self) -> ValuesByName:
         s = self.s.symbols
-        found: QuantityValues = s.followed({}) | {name: s.ring[name] for name in s.ring.names}
+        found: ValuesByName = s.followed({}) | {name: s.ring[name] for name in s.ring.names}
         q, qd, qdd = s.q, s.qd, s.qdd
         if self.s.at_rest:
             qd = qdd = tuple(s.zero() for _ in q)
@@ -132,10 +132,10 @@ class QuantityValues:
             found["f"] = tuple(s.ring[name] for name in self.s.load)
         return found
 
-    def _arm(self) -> QuantityValues:
+    def _arm(self) -> ValuesByName:
         eq, tau = self.s.equations, tuple(self._element(x) for x in self.record.tau)
         n = range(len(eq.M))
-        found: QuantityValues = {
+        found: ValuesByName = {
             "tau": tau, "M": tuple(map(tuple, eq.M)), "C": tuple(map(tuple, eq.C)),
             "c": tuple(eq.c),
             "G": tuple(eq.g), "T": eq.T, "V": eq.V, "L": eq.T - eq.V,
@@ -144,12 +144,12 @@ class QuantityValues:
         found |= {f"G{i + 1}": eq.g[i] for i in n} | {f"tau{i + 1}": tau[i] for i in n}
         return found | (self._tip() if self.s.symbols.model.tip is not None else {})
 
-    def _tip(self) -> QuantityValues:
+    def _tip(self) -> ValuesByName:
         s = self.s
         k = Kinematics(s.symbols, s.symbols.model.frame().name)
         dim = s.tree.space.dim
         (_, v), (_, a) = frame_motion(s.tree, s.motion, k.frame)
-        found: QuantityValues = {
+        found: ValuesByName = {
             "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a),
             "J": tuple(map(tuple, k.J[:dim])), "J_d": tuple(map(tuple, k.J_dot[:dim])),
         }  # fmt: skip
