@@ -52,18 +52,43 @@ def undrawn_derivation(
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
-    method: a name from the list below. Default: the first that applies to the model. load: whether
-    a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
-    at rest, where the model has a tip that moves. notation: whose letters are printed, as for
-    `check`, which reads the lines in the same notation; default: those of the notes. parameters:
-    those given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}. options:
-    the method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
-    into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
-    are derived in their own axes by the first method; joints that follow others, in open chains,
-    by their leader's coordinate. Raises FreebodyError for a turn by a fraction of another, for a
-    load on a model without a tip, for a notation that calls two things by one name, and for
-    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
-    notes, Aalborg University, 2019, where the method's line names no other.
+    A joint of several coordinates is taken apart into joints of one, a quaternion into yaw, pitch
+    and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in
+    their own axes by the first method; joints that follow others, in open chains, by their leader's
+    coordinate.
+
+    Parameters
+    ----------
+    model
+        The robot.
+    method
+        A name from the list below; None: the first that applies to the model.
+    load
+        Whether a force f, with world components fx, fy (fz), acts on the tip; None: in a method for
+        robots at rest, where the model has a tip that moves.
+    notation
+        The letters that are printed, as for `check`, which reads the lines in the same notation;
+        None: those of the notes.
+    parameters
+        Parameters given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}.
+    options
+        The method's own, from the list below.
+
+    Returns
+    -------
+    Derivation
+        With its steps, the torques as exact polynomials, and text, Markdown, LaTeX and a page.
+
+    Raises
+    ------
+    FreebodyError
+        A turn by a fraction of another, a load on a model without a tip, a notation that calls two
+        things by one name, options that the method does not use.
+    UnknownNameError
+        A name of a method, option or notation that there is not.
+
+    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where
+    the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)

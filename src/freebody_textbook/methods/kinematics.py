@@ -34,7 +34,7 @@ def work_out(setting: Setting) -> Worked:
     """The steps; there are no torques in them. Of a closed chain: see `_of_closed_chain`."""
     if setting.tree.loops:
         return _of_closed_chain(setting)
-    work = _TipSteps(setting)
+    work = _TipKinematics(setting)
     steps = [
         work.position(),
         work.velocity(),
@@ -56,7 +56,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
 
 
-class _TipSteps:
+class _TipKinematics:
     """The steps; counted is the motion of the point, and in the plane the turning where there are
     joints for it."""
 

@@ -69,9 +69,27 @@ def quantities(
     2, R1 those of body 1 to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1 are the
     angular velocity and the z axis of body 1 in world axes.
 
-    load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts
-    each body's weight among its forces; "base" accelerates the base by -g instead, which then is in
-    all accelerations. Raises FreebodyError for branched models, spherical and free joints.
+    Parameters
+    ----------
+    model
+        The robot, a serial arm.
+    load
+        Whether a force f = (fx, fy) acts on the tip, in space (fx, fy, fz).
+    at_rest
+        Whether nothing moves.
+    gravity
+        "explicit" counts each body's weight among its forces; "base" accelerates the base by -g
+        instead, which then is in all accelerations.
+
+    Returns
+    -------
+    Quantities
+        Exact polynomials by name, with their printed forms.
+
+    Raises
+    ------
+    FreebodyError
+        A branched model, a spherical or free joint.
     """
     if gravity not in GRAVITIES:
         raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)

@@ -88,12 +88,30 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     """Whether an equation holds between quantities given by name; see `fb.quantities` for those of
     an arm.
 
-    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody_textbook.relations.formula`. values:
-    scalars, vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly,
-    numbers to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i,
-    and omega_h, omega_k of the previous and the next link. A scalar and a vector are not equal, but
-    a vector may be compared with 0. Raises FormulaError for text that cannot be read,
-    UnknownNameError for a name without value.
+    Polynomials are compared exactly, numbers to 1e-9 of the largest. A scalar and a vector are not
+    equal, but a vector may be compared with 0.
+
+    Parameters
+    ----------
+    values
+        Scalars, vectors and matrices of numbers or exact polynomials, by name.
+    formula
+        "f12 + m2*gravity = m2*vc2_d"; see `freebody_textbook.relations.formula`.
+    link
+        The number that `i` stands for in names such as omega_i, and omega_h, omega_k of the
+        previous and the next link.
+
+    Returns
+    -------
+    Relation
+        True where the equation holds, with both sides and, where it does not, the reason.
+
+    Raises
+    ------
+    FormulaError
+        A text that cannot be read.
+    UnknownNameError
+        A name without value.
     """
     node = parse(formula)
     if not isinstance(node, Equation):
