@@ -25,7 +25,7 @@ from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
 
-_Value = Callable[[BodyValues], Any]
+_ValueRule = Callable[[BodyValues], Any]
 _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -36,7 +36,7 @@ class BodyQuantity:
     known: str
     """The quantity's name in `fb.quantities`."""
     words: str
-    value: _Value
+    value: _ValueRule
     unit: Unit = units.NONE
     also: tuple[tuple[str, int], ...] = ()
     """Further names in answers, in plain spelling, and how many dots they have."""
