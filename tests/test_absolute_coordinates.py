@@ -19,7 +19,7 @@ from freebody_textbook.closed_chains.first_kind import FirstKind
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.derive import compare
-from freebody_textbook.methods.back_to_joints import BackToJoints
+from freebody_textbook.methods.absolute_coordinates import BackToJoints
 from freebody_textbook.methods.cut_loops import Loops
 from freebody_textbook.methods.loop_forces import LoopReactions
 from freebody_textbook.methods.reactions import SolvedReactions

@@ -18,7 +18,7 @@ from freebody.expressions.expression import Equation, Symbol, nodes
 from freebody.model.model import Model
 from freebody_textbook.derive import compare
 from freebody_textbook.render import page
-from freebody_textbook.render.equation_numbers import cited
+from freebody_textbook.render.prose import cited
 from support.printed_values import evaluate
 from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
 

@@ -30,10 +30,10 @@ from freebody.expressions.expression import (
 )
 from freebody.expressions.nodes import nodes, replaced
 from freebody.expressions.printed_names import entry, sym, vec
-from freebody.expressions.typesetting.lines import broken
 from freebody.expressions.typesetting.text import TEXT
+from freebody.expressions.typesetting.typesetter import broken
+from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.relations.formula_values import value
-from freebody_textbook.render.sympy import to_sympy
 from support.extras import extra
 from support.printed_values import evaluate
 

@@ -13,9 +13,9 @@ import pytest
 import freebody as fb
 from freebody.expressions.nodes import Negative, Sourced, Sum, nodes
 from freebody.expressions.polynomials.symbols import RATE
-from freebody_textbook.methods.term_sources import KINETIC, POTENTIAL, SEVERAL, TIME
+from freebody_textbook.methods.terms import KINETIC, POTENTIAL, SEVERAL, TIME
 from freebody_textbook.relations.formula_values import value
-from freebody_textbook.render.term_sources import STYLE
+from freebody_textbook.render.styles import TERMS
 
 SPRUNG = fb.planar("RP").with_drive("joint2", rotor=0.5, stiffness=3.0, viscous=0.25)
 MODELS = [*map(fb.planar, ("RR", "RP", "RRR")), SPRUNG, fb.load("furuta"), fb.load("polar_arm")]
@@ -89,7 +89,7 @@ def test_marks_are_in_pages_alone_with_a_legend_and_more_than_a_colour():
     assert not re.search("[\ue000-\uf8ff]|term-", derivation.text() + derivation.latex())
     plain = fb.derive(fb.planar("RRR"), "newton-euler")
     assert 'class="sources"' not in plain.html()
-    lines = re.findall(r"\.term-\w+\{[^}]*border-bottom:[\d.]+em (\w+)\}", STYLE)
+    lines = re.findall(r"\.term-\w+\{[^}]*border-bottom:[\d.]+em (\w+)\}", TERMS)
     assert len(set(lines)) == 4
 
 

@@ -31,10 +31,9 @@ from freebody_notes.text import shown
 from freebody_textbook.derivation import Step
 from freebody_textbook.render import documents
 from freebody_textbook.render import page as formulas
-from freebody_textbook.render.living_parts import STYLE
+from freebody_textbook.render.documents import LETTERS
 from freebody_textbook.render.prose import web_prose
-from freebody_textbook.render.short_lines import LETTERS
-from freebody_textbook.render.small_screens import SCROLLED, TOUCHED
+from freebody_textbook.render.styles import PANEL, SCROLLED, TOUCHED
 
 WORDS = {
     "holds": "holds as printed", "misprint": "misprint", "inconsistent": "inconsistent",
@@ -154,7 +153,7 @@ def _of_chapter(
             "panel": Markup(living.panel),
             "steps": Markup(steps),
         },
-        live_style=Markup(STYLE),
+        live_style=Markup(PANEL),
     )
 
 

@@ -18,7 +18,7 @@ from freebody_textbook.render import documents
 if TYPE_CHECKING:
     from freebody_textbook.closed_chains.first_kind import FirstKind
     from freebody_textbook.closed_chains.statics import LoopStatics
-    from freebody_textbook.render.living_parts import LivingParts
+    from freebody_textbook.render.documents import LivingParts
 
 
 @dataclass(frozen=True, repr=False)
@@ -58,7 +58,7 @@ class Step(InWords):
 
 @dataclass(frozen=True)
 class Meaning:
-    """What symbols stand for, and their unit ("" for none)."""
+    """The meaning of symbols in words, and their unit ("" for none)."""
 
     symbols: tuple[Expression, ...]
     words: str
@@ -76,8 +76,7 @@ class Drawings:
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Titled):
-    """How the equations of a model come about by one method, and the torques that this way ends
-    in."""
+    """A derivation of a model's equations by one method, and the torques that this way ends in."""
 
     method: str
     title: str
@@ -88,29 +87,29 @@ class Derivation(Titled):
     tau: tuple[Trig, ...]
     """Joint torques as this method finds them, exact polynomials."""
     given: str = ""
-    """What is given and what is sought, in words."""
+    """The text on what is given and what is sought."""
     glossary: tuple[Meaning, ...] = ()
     """The symbols that occur."""
     system: FirstKind | LoopStatics | None = None
-    """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics
-    multipliers and torques."""
+    """The equations of a closed chain as polynomials: of the first kind M, Φ_q, c and the
+    reduction; of statics multipliers and torques."""
     reference: str = ""
-    """Where the method is described, if not in the lecture notes."""
+    """The source of the method, if it is not the lecture notes."""
     draw: Callable[[Derivation, str], Drawings] | None = field(
         default=None, compare=False, repr=False
     )
-    """What draws them, with labels as in `html`; figures are made above derivations, so that it
-    comes from there."""
+    """A function that draws its figures, with labels as in `html`; figures are made above
+    derivations, so that it comes from there."""
 
     enliven: Callable[[Derivation], LivingParts | None] | None = field(
         default=None, compare=False, repr=False
     )
-    """What makes the parts of its page that can be tried; from above, as `draw` is."""
+    """A function that makes the parts of its page that can be tried; from above, as `draw` is."""
 
     lettering: Lettering = PLAIN
     """The letters that it is written in."""
     plain: Derivation | None = field(default=None, compare=False, repr=False)
-    """The same in the notes' letters, where its own are others."""
+    """The derivation in the notes' letters, where its own are others."""
 
     def _title(self) -> str:
         return (

@@ -1,32 +1,44 @@
-"""What `fb.derive` tells: the equations of motion step by step, by one of the methods of
-`derivations/methods`."""
+"""Derivations of the equations of motion, step by step, by one of the methods of
+`freebody_textbook.methods`, and parameters that formulas give in them: lc = l/2 of every link,
+I1 = m1 l1²/12, or a number."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError, listed
+from freebody.expressions.expression import Expression
 from freebody.expressions.nodes import Equation, Words, nodes
-from freebody.expressions.notations.angles import angles_of
 from freebody.expressions.notations.lettering import lettering_of
-from freebody.expressions.notations.notation import BookNotation, notation_of
+from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
+from freebody.expressions.polynomials.symbols import Formulas, Symbols
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.printed_names import sym
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import inertial_names, negative, of_each_link
+from freebody.model.parameters import finite
+from freebody.scalars.trig import Trig
 from freebody.spatial import of_dimension
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.alike_legs import told_once
-from freebody_textbook.methods.free_bodies import velocity_names
 from freebody_textbook.methods.method import LOADS, Method
-from freebody_textbook.methods.overview import overview
+from freebody_textbook.methods.overview import overview, without_repeated_legs
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.whole_bodies import symbols_of_bodies, told
-from freebody_textbook.parameter_formulas import as_terms, formulas_of, freed
-from freebody_textbook.parameter_formulas import told as told_formulas
+from freebody_textbook.methods.whole_bodies import (
+    sentences_on_whole_bodies,
+    symbols_of_bodies,
+    velocity_names,
+)
+from freebody_textbook.relations.formula import FormulaError, names_in, parse
+from freebody_textbook.relations.formula_values import value
+
+_NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
 
 
 def undrawn_derivation(
@@ -40,18 +52,43 @@ def undrawn_derivation(
 ) -> Derivation:
     """A derivation of the model's equations as an ordered list of steps.
 
-    method: a name from the list below. Default: the first that applies to the model. load: whether
-    a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
-    at rest, where the model has a tip that moves. notation: whose letters are printed, as for
-    `check`, which reads the lines in the same notation; default: those of the notes. parameters:
-    those given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}. options:
-    the method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
-    into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
-    are derived in their own axes by the first method; joints that follow others, in open chains,
-    by their leader's coordinate. Raises FreebodyError for a turn by a fraction of another, for a
-    load on a model without a tip, for a notation that calls two things by one name, and for
-    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
-    notes, Aalborg University, 2019, where the method's line names no other.
+    A joint of several coordinates is taken apart into joints of one, a quaternion into yaw, pitch
+    and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in
+    their own axes by the first method; joints that follow others, in open chains, by their leader's
+    coordinate.
+
+    Parameters
+    ----------
+    model
+        The robot.
+    method
+        A name from the list below; None: the first that applies to the model.
+    load
+        Whether a force f, with world components fx, fy (fz), acts on the tip; None: in a method for
+        robots at rest, where the model has a tip that moves.
+    notation
+        The letters that are printed, as for `check`, which reads the lines in the same notation;
+        None: those of the notes.
+    parameters
+        Parameters given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}.
+    options
+        The method's own, from the list below.
+
+    Returns
+    -------
+    Derivation
+        With its steps, the torques as exact polynomials, and text, Markdown, LaTeX and a page.
+
+    Raises
+    ------
+    FreebodyError
+        A turn by a fraction of another, a load on a model without a tip, a notation that calls two
+        things by one name, options that the method does not use.
+    UnknownNameError
+        A name of a method, option or notation that there is not.
+
+    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where
+    the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
     _require_options(record, load, options)
@@ -66,20 +103,24 @@ def undrawn_derivation(
     _require_angles(record, style, model)
     angles = angles_of(caller, style, made.model)
     if style.parameters or any(angles):
-        formulas = as_terms(formulas_of(caller, made, style.parameters))
+        formulas = _as_terms(formulas_of(caller, made, style.parameters))
         made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
     lettering = lettering_of(style, made.model, made.coordinates)
     setting = Setting(made, names, record.at_rest, lettering)
     worked = record(setting, **options)
     given, glossary = overview(setting, record, worked)
     given = " ".join(
-        [given, *told(model, made, not worked.robot), *told_formulas(made, setting.layout)]
+        [
+            given,
+            *sentences_on_whole_bodies(model, made, not worked.robot),
+            *_formulas_in_words(made, setting.layout),
+        ]
     )
     derivation = Derivation(
         record.name,
         worked.title or record.title,
         setting.equations,
-        _with_lengths(told_once(setting, worked.steps)),
+        _with_lengths(without_repeated_legs(setting, worked.steps)),
         worked.tau,
         given,
         glossary,
@@ -91,7 +132,7 @@ def undrawn_derivation(
 
 def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
     """The steps; the first that tells only how long a line is says where the line can be had."""
-    first = next((step for step in steps if any(map(_is_told_by_length, step.equations))), None)
+    first = next((step for step in steps if any(map(_is_shown_by_length, step.equations))), None)
     reason = (
         " Where only the number of terms is given, the line is too long to read; in Python the "
         "derivation holds the torques exactly, as .tau, and M, Φ_q and c of a closed chain, as "
@@ -100,7 +141,7 @@ def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
     return tuple(replace(x, reason=x.reason + reason) if x is first else x for x in steps)
 
 
-def _is_told_by_length(line: Equation) -> bool:
+def _is_shown_by_length(line: Equation) -> bool:
     return any(isinstance(x, Words) and x.text.endswith(("terms", "terms)")) for x in nodes(line))
 
 
@@ -203,6 +244,116 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     if a.ring != b.ring:
         raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
     return Comparison(first, second)
+
+
+# ---------------------------------------------------------------- parameters by formulas
+def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
+    """The values of the parameters that formulas give, in the others; a name without its number is
+    that of every link.
+
+    Raises UnknownNameError, and FreebodyError for a formula that cannot be read, that changes with
+    the motion, that names a parameter given by a formula, or that makes a mass or a moment of
+    inertia negative: with the model's values, and where it has none for all positive ones.
+    """
+    texts = {
+        own: text
+        for name, formula in given.items()
+        for own, text in _of_each_link(
+            caller, symbols, name, _formula_text(caller, name, formula)
+        ).items()
+        if text.strip() != own  # its own name
+    }
+    inertial = inertial_names(symbols.model)
+    known = {name: symbols.ring[name] for name in symbols.ring.names} | symbols.followed({})
+    found: dict[str, Trig] = {}
+    for name, text in texts.items():
+        parsed = _parsed(caller, name, text)
+        try:
+            made = value(parsed, known)
+        except FreebodyError as problem:
+            raise _bad(caller, name, text, problem) from None
+        except ZeroDivisionError:
+            raise _bad(caller, name, text, FreebodyError("it divides by 0")) from None
+        if isinstance(made, tuple):
+            raise _bad(caller, name, text, FreebodyError("a parameter is one number"))
+        made = made if isinstance(made, Trig) else symbols.zero() + made
+        if any(set(powers) & set(texts) for powers, _ in made.terms()):
+            raise FreebodyError(
+                f"{caller}: {name} = {text} names a parameter that is given by a formula; write "
+                "it with the others."
+            )
+        if not made.along(symbols.rates).is_zero:
+            raise FreebodyError(
+                f"{caller}: {name} = {text} changes with the motion; a parameter is constant."
+            )
+        if name in inertial:
+            model = symbols.model
+            fault = negative(made.terms(), model.parameters, model.name, inertial[name])
+            if fault:
+                raise FreebodyError(f"{caller}: {name} = {text} {fault}.")
+        found[name] = made
+    return found
+
+
+def _formula_text(caller: str, name: str, formula: object) -> str:
+    """A formula, or a number, as text."""
+    if not isinstance(formula, str):
+        return repr(finite(formula, f"{caller}: the parameter {name}"))
+    if _NOT_FINITE.fullmatch(formula):
+        raise _bad(caller, name, formula, FreebodyError("it is not a finite number"))
+    return formula
+
+
+def _as_terms(values: Mapping[str, Trig]) -> Formulas:
+    """Values of parameters in the form that `symbols` takes."""
+    return tuple(
+        (name, tuple((tuple(powers.items()), x) for powers, x in value.terms()))
+        for name, value in values.items()
+    )
+
+
+def _values_of(symbols: Symbols) -> dict[str, Trig]:
+    """The values of the parameters that `symbols` has by formulas."""
+    polynomial = symbols.ring.polynomial
+    return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
+
+
+def freed(model: Model, given: Mapping[str, str | float]) -> Model:
+    """The model without its own formulas for parameters that are given otherwise."""
+    return model.bind({name: name for name in given}) if model.formulas and given else model
+
+
+def _formulas_in_words(symbols: Symbols, layout: Layout) -> list[str]:
+    """A sentence with the formulas that hold in what is derived."""
+    if not symbols.follows:
+        return []
+    rows = [
+        f"{sym(name)} = {layout.form(x)}"
+        for name, x in symbols.followed(_values_of(symbols)).items()
+    ]
+    return [f"Here {listed(rows)}."] if rows else []
+
+
+def _parsed(caller: str, name: str, formula: str) -> Expression:
+    try:
+        return parse(formula)
+    except FormulaError as problem:
+        raise _bad(caller, name, formula, problem) from None
+
+
+def _bad(caller: str, name: str, formula: str, problem: FreebodyError) -> FreebodyError:
+    own = problem.bare if isinstance(problem, FormulaError) else str(problem)
+    return FreebodyError(f"{caller}: the parameter {name} = {formula}: {own.rstrip('.')}.")
+
+
+def _of_each_link(caller: str, symbols: Symbols, name: str, formula: str) -> dict[str, str]:
+    """A formula for one parameter, or that of a family for every link."""
+    parameters = symbols.model.parameters
+    names = () if name in parameters else names_in(_parsed(caller, name, formula))
+    found = of_each_link(name, formula, names, parameters)
+    if not found:
+        raise UnknownNameError("parameter", name, repr(symbols.model.name), parameters)
+    return found
 
 
 def _listed() -> str:

@@ -1,4 +1,5 @@
-"""The equations of motion in the report, where they are short enough to read."""
+"""Equations of motion for the page of a study, where they are short enough to read: the module that
+`freebody.beside` names, so that the core need not know the textbook."""
 
 from __future__ import annotations
 

@@ -204,12 +204,13 @@ def chain(*sides: Like) -> Equation:
 
 # ---------------------------------------------------------------- looking inside
 def size(x: Expression) -> int:
-    """How many numbers and symbols are read."""
+    """The number of numbers and symbols in an expression."""
     return sum(isinstance(node, Number | Symbol) for node in nodes(x))
 
 
 def operations(x: Expression) -> dict[str, int]:
-    """How many additions, multiplications and functions it takes to compute what is printed."""
+    """The number of additions, multiplications and functions that it takes to compute what is
+    printed."""
     count = {"additions": 0, "multiplications": 0, "functions": 0}
     for node in nodes(x):
         if isinstance(node, Sum):

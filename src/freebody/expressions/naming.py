@@ -1,5 +1,5 @@
-"""What the forces, moments, masses, vectors and lengths of a model are called: asked by all that
-prints or draws them.
+"""Names of the forces, moments, masses, vectors and lengths of a model, for all that prints or
+draws them.
 
 Bodies count from 1 in names, the ground is 0. f_{i,k} is the force of body i on body k and n_{i,k}
 the moment, whether a joint or a loop transmits them: of a joint k is the child, of a loop the body
@@ -37,7 +37,7 @@ class Naming:
     model: Model
     numbers: bool = False
     letters: Lettering = PLAIN
-    """Of a notation."""
+    """The letters of a notation."""
 
     @property
     def planar(self) -> bool:
@@ -85,7 +85,8 @@ class Naming:
         return tuple(k for k in range(1, len(self.model.bodies) + 1) if self.leader(k) == n)
 
     def place(self, n: int) -> int:
-        """Of joint n's coordinate among all, from 1: joints that follow others have none."""
+        """The place of joint n's coordinate among all, from 1: joints that follow others have
+        none."""
         return n - sum(map(self.follows, range(1, n)))
 
     def driven(self, n: int) -> bool:
@@ -163,8 +164,8 @@ class Naming:
         return self._parameter(n, "mass") or self.letters.symbol(sym_of(f"m{n}"))
 
     def inertia(self, n: int) -> Symbol:
-        """In the plane the model's name for the moment of inertia of body n, or I_n; in space the
-        matrix I_n."""
+        """The symbol of the inertia of body n: in the plane the model's name for it, or I_n; in
+        space the matrix I_n."""
         return (self._parameter(n, "tensor") or sym_of(f"I{n}")) if self.planar else vec(f"I{n}")
 
     def _parameter(self, n: int, quantity: str) -> Symbol | None:
@@ -211,7 +212,7 @@ class Naming:
         return self._named(self.model.loops[loop].distance)
 
     def _one(self, placement: Placement) -> Symbol | None:
-        """Of the only length in a placement."""
+        """The only length in a placement."""
         shifts = [
             x
             for step in placement.steps

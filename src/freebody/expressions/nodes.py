@@ -14,7 +14,7 @@ Span = tuple[int, int]
 NOWHERE: Span = (-1, -1)
 
 STYLES: dict[str, Callable[[Expression], str]] = {}
-"""How an expression is written: "text", "latex", "mathml". The renderers stand above the nodes and
+"""Ways of writing an expression: "text", "latex", "mathml". The renderers stand above the nodes and
 fill it in."""
 
 
@@ -28,7 +28,7 @@ class Expression:
     """
 
     span: Span = field(default=NOWHERE, kw_only=True)
-    """Where in a text it was read."""
+    """The place in a text where the expression was read."""
 
     __match_args__: ClassVar[tuple[str, ...]] = ()
     """Names of the fields that are its content, as `dataclass` lists them."""
@@ -57,7 +57,7 @@ class Expression:
         return tuple(_expressions(self._content()))
 
     def mapped(self, f: Callable[[Expression], Expression]) -> Self:
-        """The same with f of each of its parts in their place; itself where they stay."""
+        """The node with f of each of its parts in their place; itself where they stay."""
         new = list(map(f, self.parts))
         if all(a is b for a, b in zip(new, self.parts, strict=True)):
             return self
@@ -96,7 +96,7 @@ def _expressions(content: tuple[Any, ...]) -> list[Expression]:
 
 
 def _filled(x: Any, rest: Iterator[Expression]) -> Any:
-    """What a field holds, its expressions replaced by the next ones of `rest`."""
+    """The content of a field, its expressions replaced by the next ones of `rest`."""
     if isinstance(x, tuple):
         return tuple(_filled(entry, rest) for entry in x)
     return next(rest) if isinstance(x, Expression) else x
@@ -237,7 +237,7 @@ class Equation(Expression):
 
 
 class Conditioned(Expression):
-    """What an operand is under conditions, each an equation: `m₂ = 0, I₂ = 0: τ₁`."""
+    """An operand under conditions, each an equation: `m₂ = 0, I₂ = 0: τ₁`."""
 
     conditions: tuple[Expression, ...]
     operand: Expression

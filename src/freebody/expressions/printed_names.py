@@ -1,4 +1,5 @@
-"""How the names of code print: theta1_d is θ̇₁, lc1 is l_c1, I1xx is I_1,xx, f01 is f_0,1."""
+"""Printed forms of the names of code: theta1_d is θ̇₁, lc1 is l_c1, I1xx is I_1,xx, f01 is
+f_0,1."""
 
 from __future__ import annotations
 
@@ -69,6 +70,22 @@ def entry(letter: str, *indices: int) -> Symbol:
     name = letter + ("" if small else "_") + ("" if small else "_").join(map(str, indices))
     low = ("".join(map(str, indices)),) if small else tuple(map(str, indices))
     return Symbol(name, GREEK.get(letter, letter), low)
+
+
+def place(i: int, j: int) -> str:
+    """Row and column of an entry in one subscript: 12, above 9 with a comma, 4,11."""
+    return f"{i}{j}" if max(i, j) < 10 else f"{i},{j}"
+
+
+def component(name: Symbol, label: str) -> Symbol:
+    """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
+    return Symbol(
+        f"{name.name}_{label}",
+        name.letter,
+        (*name.low, *label.split(",")),
+        name.dots,
+        high=name.high,
+    )
 
 
 def _without_dots(name: str) -> tuple[str, int]:

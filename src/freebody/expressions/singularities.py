@@ -1,5 +1,5 @@
-"""Where det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a joint where
-that is possible."""
+"""Poses in which det J = 0 (2.20-2.23): the determinant factored, and each factor solved for a
+joint where that is possible."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ from fractions import Fraction
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression
-from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.angle_sums import Monomial, gathered, raw
-from freebody.expressions.polynomials.determinant import shortest_determinant
+from freebody.expressions.kinematics import Kinematics, shortest_determinant
+from freebody.expressions.polynomials.angle_sums import SymbolPowers, gathered, raw
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
@@ -29,7 +28,7 @@ class Condition(Titled):
     equation: Equation
     """factor = 0."""
     solutions: tuple[Equation, ...]
-    """The same solved for a joint or a sum of joints; empty where it has no short solution."""
+    """The equation solved for a joint or a sum of joints; empty where it has no short solution."""
 
     def _title(self) -> str:
         return f"Condition: {self}"
@@ -118,7 +117,7 @@ class Determinant:
     def _turned(self, factor: Trig) -> tuple[Equation, ...]:
         """φ = …, for a factor a sin φ + b cos φ, φ a sum of angles."""
         angles = self.kinematics.symbols.ring.angles
-        parts: defaultdict[str, list[tuple[Monomial, Fraction]]] = defaultdict(list)
+        parts: defaultdict[str, list[tuple[SymbolPowers, Fraction]]] = defaultdict(list)
         arguments = set()
         for (monomial, wave), coefficient in gathered(raw(factor), angles, (angles,)).items():
             if len(wave) != 1 or wave[0][2] != 1:
@@ -159,7 +158,7 @@ class Determinant:
                 return (ex.eq(ex.Function("tan", sym(name)), ex.div(form(-cosine), form(sine))),)
         return ()
 
-    def _polynomial(self, terms: Sequence[tuple[Monomial, Fraction]]) -> Trig:
+    def _polynomial(self, terms: Sequence[tuple[SymbolPowers, Fraction]]) -> Trig:
         return self.kinematics.symbols.ring.polynomial((dict(m), c) for m, c in terms)
 
 

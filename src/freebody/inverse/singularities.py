@@ -13,8 +13,7 @@ from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.expressions.expression import Expression
-from freebody.expressions.kinematics import Kinematics, kinematics
-from freebody.expressions.polynomials.determinant import columns_of
+from freebody.expressions.kinematics import Kinematics, columns_of, kinematics
 from freebody.expressions.singularities import Condition, Determinant, jacobian_determinant
 from freebody.inverse.problem.task import row_names, rows_of
 from freebody.model.model import Model

@@ -29,7 +29,7 @@ from freebody_textbook.check.verdicts import senses
 from freebody_textbook.check.verdicts.equation_verdict import Judge
 from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.verdict_at_states import ONE_ASSEMBLY
-from freebody_textbook.parameter_formulas import freed
+from freebody_textbook.derive import freed
 
 MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""

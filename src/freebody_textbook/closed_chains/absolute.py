@@ -15,6 +15,7 @@ from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import Pose
 from freebody.algorithms.loop_constraints import LoopEquation, loop_equations
 from freebody.elementary import Scalar
+from freebody.expressions.polynomials.arithmetic import Entries
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, TrigReader
 from freebody.expressions.polynomials.textbook_form import Layout
@@ -25,7 +26,6 @@ from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Vector, add, dot, product, sub, times
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
-from freebody_textbook.closed_chains.linear import Entries
 
 LETTERS = ("x", "y", "phi")
 _HALF = 0.5
@@ -42,11 +42,11 @@ class _AbsoluteOrder(Order):
 
 
 class _AbsoluteLayout(Layout):
-    """How polynomials in absolute coordinates are printed."""
+    """The printed layout of polynomials in absolute coordinates."""
 
     @cached_property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The kinds and the order of the symbols."""
         return _AbsoluteOrder(self.symbols)
 
 
@@ -61,7 +61,7 @@ class Constraint:
 
     @property
     def rows(self) -> range:
-        """Which equations these are."""
+        """The places of the constraint's equations among all."""
         return range(self.first, self.first + len(self.values))
 
 
@@ -88,7 +88,7 @@ class AbsoluteCoordinates:
         return x, y, phi
 
     def _symbols(self) -> Symbols:
-        """The same model over a ring with these coordinates in the place of the joints'."""
+        """The model over a ring with absolute coordinates in the place of the joints'."""
         given = self.given
         moving = {x + end for x in given.coordinates for end in ("", RATE, SECOND)}
         signs = {sign_of(x + RATE) for x in given.coordinates}
@@ -106,12 +106,12 @@ class AbsoluteCoordinates:
 
     @cached_property
     def tree(self) -> Tree:
-        """Its tree over that ring, of which only the constant numbers are read."""
+        """The model's tree over the ring, of which only the constant numbers are read."""
         return self.symbols.tree
 
     @cached_property
     def layout(self) -> Layout:
-        """How these polynomials are printed."""
+        """The printed layout of polynomials in absolute coordinates."""
         return _AbsoluteLayout(self.symbols)
 
     # ------------------------------------------------------------ poses
@@ -177,8 +177,8 @@ class AbsoluteCoordinates:
 
     @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
-        """Those of the loops first, whose multipliers are then those of joint coordinates, and of
-        each joint."""
+        """The constraints of the loops first, whose multipliers are then those of joint
+        coordinates, and of each joint."""
         found: list[Constraint] = []
         first = 0
         for loop in self.tree.loops:
@@ -276,7 +276,7 @@ class AbsoluteCoordinates:
         return total
 
     def _load(self) -> list[Trig]:
-        """What the force on the tip does along the coordinates."""
+        """Generalized forces of the force on the tip."""
         force = tuple(self.symbols.ring[x] for x in COMPONENTS if x in self.given.extra)
         if not force:
             return [self.symbols.zero()] * len(self.names)

@@ -14,12 +14,11 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.polynomials.arithmetic import inner, times
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner, times
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import Entries, Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.equations.equations import Equations
 
@@ -48,7 +47,7 @@ class FirstKind:
 
     loops: LoopEquations
     equations: Equations
-    """Those of the tree that is left when the loops are cut."""
+    """The equations of the tree that is left when the loops are cut."""
 
     @property
     def symbols(self) -> Symbols:
@@ -85,9 +84,9 @@ class FirstKind:
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """In independent coordinates; None where the count leaves none, where no choice of them
-        determines the others, and for more than `MOST` loop equations, whose determinants would
-        fill books."""
+        """The equations in independent coordinates; None where the count leaves none, where no
+        choice of them determines the others, and for more than `MOST` loop equations, whose
+        determinants would fill books."""
         chosen = _independent(self.loops)
         return None if chosen is None else Reduction(self, chosen)
 

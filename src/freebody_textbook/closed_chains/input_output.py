@@ -16,13 +16,11 @@ from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.arithmetic import times
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, times
 from freebody.expressions.singularities import Determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.linear import (
-    Entries,
     Ratio,
     left_null,
     ratio,

@@ -12,13 +12,12 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import Entries, determinant
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.scalars.trig import Trig
 
-Entries = list[list[Trig]]
 _WIDE = 24
 """Numbers and symbols up to which a numerator is written over its denominator."""
 _FACTORED = 120
@@ -43,7 +42,8 @@ class Ratio:
         return self.below == 1
 
     def form(self, layout: Layout) -> Expression:
-        """As it is printed, numerator and denominator factored, a sign in front of the whole."""
+        """The quotient as it is printed, numerator and denominator factored, a sign in front of the
+        whole."""
         above = product(self.above, layout)
         if self.is_polynomial:
             return above
@@ -53,7 +53,7 @@ class Ratio:
         return quotient(above, below)
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
-        """Its value; infinite or NaN where the denominator vanishes."""
+        """The quotient's value; infinite or NaN where the denominator vanishes."""
         return self.above.evaluate(values) / self.below.evaluate(values)
 
     def __str__(self) -> str:

@@ -17,6 +17,7 @@ from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_
 from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
+from freebody.expressions.polynomials.arithmetic import Entries
 from freebody.expressions.polynomials.symbols import Symbols, symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
@@ -27,7 +28,6 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, sub
 from freebody.values import ByValue
 
-Entries = list[list[Trig]]
 _HALF = 0.5
 """The distance d for which (|r|² - d²) / 2d and |r|² - d² are one."""
 
@@ -71,7 +71,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         )
 
     def rows(self, loop: TreeLoop) -> range:
-        """Which equations are those of a loop."""
+        """The places of a loop's equations among all."""
         sizes = [x.closure.size(self.tree.space) for x in self.tree.loops]
         k = [x.name for x in self.tree.loops].index(loop.name)
         return range(sum(sizes[:k]), sum(sizes[: k + 1]))

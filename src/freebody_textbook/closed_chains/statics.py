@@ -10,18 +10,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from freebody.expressions.polynomials.arithmetic import inner
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import multiplier_names
-from freebody_textbook.closed_chains.linear import Entries, Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 
 
 @dataclass(frozen=True)
 class LoopStatics:
-    """What joints need, linear in the multipliers, by coordinate; the passive coordinates."""
+    """Torques that joints need, linear in the multipliers, by coordinate; the passive
+    coordinates."""
 
     loops: LoopEquations
     needed: Mapping[int, Trig]
@@ -72,7 +72,7 @@ class LoopStatics:
         return [ratio(x, below) for x in above]
 
     def torque(self, k: int) -> Ratio | None:
-        """What the motor of joint k gives, λ put in."""
+        """The torque of joint k's motor, λ put in."""
         if self._solution is None:
             return None
         above, below = self._solution

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: freebody derive 2R --method lagrange"
 _CHOSEN = "freebody.derive"
-"""Where the parser's context keeps the methods' options that were given."""
+"""The key under which the parser's context keeps the methods' options that were given."""
 
 
 _Form = Literal["text", "markdown", "latex", "html"]

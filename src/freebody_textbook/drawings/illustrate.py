@@ -3,7 +3,8 @@ and free bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial, wraps
 from pathlib import Path
@@ -11,34 +12,39 @@ from typing import Any
 
 import numpy as np
 
+from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.expressions.expression import Expression, Symbol, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.expressions.printed_names import sym, vec
 from freebody.figures import colours
-from freebody.figures.drawing import Drawing, Element
+from freebody.figures.drawing import SAME, Drawing, Element, Label
 from freebody.figures.figure import save, to_one_scale
 from freebody.figures.kinematic import VIEWS
-from freebody.figures.labelling import labels_of
+from freebody.figures.labelling import RULE, labels_of
 from freebody.figures.layers import forces, geometry, motion
 from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.names import is_letter
+from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
-from freebody.figures.text import canonical, label
+from freebody.figures.text import bold, canonical, label, marked, runs
 from freebody.model.model import Model
 from freebody.outputs.number_text import significant
 from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.derivation import Derivation, Drawings, Step
 from freebody_textbook.derive import undrawn_derivation
-from freebody_textbook.drawings.moving import page_figure
 from freebody_textbook.living.living import living
+from freebody_textbook.living.page_figure import PageFigure
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.free_bodies import are_free
 from freebody_textbook.methods.free_body_steps import mass_symbol, thrusts_of
-from freebody_textbook.render.living_parts import LivingParts
+from freebody_textbook.methods.method import LOADS
+from freebody_textbook.methods.whole_bodies import are_free
+from freebody_textbook.render.documents import LivingParts
 
 WIDE, TALL = 460.0, 400.0
 _FREE = "free "
-"""What the drawings of bodies that nothing holds begin with."""
+"""The first word of names of drawings of bodies that nothing holds."""
 _DARK = "@media screen and (prefers-color-scheme:dark)"
 _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 """Direction of the load on the tip in drawings."""
@@ -54,7 +60,7 @@ def _living(derivation: Derivation) -> LivingParts | None:
     seen = _lettered(derivation)
     drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
     return drawing and living(
-        derivation, page_figure(derivation, seen, drawing, _spoken(derivation))
+        derivation, _page_figure(derivation, seen, drawing, _spoken(derivation))
     )
 
 
@@ -79,7 +85,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 
 
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
-    """The same as data; labels: "names", "values" or "both"."""
+    """The drawings as data, by their names; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
     moving, spoken = _lettered(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
@@ -88,16 +94,8 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
             wanted.setdefault(step.figure, step)
     found, scales = {}, forces.scales_of(moving.loads)
     for name, step in wanted.items():
-        weights = step is None or _has_weights(step)
-        seen = replace(moving, names=replace(moving.names, weights=weights))
-        drawing = _drawn(seen, name, scales)
+        drawing = _noted(moving, name, step, scales, labels)
         if drawing is not None:
-            loaded = name.startswith(("free-body", "carried"))
-            if loaded and not weights and _is_heavy(seen, name):
-                drawing.notes = ["No weights: gravity is in the accelerations"]
-            drawing.notes += _vanishing(step, drawing) if step else []
-            if labels != "names" and step is None:
-                drawing.notes += _state(seen)
             drawing.labels = labels
             drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
             found[name] = drawing
@@ -105,6 +103,24 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
     alike = [scales[int(name.split()[1]) - 1].longest for name in single]
     to_one_scale([found[name] for name in single], WIDE, TALL, alike)
     return found
+
+
+def _noted(
+    moving: Snapshot, name: str, step: Step | None, scales: Sequence[forces.Scale], labels: str
+) -> Drawing | None:
+    """The drawing that a step calls by a name, or without a step the first one, with its notes."""
+    weights = step is None or _has_weights(step)
+    seen = replace(moving, names=replace(moving.names, weights=weights))
+    drawing = _drawn(seen, name, scales)
+    if drawing is None:
+        return None
+    loaded = name.startswith(("free-body", "carried"))
+    if loaded and not weights and _is_heavy(seen, name):
+        drawing.notes = ["No weights: gravity is in the accelerations"]
+    drawing.notes += _vanishing(step, drawing) if step else []
+    if labels != "names" and step is None:
+        drawing.notes += _state(seen)
+    return drawing
 
 
 def _state(seen: Snapshot) -> list[str]:
@@ -281,4 +297,90 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
         **_tip(geometry.variables),
     },
 }  # fmt: skip
-"""By dimension and by the name that steps give them: a line of words, and the layers."""
+"""Drawings by dimension and by the name that steps give them: a line of words, and the layers."""
+
+
+def _page_figure(
+    derivation: Derivation, seen: Snapshot, drawing: Drawing, spoken: Collection[str]
+) -> PageFigure:
+    """A derivation's first figure, and the state that it shows; spoken: names of quantities in the
+    equations, the only ones that are written."""
+    written = {e.text for e in drawing.elements if isinstance(e, Label)}
+    joints = {seen.names.point(seen.pose, body.number) for body in seen.pose.bodies}
+    joints |= {seen.names.tip}
+    rods = list(map(seen.names.rod, range(len(seen.model.loops))))
+    view = drawing.view.towards or (1.0, 0.0, 0.0)
+    return PageFigure(
+        bodies=[_names(seen, body, written, spoken) for body in seen.pose.bodies],
+        ends=[
+            [end.name if end.child is None else end.child + 1 for end in body.ends]
+            for body in seen.pose.bodies
+        ],
+        tip=seen.names.tip,
+        points={x: x for x in seen.pose.frames if is_letter(x) and x in written - joints},
+        rods=[x if canonical(x) in spoken else "" for x in rods],
+        start=_start(derivation.plain or derivation, seen),
+        view=(math.degrees(math.atan2(view[1], view[0])), math.degrees(math.asin(view[2]))),
+        rule=RULE,
+        formula=_formula,
+        typeset=lambda formula: marked(runs(formula)),
+    )
+
+
+def _formula(name: Expression) -> str:
+    """A name, in bold where it is a vector's."""
+    vector = any(isinstance(x, Symbol) and x.bold for x in nodes(name))
+    return bold(label(name)) if vector else label(name)
+
+
+def _names(
+    seen: Snapshot, body: BodyPlace, written: Collection[str], spoken: Collection[str]
+) -> dict[str, str]:
+    """The labels beside a body and its joint, by what they name."""
+    names, n, plane = seen.names, body.number, seen.model.dim == 2
+    lengths = _lengths(seen, body)
+    found = {what: name for what, name in lengths.items() if canonical(name) in spoken}
+    point = names.point(seen.pose, n)
+    found["point"] = point if plane and point in written else ""
+    centred = plane or names.naming.centre_length(n) is not None
+    found["C"] = names.on("C", n) if centred and body.mass > 0 else ""
+    found["q"] = names.coordinate(body) if plane or body.axis is not None else ""
+    if not plane and body.axis is not None:
+        found["z"] = names.axis(body) if canonical(names.axis(body)) in spoken else ""
+    return {what: name for what, name in found.items() if name}
+
+
+def _lengths(seen: Snapshot, body: BodyPlace) -> dict[str, str]:
+    """Names of a body's lengths, "" of those that it does not have or that have one name."""
+    names = seen.names
+    lengths = {
+        "lc": names.centre_length(body) if body.mass > 0 else "",
+        "l": names.length(body, body.ends[0]) if body.ends else "",
+        "ground": names.on_the_ground(body) if body.parent < 0 and not body.kind.slides else "",
+    }
+    same = bool(body.ends) and np.linalg.norm(body.ends[0].place - body.com) < SAME
+    if same and lengths["lc"] == lengths["l"]:
+        lengths["lc"] = ""
+    return lengths
+
+
+# ---------------------------------------------------------------- the state
+def _start(derivation: Derivation, seen: Snapshot) -> dict[str, float]:
+    """First values of the symbols: those for which the figure is drawn."""
+    symbols, model = derivation.equations.symbols, seen.model
+    found = {name: x for name, x in model.parameters.items() if x is not None}
+    arrays = (("", seen.q), (RATE, seen.qd), (SECOND, seen.qdd))
+    for ending, values in arrays:
+        if len(values) == len(symbols.coordinates):
+            own = _own(symbols, np.asarray(values), ending == "")
+            found |= {x + ending: float(v) for x, v in zip(symbols.coordinates, own, strict=True)}
+    if seen.wrenches is not None:
+        found |= dict(zip(LOADS[model.dim], map(float, np.asarray(seen.wrenches)), strict=False))
+    return found
+
+
+def _own(symbols: Symbols, joints: Array, positions: bool) -> Array:
+    """Values of the coordinates of the equations, from those of the joints."""
+    turned, quarters = symbols.turned, symbols.quarters if positions else ()
+    own = joints if turned is None else np.linalg.solve(np.array(turned, dtype=float), joints)
+    return np.asarray(own - math.pi / 2 * np.array(quarters or 0.0), dtype=float)

@@ -23,8 +23,7 @@ from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.model.inertial_parameters import body_parameters
 from freebody.scalars.trig import Trig
-from freebody_textbook.equations.closed_form import SHORT, ClosedForm
-from freebody_textbook.equations.equation_views import NOTES, Letters, named
+from freebody_textbook.equations.closed_form import NOTES, SHORT, ClosedForm, Letters, named
 
 if TYPE_CHECKING:
     from freebody_textbook.equations.equations import Equations
@@ -61,7 +60,7 @@ def base_parameters(s: Symbols) -> tuple[Base, ...]:
 
 
 def _candidates(s: Symbols) -> list[Base]:
-    """What stays with each body when parameters are regrouped, and the rotors."""
+    """Parameters that stay with each body when parameters are regrouped, and the rotors."""
     tree, names = s.tree, body_parameters(s.tree.space)
     gathered = regrouped(tree, named=True)
     found = []
@@ -99,8 +98,8 @@ def _free(s: Symbols, name: str) -> str:
 
 
 def _independent(s: Symbols, found: list[Base], columns: dict[int, list[Trig]]) -> list[Base]:
-    """Those whose columns no others combine to; the value of one that depends on others is added to
-    theirs."""
+    """Parameters whose columns no others combine to; the value of one that depends on others is
+    added to theirs."""
     samples = [_samples(s, [columns[base.column] for base in found], seed) for seed in (0, 1)]
     result: list[Base] = []
     places: list[int] = []
@@ -132,8 +131,8 @@ def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
 
 
 def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
-    """Which of the columns at `places` column k is a combination of, in any sample; none if it is
-    not in all."""
+    """Those of the columns at `places` of which column k is a combination, in any sample; none if
+    it is not in all."""
     used: set[int] = set()
     for sample in samples:
         others, column = sample[:, places], sample[:, k]
@@ -241,7 +240,7 @@ def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equ
 
 
 def by_base_parameters(equations: ClosedForm) -> BaseEquations:
-    """The same equations by base parameters."""
+    """A model's closed forms by base parameters."""
     before = equations.symbols
     before.require_plain("equations by base parameters")
     bases = base_parameters(before)

@@ -19,15 +19,21 @@ from freebody.model.model import Model
 from freebody.model.parameters import finite, with_parameters
 from freebody.outputs.display import Titled
 from freebody.scalars.trig import Trig
-from freebody_textbook.equations import equation_views, source_code
+from freebody_textbook.equations import source_code
 from freebody_textbook.equations.base_parameters import base_view
-from freebody_textbook.equations.closed_form import ClosedForm
-from freebody_textbook.equations.equation_views import in_terms
+from freebody_textbook.equations.closed_form import (
+    STANDARD,
+    ClosedForm,
+    Letters,
+    expanded,
+    in_terms,
+    named,
+)
 from freebody_textbook.equations.intermediates import intermediates
+from freebody_textbook.equations.source_code import to_sympy
 from freebody_textbook.render import page
-from freebody_textbook.render.sympy import to_sympy
 
-Names = str | PathLike[str] | BookNotation
+NotationName = str | PathLike[str] | BookNotation
 """A notation, or "standard"."""
 NAMINGS = ("notes", "standard", *PRESETS[1:])
 VIEWS = ("auto", "named", "expanded", "intermediates", "base")
@@ -57,34 +63,29 @@ class Equations(Titled, ClosedForm):
         self.symbols.require_plain("intermediates")
         return intermediates(self.symbols)
 
-    def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
+    def groups(self, view: str = "named", names: NotationName = "notes") -> list[list[Equation]]:
         """The equations of a view: "named", "expanded", "intermediates" or "base"."""
         standard = names == "standard"
-        if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
-            raise UnknownNameError("naming", names, "Equations", NAMINGS)
-        notation = preset("notes") if standard else notation_of(names)
-        if notation.parameters or notation.absolute or notation.quarter_turns:
-            raise FreebodyError(
-                f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
-                "fb.derive(model, notation=...) writes equations with them."
-            )
-        letters = equation_views.STANDARD if standard else in_terms(notation.terms)
-        if view == "intermediates":
-            groups = [self.intermediates()]
-        elif view == "expanded":
-            groups = equation_views.expanded(self, self.layout)
-        elif view == "base":
-            groups = base_view(self, letters)
-        elif view in ("named", "auto"):
-            groups = equation_views.named(self, self.layout, letters)
-        else:
-            raise UnknownNameError("view", view, "Equations", VIEWS)
+        notation = preset("notes") if standard else _letters_of(names)
+        groups = self._view(view, STANDARD if standard else in_terms(notation.terms))
         if standard or notation is preset("notes"):
             return groups
         lines = [line for group in groups for line in group]
         lettering = lettering_of(notation, self.symbols.model, self.symbols.coordinates)
         lettering = lettered_for(lettering, lines)
         return [[lettering.line(line) for line in group] for group in groups]
+
+    def _view(self, view: str, letters: Letters) -> list[list[Equation]]:
+        """The equations of a view in the letters of the notes or the usual ones."""
+        if view == "intermediates":
+            return [self.intermediates()]
+        if view == "expanded":
+            return expanded(self, self.layout)
+        if view == "base":
+            return base_view(self, letters)
+        if view in ("named", "auto"):
+            return named(self, self.layout, letters)
+        raise UnknownNameError("view", view, "Equations", VIEWS)
 
     def operations(self, view: str = "named") -> dict[str, int]:
         """Additions, multiplications and functions that a view takes, line by line as printed."""
@@ -93,7 +94,7 @@ class Equations(Titled, ClosedForm):
             total.update(operations(line))
         return dict(total)
 
-    def text(self, view: str = "auto", names: Names = "notes", width: int = 100) -> str:
+    def text(self, view: str = "auto", names: NotationName = "notes", width: int = 100) -> str:
         """The equations for a terminal.
 
         view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates"
@@ -103,28 +104,30 @@ class Equations(Titled, ClosedForm):
         `check`.
         """
         if view == "auto" and not self.is_short:
-            return "\n".join(map(str, self._told()))
+            return "\n".join(map(str, self._lines_on_length()))
         return page.text(self.groups(view, names), width)
 
     def latex(
-        self, view: str = "auto", names: Names = "notes", environment: str = "aligned"
+        self, view: str = "auto", names: NotationName = "notes", environment: str = "aligned"
     ) -> str:
-        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
-        across pages."""
+        """The equations as an amsmath environment, without dollar signs; "align*" in a document
+        breaks across pages."""
         if view == "auto" and not self.is_short:
-            lines = " \\\\ ".join(line.latex() for line in self._told())
+            lines = " \\\\ ".join(line.latex() for line in self._lines_on_length())
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
         return page.latex(self.groups(view, names), environment)
 
-    def mathml(self, view: str = "auto", names: Names = "notes") -> str:
-        """The same as one `<math>` element."""
+    def mathml(self, view: str = "auto", names: NotationName = "notes") -> str:
+        """The equations as one `<math>` element."""
         if view == "auto" and not self.is_short:
-            rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
+            rows = (
+                f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._lines_on_length()
+            )
             return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
         return page.html(self.groups(view, names), alone=True)
 
-    def _told(self) -> list[ex.Expression]:
-        """How long they are that nobody reads."""
+    def _lines_on_length(self) -> list[ex.Expression]:
+        """Two lines on the length of equations that are too long to read."""
         return [
             ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),
             ex.words(
@@ -179,6 +182,19 @@ class Equations(Titled, ClosedForm):
             lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p,
         )
         return equations(model, self.symbols.reader.numbers)
+
+
+def _letters_of(names: NotationName) -> BookNotation:
+    """A notation that has letters alone; refuses others."""
+    if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
+        raise UnknownNameError("naming", names, "Equations", NAMINGS)
+    notation = notation_of(names)
+    if notation.parameters or notation.absolute or notation.quarter_turns:
+        raise FreebodyError(
+            f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
+            "fb.derive(model, notation=...) writes equations with them."
+        )
+    return notation
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:

@@ -146,7 +146,7 @@ class _Lines:
         return self.graph.a[index] if self.graph.op[index] == "neg" else index
 
     def expression(self, x: Scalar) -> Expression:
-        """What a scalar is in terms of the names given so far."""
+        """A scalar in terms of the names given so far."""
         return self._node(x.index) if isinstance(x, Expr) else _number(x)
 
     def _node(self, i: int) -> Expression:

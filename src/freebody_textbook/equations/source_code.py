@@ -1,28 +1,39 @@
-"""Closed forms as source code: one function in Python or C that computes M, c, G and tau."""
+"""Closed forms as source code, one function in Python or C that computes M, c, G and tau, and
+expressions as SymPy's."""
 
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from freebody.errors import FreebodyError, MissingPackageError
+from freebody.expressions.evaluate import NoValue, arithmetic, evaluate
 from freebody.expressions.expression import (
-    Expression,
-    Function,
+    Matrix,
     Negative,
-    Number,
     Product,
     Sum,
     Symbol,
+    Vector,
     nodes,
 )
+from freebody.expressions.nodes import Expression, Function, Number, Power
 from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.typesetting.typesetter import (
+    ATOM,
+    CALL,
+    EQUATION,
+    PRODUCT,
+    Notation,
+    Typesetter,
+)
 from freebody.identifiers import C_KEYWORDS, identifiers, in_words, word_set
-from freebody_textbook.render.code import code
 
 if TYPE_CHECKING:
     from freebody_textbook.equations.equations import Equations
+
 
 _OWN = word_set("q qd qdd M c G tau p math dynamics sin cos sgn parameters")
 
@@ -58,7 +69,7 @@ class CodeNames:
         self.parameter = parameter
         self.words = identifiers(equations.parameters, _OWN.union(words))
         self.waves: dict[Function, str] = {}
-        """Of each sine and cosine a variable: cos_12 is cos(θ1 + θ2)."""
+        """A variable for each sine and cosine: cos_12 is cos(θ1 + θ2)."""
         taken = {*self.words.values(), *_OWN}
         parts = [part for row in rows for part in nodes(row.value) if isinstance(part, Function)]
         self.sign = any(part.name == "sgn" for part in parts)
@@ -89,7 +100,8 @@ def _spelt(argument: Expression) -> str:
 
 @dataclass(frozen=True)
 class _ClosedFormSource:
-    """How a language writes the function: its text, what is put into that, and one assignment."""
+    """A language's way of writing the function: its text, what is put into that, and one
+    assignment."""
 
     text: str
     parts: Callable[[Equations, CodeNames], dict[str, str]]
@@ -99,14 +111,14 @@ class _ClosedFormSource:
     parameter: str = "{}"
     reserved: Collection[str] = ()
     library: str = ""
-    """What stands before the names of its functions."""
+    """The prefix of the names of its functions."""
     constant: str = "    {} = {}"
 
     def __call__(self, equations: Equations) -> str:
         rows = entries(equations)
         names = CodeNames(equations, rows, self.reserved, self.parameter)
         functions = {name: self.library + name for name in ("sin", "cos")} | {"sgn": "sgn"}
-        plain, spell = code(names, functions), code(names, functions, names.waves)
+        plain, spell = _code(names, functions), _code(names, functions, names.waves)
         lines = [self.constant.format(name, plain(wave)) for wave, name in names.waves.items()]
         body = []
         for row in rows:
@@ -165,6 +177,17 @@ import math
 """Source of dynamics(q, qd, qdd, parameters…) -> M, c, G, tau, with nothing but `math`."""
 
 
+def _wrapped(line: str, indent: str) -> list[str]:
+    return textwrap.wrap(
+        line,
+        100,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+        drop_whitespace=True,
+    ) or [""]
+
+
 # ---------------------------------------------------------------- C
 def _c_parts(equations: Equations, names: CodeNames) -> dict[str, str]:
     n, values, lines = len(equations.M), equations.parameters.values(), []
@@ -208,12 +231,82 @@ void dynamics({first}{vectors},
 """C99 source of dynamics(parameters, q, qd, qdd, M, c, G, tau), with nothing but <math.h>."""
 
 
-def _wrapped(line: str, indent: str) -> list[str]:
-    return textwrap.wrap(
-        line,
-        100,
-        subsequent_indent=indent,
-        break_long_words=False,
-        break_on_hyphens=False,
-        drop_whitespace=True,
-    ) or [""]
+def _code(
+    name: Callable[[str], str],
+    functions: Mapping[str, str],
+    variables: Mapping[Function, str] | None = None,
+) -> Callable[[Expression], str]:
+    """A renderer to infix code: `name` spells a symbol, `functions` sin, cos and sgn.
+
+    `variables` names those sines and cosines that stand in a variable.
+    """
+    return _Code(name, functions, variables or {})
+
+
+class _Code(Typesetter):
+    fraction_levels = PRODUCT, EQUATION
+
+    def __init__(
+        self,
+        name: Callable[[str], str],
+        functions: Mapping[str, str],
+        variables: Mapping[Function, str],
+    ):
+        super().__init__(
+            Notation(
+                symbol=lambda node, high: name(node.name),
+                gap=lambda before, after: "*",
+                plus=" + ",
+                minus=" - ",
+                lead="-",
+                fraction="{}/({})",
+                bar=False,
+            )
+        )
+        self.functions, self.variables = functions, variables
+
+    def _number(self, node: Number) -> str:
+        return repr(node.value.numerator / node.value.denominator)
+
+    def _call(self, node: Function) -> str:
+        known = self.variables.get(node)
+        return known or f"{self.functions[node.name]}({self(node.argument)})"
+
+    def _power(self, node: Power) -> str:
+        base = self(node.base, CALL if isinstance(node.base, Function) else ATOM)
+        product = "*".join([base] * abs(node.exponent))
+        return product if node.exponent > 0 else f"1.0/({product})"
+
+    _rules: ClassVar = {**Typesetter._rules, Number: _number, Function: _call, Power: _power}
+
+
+_NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "sign"}
+
+
+def to_sympy(node: Expression) -> Any:
+    """An expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d, l1,
+    …).
+
+    Raises MissingPackageError, FreebodyError.
+    """
+    try:
+        import sympy
+    except ImportError:
+        raise MissingPackageError("to_sympy", "SymPy", "sympy") from None
+
+    rules = {
+        **arithmetic(
+            lambda number: sympy.Rational(number.numerator, number.denominator),
+            total=lambda terms: sympy.Add(*terms),
+            product=lambda factors: sympy.Mul(*factors),
+        ),
+        Symbol: lambda node, at: sympy.Symbol(node.name, real=True),
+        Function: lambda node, at: getattr(sympy, _NAMES[node.name])(at(node.argument)),
+        Vector: lambda node, at: sympy.Matrix(list(map(at, node.entries))),
+        Matrix: lambda node, at: sympy.Matrix([list(map(at, row)) for row in node.rows]),
+    }
+    try:
+        return evaluate(node, rules)
+    except NoValue as problem:
+        kind = type(problem.node).__name__
+        raise FreebodyError(f"{problem.node}: {kind} has no counterpart in SymPy.") from None

@@ -19,7 +19,6 @@ from freebody.expressions.expression import Symbol
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.expressions.polynomials.typical_values import typical
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of, symbol_of
@@ -39,11 +38,11 @@ from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
+from freebody_textbook.derive import freed
 from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.language import tables
 from freebody_textbook.methods import METHODS
-from freebody_textbook.parameter_formulas import freed
-from freebody_textbook.relations.formula_values import rank
+from freebody_textbook.relations.formula_values import rank, typical
 
 MOST_THOUGHT = 4
 """Coordinates up to which thoughts are told: of more the right values are too long."""

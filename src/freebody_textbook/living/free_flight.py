@@ -14,9 +14,9 @@ from freebody.spatial import add, scale, sub, times
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.page_figure import Labels
-from freebody_textbook.methods.free_bodies import velocity_names
 from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.whole_bodies import velocity_names
 
 _AXES = "xyz"
 

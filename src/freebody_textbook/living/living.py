@@ -20,7 +20,6 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
-from freebody.expressions.polynomials.typical_values import typical
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
@@ -36,13 +35,13 @@ from freebody_textbook.living.page_figure import Labels, PageFigure
 from freebody_textbook.living.panel import below, panel
 from freebody_textbook.living.traced import TracedSetting, TracedSymbols
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.free_bodies import are_free
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.relations.formula_values import rank
+from freebody_textbook.methods.whole_bodies import are_free
+from freebody_textbook.relations.formula_values import rank, typical
 from freebody_textbook.relations.quantities import Quantities, branches
-from freebody_textbook.render.living_parts import LivingParts
+from freebody_textbook.render.documents import LivingParts
 
 MOST_JOINTS = 4
 """Of robots with more, lines are evaluated one after the other, as the recursion goes; of others

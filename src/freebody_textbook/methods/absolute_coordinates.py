@@ -6,26 +6,34 @@ The multipliers are then the forces in the joints, and the equations those of Ne
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from fractions import Fraction
 
 from freebody.errors import FreebodyError, listed
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import entry, sym
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter
+from freebody.model.placement import AxisRotation, Rotate
 from freebody.scalars.trig import Trig
+from freebody.spatial import dot
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates, Constraint
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import glossary
-from freebody_textbook.methods.back_to_joints import BackToJoints, turn_of
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import Loops, block_system, dotted
 from freebody_textbook.methods.energies import HALF
 from freebody_textbook.methods.method import Worked
 from freebody_textbook.methods.reactions import drive_part
-from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.shown_mechanism import LONGEST
+from freebody_textbook.methods.setting import LONGEST, Setting
 from freebody_textbook.methods.step_reasons import Efforts
+
+_WIDE = 12
+"""Coordinates up to which the mass matrix is written out."""
 
 
 def work_out(s: Setting) -> Worked:
@@ -50,10 +58,6 @@ def work_out(s: Setting) -> Worked:
     return Worked(tuple(steps), tuple(back.tau), work.symbols(), title, sought)
 
 
-_WIDE = 12
-"""Coordinates up to which the mass matrix is written out."""
-
-
 class _Absolute:
     """The steps."""
 
@@ -65,7 +69,7 @@ class _Absolute:
         self.loops = Loops(s)
 
     def symbols(self) -> Iterator[Meaning]:
-        """What the coordinates bring in."""
+        """Meanings of the symbols that absolute coordinates bring in."""
         names = [self.given.names_of(i) for i in self.bodies]
         places = [x for name in names for x in name[:2]]
         angles = [name[2] for name in names]
@@ -125,10 +129,10 @@ class _Absolute:
         return Step("The constraints", reason, tuple(lines), ("5.21",))
 
     def _turns(self) -> dict[int, Expression]:
-        """By equation the constant turn of a guide."""
+        """The constant turn of a guide, by its equation."""
         s = self.s
         return {
-            c.rows[-1]: ex.neg_each(turn_of(s.symbols.model, s.numbers[c.body]))
+            c.rows[-1]: ex.neg_each(_turn_of(s.symbols.model, s.numbers[c.body]))
             for c in self.given.constraints
             if c.loop is None and not s.turns(c.body)
         }
@@ -195,7 +199,8 @@ class _Absolute:
         return Step("Energies", reason, tuple(lines), ("5.3", "5.4", "5.25"))
 
     def effort(self, i: int) -> Expression:
-        """What acts along the coordinate of joint i: its motor, less friction, spring and rotor."""
+        """Torque or force along the coordinate of joint i: its motor, less friction, spring and
+        rotor."""
         drive = self.s.show(drive_part(self.s, i))
         return self.s.motor(i) if drive == ex.ZERO else sym(f"Q{self.s.numbers[i]}")
 
@@ -204,7 +209,7 @@ class _Absolute:
         s, lines = self.s, []
         for i, name in self.given.efforts.items():
             along = self.show(self.given.coordinate(i))
-            turn = ex.neg_each(turn_of(s.symbols.model, s.numbers[i])) if s.turns(i) else ex.ZERO
+            turn = ex.neg_each(_turn_of(s.symbols.model, s.numbers[i])) if s.turns(i) else ex.ZERO
             lines.append(eq(s.coordinate(i), ex.add(along, turn)))
             if sym(name) != s.motor(i):
                 drive = s.show(drive_part(s, i))
@@ -235,7 +240,7 @@ class _Absolute:
         return Step(f"The equations of body {n}", reason, tuple(lines), ("5.23",))
 
     def meaning(self) -> Step:
-        """Which force is which multiplier."""
+        """The step that says which force each multiplier is."""
         lines: list[Equation] = []
         for constraint in self.given.constraints:
             lines += self._forces(constraint)
@@ -302,3 +307,140 @@ class _Absolute:
             ("5.27", "5.29"),
             result=True,
         )
+
+
+class BackToJoints:
+    """The absolute coordinates as functions of those of the joints, and the equations of these."""
+
+    def __init__(self, s: Setting, given: AbsoluteCoordinates, loops: Loops):
+        self.s, self.given, self.loops = s, given, loops
+
+    @cached_property
+    def placed(self) -> list[Trig]:
+        """The absolute coordinates by those of the joints."""
+        s, found = self.s, []
+        for i in self.given.bodies:
+            found += [*map(s.symbols.element, s.centre_position(i)), self._angle(i)]
+        return found
+
+    def _angle(self, i: int) -> Trig:
+        """φ as a sum of the joints' angles, constant turns left out."""
+        s, total = self.s, self.s.symbols.zero()
+        while i >= 0:
+            if s.turns(i):
+                total = total + s.symbols.ring[s.coordinate(i)]
+            i = s.tree.bodies[i].parent
+        return total
+
+    def _before(self, i: int) -> list[int]:
+        """Numbers of the joints from that of body i to the ground."""
+        found = []
+        while i >= 0:
+            found.append(self.s.numbers[i])
+            i = self.s.tree.bodies[i].parent
+        return found
+
+    @cached_property
+    def N(self) -> list[list[Trig]]:
+        """∂q/∂u, u being the joints' coordinates."""
+        return [[x.derivative(name) for name in self.s.symbols.coordinates] for x in self.placed]
+
+    @property
+    def tau(self) -> list[Trig]:
+        """Nᵀ (M q̈ - weights - load) with the loops' part: the joints' multipliers leave."""
+        s, zero = self.s, self.s.symbols.zero()
+        needed: list[Trig] = []
+        for i, k in zip(self.given.bodies, range(0, len(self.placed), 3), strict=True):
+            second = [
+                x.along(s.symbols.rates).along(s.symbols.rates) for x in self.placed[k : k + 3]
+            ]
+            m = s.mass(i)
+            needed += [m * (a - g) for a, g in zip(second[:2], s.tree.gravity, strict=True)]
+            needed.append(s.inertia(i) * second[2])
+        tip = [s.symbols.element(x) for x in s.tip_position()] if s.load else []
+        found = []
+        for i in s.order:
+            j = s.index(i)
+            total = sum((row[j] * x for row, x in zip(self.N, needed, strict=True)), zero)
+            total = total + drive_part(s, i)
+            if s.tree.loops:
+                total = total + self.loops.system.pressed[j]
+            if tip:
+                slopes = tuple(x.derivative(s.coordinate(i)) for x in tip)
+                total = total - dot(slopes, s.load_components)
+            found.append(s.symbols.element(total))
+        return found
+
+    def step(self) -> Step:
+        """q by the joints' coordinates, and N."""
+        s = self.s
+        names = self.given.names
+        lines = []
+        for i, k in zip(self.given.bodies, range(0, len(names), 3), strict=True):
+            x, y, phi = map(s.show_moved, self.placed[k : k + 3])
+            turn = _turn_of(s.symbols.model, *self._before(i))
+            rows = zip(names[k : k + 3], (x, y, ex.add(phi, turn)), strict=True)
+            lines += [eq(name, value) for name, value in rows]
+        u = ex.Vector(tuple(map(sym, s.symbols.coordinates)))
+        lines += [eq("u", u), eq(dotted("q", 1), ex.mul("N", dotted("u", 1)))]
+        lines += self.loops.matrix(sym("N"), self.N)
+        reason = (
+            "The coordinates of the joints, u, satisfy the constraints of the joints by "
+            "themselves. N holds the derivatives of q by them."
+        )
+        return Step(
+            "Back to the coordinates of the joints",
+            reason + self.loops.unlisted(self.N),
+            tuple(lines),
+        )
+
+    def result(self) -> Step:
+        """Nᵀ times the equations."""
+        s = self.s
+        N_t = ex.transposed("N")
+        loops = s.tree.loops
+        pressed = ex.mul(N_t, ex.transposed(self.loops.phi_q))
+        needed, given = ex.mul(N_t, "M", dotted("q", 2)), ex.mul(N_t, "n")
+        if loops:
+            lines = [eq(ex.add(needed, ex.mul(pressed, "lam")), given)]
+        else:
+            lines = [eq(pressed, ex.ZERO), eq(needed, given)]
+        lines += [eq(s.motor(i), s.show(x)) for i, x in zip(s.order, self.tau, strict=True)]
+        reason = (
+            "The forces in the joints do no work in the motions that the joints allow: multiplied "
+            f"by Nᵀ, {'their multipliers' if loops else 'all multipliers'} leave, with q̈ = N ü + "
+            "Ṅ u̇ put in. What remains are "
+        )
+        reason += (
+            "the equations of the first kind in the coordinates of the joints, with the forces in "
+            "the loops alone."
+            if loops
+            else "Lagrange's equations of the second kind."
+        )
+        return Step(
+            "Without the forces in the joints", reason, tuple(lines), ("5.24",), result=True
+        )
+
+
+def _turn_of(model: Model, *joints: int) -> Expression:
+    """The angle by which the placements of joints (their numbers) turn, whole turns left out."""
+    number, named = 0.0, []
+    for n in joints:
+        for step in model.bodies[n - 1].joint.placement.steps:
+            if isinstance(step, Rotate):
+                number += math.atan2(step.matrix[1][0], step.matrix[0][0])
+            elif isinstance(step, AxisRotation):
+                if isinstance(step.angle, Parameter):
+                    named.append(sym(step.angle.name))
+                elif isinstance(step.angle, int | float):
+                    number += step.angle
+    return ex.add(_as_angle(math.remainder(number, 2 * math.pi)), *named)
+
+
+def _as_angle(x: float) -> Expression:
+    """A number of radians, as a part of π where it is one."""
+    part = Fraction(x / math.pi).limit_denominator(12)
+    if abs(x - part * math.pi) > 1e-9:
+        return ex.num(Fraction(x), decimal=True)
+    above = ex.mul(part.numerator, sym("pi"))
+    return ex.div(above, part.denominator)

@@ -4,20 +4,30 @@ found for a motion (3.5-3.15)."""
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
-from freebody.expressions.printed_names import vec
+from freebody.expressions.nodes import Product, Symbol, Words
+from freebody.expressions.printed_names import component, sym, vec
 from freebody.scalars.trig import Trig
-from freebody.spatial import scale, sub
+from freebody.spatial import Vector, dot, scale, sub
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods import step_reasons
-from freebody_textbook.methods.cross_products import crossed
-from freebody_textbook.methods.geometry import moment_of
+from freebody_textbook.methods.lengths_and_directions import Directed, cosine, directed, sine
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import moment_of
 
 _BY_COMPONENTS = "First each cross product by components, a × b = a_x b_y - a_y b_x."
+
+
+_FEW = 6
+"""Pairs of arms up to which the angle between each two is told."""
+
+
+_NamedVector = tuple[Expression, Vector]
+"""Name and value of a vector along a body."""
 
 
 class FreeBodies:
@@ -43,7 +53,7 @@ class FreeBodies:
             ("RR", 1): ("3.10", "3.11"),
             ("RR", 2): ("3.12", "3.13"),
         }.get((s.cited, n), ("3.1", "3.2") if s.planar else ("6.1", "6.2"))
-        reason = step_reasons.free_body(s, i, self.told(i))
+        reason = step_reasons.free_body(s, i, self.further_forces(i))
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
@@ -55,8 +65,8 @@ class FreeBodies:
         """Moments on body i from outside."""
         return []
 
-    def told(self, i: int) -> list[str]:
-        """What acts on body i besides joints, weight and load, in words."""
+    def further_forces(self, i: int) -> list[str]:
+        """Further forces on body i, besides joints, weight and load, in words."""
         return []
 
     def forces(self, i: int) -> Expression:
@@ -82,12 +92,13 @@ class FreeBodies:
         return ex.add(*terms, *self.turned(i))
 
     def inertia_force(self, i: int) -> Expression:
-        """What the forces on body i add up to."""
+        """The sum of the forces on body i: its mass times its acceleration."""
         return self.s.mass_times(i, self.s.name("vc", i, "_d"))
 
     # ------------------------------------------------------------ elimination
     def left_over(self, i: int) -> str:
-        """What is unknown when the reaction at joint i is eliminated, the motor's part aside."""
+        """Unknowns that are left when the reaction at joint i is eliminated, the motor's part
+        aside."""
         return "nothing unknown"
 
     def passed(self, i: int) -> Expression:
@@ -138,11 +149,11 @@ class FreeBodies:
             return
         if i in s.weighted and s.column(s.centre(i)) != ex.ZERO:
             force = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
-            yield crossed(s, (s.centre_name(i), s.centre(i)), (s.needed(i), force))
+            yield _crossed(s, (s.centre_name(i), s.centre(i)), (s.needed(i), force))
         for k in s.tree.children(i):
             if s.column(s.to_child(i, k)) != ex.ZERO:
                 arm = s.reach_name(i, k), s.to_child(i, k)
-                yield crossed(s, arm, (self.passed(k), self.reactions.f[k]))
+                yield _crossed(s, arm, (self.passed(k), self.reactions.f[k]))
 
     def substituted(self, i: int, reactions: bool) -> Step:
         """Reaction and torque at joint i, the motion put in."""
@@ -164,3 +175,89 @@ class FreeBodies:
                 reason += " What vanishes by the equation of a joint without a motor is left out."
             reason += step_reasons.gyroscopic(s, i, self.reactions.n[i])
         return Step(f"Substitute the motion: joint {n}", reason, tuple(lines))
+
+
+def angles_between_arms(s: Setting) -> list[Step]:
+    """Products of arms that turn by different angles: sums of products of sines and cosines, which
+    are the cosine or sine of the angle between them; none in space, or where there are no such
+    arms."""
+    arms = _by_angle(s) if s.planar else {}
+    pairs = list(combinations(arms.values(), 2))
+    if not pairs or len(pairs) > _FEW:
+        return []
+    lines = [line for one, other in pairs for line in _products(s, one, other)]
+    reason = (
+        "Moments are products of two vectors, each with the angle of its own body. What becomes of "
+        "the products of sines and cosines, two arms show: a · b and a × b, by components, are "
+        "their lengths times the cosine and the sine of the angle from the one to the other."
+    )
+    return [Step("Angles between the arms", reason, tuple(lines))]
+
+
+def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
+    """For each angle that arms have the first of these: name, value, and value along the angle."""
+    found: dict[object, tuple[Expression, Vector, Directed]] = {}
+    for name, value in _arms(s):
+        parts = directed(s.layout, [s.symbols.element(x) for x in value])
+        if len(parts) == 1 and parts[0].angle and parts[0].across.is_zero:
+            found.setdefault(parts[0].angle, (name, value, parts[0]))
+    return found
+
+
+def _arms(s: Setting) -> Iterator[_NamedVector]:
+    """Vectors from the joints to the centres of mass, and from joint to joint."""
+    for i in s.weighted:
+        yield s.centre_name(i), s.centre(i)
+    for i in s.order:
+        for k in s.tree.children(i):
+            yield s.reach_name(i, k), s.to_child(i, k)
+
+
+def _products(
+    s: Setting,
+    one: tuple[Expression, Vector, Directed],
+    other: tuple[Expression, Vector, Directed],
+) -> Iterator[Equation]:
+    (a, u, first), (b, v, second) = one, other
+    lengths = s.show_moved(first.along), s.show_moved(second.along)
+    (moment,) = s.tree.space.moment(u, v)
+    (ax, ay), (bx, by) = ([_component(s, x, axis) for axis in "xy"] for x in (a, b))
+    for product, value, function in (
+        (ex.add(ex.mul(ax, bx), ex.mul(ay, by)), dot(u, v), cosine),
+        (ex.sub(ex.mul(ax, by), ex.mul(ay, bx)), moment, sine),
+    ):
+        yield ex.eq(product, ex.mul(*lengths, function(first, second)), s.show_moved(value))
+
+
+def _crossed(s: Setting, arm: _NamedVector, force: _NamedVector) -> Equation:
+    """arm × force by components, and what that is with the motion put in."""
+    (a, u), (f, v) = arm, force
+    mass, rest = _without_mass(f)
+    x, y = (_component(s, a, axis) for axis in "xy")
+    spelt = ex.sub(ex.mul(x, _component(s, rest, "y")), ex.mul(y, _component(s, rest, "x")))
+    (moment,) = s.tree.space.moment(u, v)
+    value = s.show_moved(moment)
+    sides = (ex.cross(a, f), ex.mul(mass, spelt), *([] if isinstance(value, Words) else [value]))
+    return ex.eq(*sides)
+
+
+def _without_mass(force: Expression) -> tuple[Expression, Expression]:
+    """m and v̇ - g of their product."""
+    if isinstance(force, Product):
+        return ex.mul(*force.factors[:-1]), force.factors[-1]
+    return ex.ONE, force
+
+
+def _component(s: Setting, x: Expression, axis: str) -> Expression:
+    """The component of an expression of vectors: each vector by the name of its own component,
+    gravity by its value."""
+    if x == vec("g"):
+        return s.show(s.tree.gravity["xy".index(axis)])
+    if s.load and x == vec("f"):
+        return sym(s.load["xy".index(axis)])
+    if isinstance(x, Symbol):
+        return component(x, axis) if x.bold else x
+    terms = [_component(s, term, axis) for term in x.parts]
+    if isinstance(x, ex.Sum):
+        return ex.add(*terms)
+    return ex.neg(*terms) if isinstance(x, ex.Negative) else ex.mul(*terms)

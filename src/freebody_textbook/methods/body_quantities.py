@@ -26,7 +26,7 @@ from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
 
-_Value = Callable[[BodyValues], Any]
+_ValueRule = Callable[[BodyValues], Any]
 _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
@@ -35,9 +35,9 @@ class BodyQuantity:
     """One quantity of body n; h is the number of the body before, k that of the one behind."""
 
     known: str
-    """Its name in `fb.quantities`."""
+    """The quantity's name in `fb.quantities`."""
     words: str
-    value: _Value
+    value: _ValueRule
     unit: Unit = units.NONE
     also: tuple[tuple[str, int], ...] = ()
     """Further names in answers, in plain spelling, and how many dots they have."""
@@ -48,7 +48,7 @@ class BodyQuantity:
     """Whether it is one number in the plane."""
     spaces: tuple[int, ...] = (2, 3)
     matrix: Literal["", "rotation", "tensor"] = ""
-    """What kind of matrix it is in space."""
+    """The kind of matrix that the quantity is in space."""
     soft: bool = False
     """Whether the name is often one of the user's own: one number is not read as this vector."""
     own_axes: bool = True
@@ -58,7 +58,7 @@ class BodyQuantity:
     is_place: bool = False
     """Whether a frame tells from whose origin it is seen, too."""
     reaction: str = ""
-    """What is said of its negative."""
+    """Words for the negative of the quantity."""
     only: str = ""
     """A key of `_WHERE`: of which bodies it is told."""
     of_centre: bool = False
@@ -66,7 +66,8 @@ class BodyQuantity:
     of_motion: bool = False
     """Whether it is told of bodies of trees and closed chains too: what moves a body alone."""
     symbol: str = ""
-    """What glossaries call it, for body i or for bodies i and k: the letter with its index."""
+    """The quantity's symbol in glossaries, for body i or for bodies i and k: the letter with its
+    index."""
     shown: bool = False
     """Whether living pages have it."""
 
@@ -83,11 +84,12 @@ class BodyQuantity:
             yield from spellings(letter, ("{" + ending).format(**numbers(n)) + axis, dots)
 
     def told(self, n: int, h: int | None = None) -> str:
-        """In words, of body n; h: the number of the one before, if that is not n - 1."""
+        """The quantity of body n in words; h: the number of the one before, if that is not n -
+        1."""
         return self.words.format(**numbers(n, h))
 
     def meaning(self, planar: bool) -> Meaning:
-        """What a glossary says of it, for any body."""
+        """The quantity of any body in words, for a glossary."""
         bold = not (planar and self.angular)
         of = {"h": "i", "n": "k"} if "{h}" in self.words else {"n": "i"}
         words = self.words.format(**of).removeprefix("the ")
@@ -105,13 +107,13 @@ class BodyQuantity:
         return fits and (not self.only or _WHERE[self.only](b))
 
     def axes(self, dim: int) -> str:
-        """Of a vector "xy" or "xyz", of one number ""."""
+        """Names of the axes of a vector, "xy" or "xyz"; "" of one number."""
         return "" if (self.angular and dim == 2) or self.is_scalar else "xyz"[:dim]
 
 
 def numbers(n: int, h: int | None = None) -> dict[str, int]:
-    """What the letters in names of body n's quantities stand for; h: the number of the one before,
-    if that is not n - 1."""
+    """Numbers that stand for the letters in names of body n's quantities; h: the number of the one
+    before, if that is not n - 1."""
     return {"h": n - 1 if h is None else h, "n": n, "k": n + 1}
 
 

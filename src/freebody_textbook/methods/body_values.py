@@ -1,4 +1,4 @@
-"""What the values of one body's quantities are made of."""
+"""Ingredients of the values of one body's quantities."""
 
 from __future__ import annotations
 

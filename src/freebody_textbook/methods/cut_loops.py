@@ -1,5 +1,5 @@
-"""What derivations of closed chains share: where loops are cut, their equations, and which wrench a
-multiplier is."""
+"""Steps that derivations of closed chains share: where loops are cut, their equations, and which
+wrench a multiplier is."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from freebody.algorithms.kinematics import frame_pose
 from freebody.errors import listed
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
-from freebody.expressions.printed_names import entry, sym
+from freebody.expressions.printed_names import entry, place, sym
 from freebody.expressions.typesetting.literal import literal
 from freebody.lazy import cached_property
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -22,7 +22,6 @@ from freebody_textbook.closed_chains.linear import Ratio, product, quotient
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.render.rows import place
 
 LONG = 90
 """Numbers and symbols up to which a matrix is written out."""
@@ -81,7 +80,7 @@ class Loops:
         )
 
     def holds(self, loop: TreeLoop) -> str:
-        """What a loop does."""
+        """Words for the constraint of a loop."""
         first, second = self.points(loop)
         if loop.closure.distance:
             return f"{literal(loop.name)} is a massless rod from {first} to {second}"
@@ -199,7 +198,7 @@ class Loops:
         return Step("Acceleration constraints", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
-        """Which force is which multiplier."""
+        """The step that says which force each multiplier is."""
         lines: list[Equation] = []
         words: list[str] = []
         for loop in self.s.tree.loops:

@@ -1,25 +1,33 @@
-"""Kinetic and potential energies of an arm, and the steps that show them (5.1-5.5, 5.11-5.20)."""
+"""Energies of an arm and the work of a load, of which Lagrange's equations are made, and the
+steps that show them (5.1-5.5, 5.11-5.20)."""
 
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import combinations
 
 from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import BodyMotions
 from freebody.expressions import expression as ex
-from freebody.expressions.expression import Equation, eq
-from freebody.expressions.printed_names import vec
+from freebody.expressions.expression import Equation, Expression, eq
+from freebody.expressions.nodes import Symbol, Words
+from freebody.expressions.polynomials.arithmetic import inner
+from freebody.expressions.printed_names import component, sym, vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import add, dot, times
 from freebody_textbook.derivation import Step
-from freebody_textbook.methods.geometry import measured
+from freebody_textbook.methods.lengths_and_directions import cosine, directed, sine
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.squared_speeds import speed_squared
+from freebody_textbook.methods.shared_steps import measured
 
 HALF = ex.num(Fraction(1, 2))
-FEW = 6
+_FEW = 6
 """Terms of a v² up to which it is put in."""
+
+
+_PAIRS = 3
+"""Pairs of parts of a velocity up to which their products are written down."""
 
 
 class Energies:
@@ -129,8 +137,8 @@ def kinetic_step(s: Setting, energies: Energies) -> Step:
 
 def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equation:
     """T of a body of the plane with v² and ω² put in between, where these are sums."""
-    v, w = speed_squared(s, i), s.angular(energies.moving.w[i])
-    many = isinstance(v, ex.Sum) and len(v.terms) > FEW
+    v, w = _speed_squared(s, i), s.angular(energies.moving.w[i])
+    many = isinstance(v, ex.Sum) and len(v.terms) > _FEW
     if not s.planar or v is None or many or not any(isinstance(x, ex.Sum) for x in (v, w)):
         return line
     turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, s.inertia_name(i), ex.power(w, 2))
@@ -177,3 +185,87 @@ def potential_step(s: Setting, energies: Energies) -> Step:
         tuple(lines),
         (*numbers, *(["5.5"] if energies.has_springs else [])),
     )
+
+
+def _speed_squared(s: Setting, i: int) -> Expression | None:
+    """v_c² of body i; none where it is too long to read, or 0."""
+    v = s.centre_velocity(i)
+    value = s.show_moved(dot(v, v))
+    return None if value == ex.ZERO or isinstance(value, Words) else value
+
+
+def squared_speeds(s: Setting) -> list[Step]:
+    """v_ci² of each body: its components squared and added up, then shortened; none where they are
+    too long to read, or nothing moves."""
+    lines, mixed = [], False
+    for i in s.weighted if s.planar or not s.tree.loops else ():
+        value = _speed_squared(s, i)
+        if value is None:
+            continue
+        spelt = _spelt(s, i) if s.planar else None
+        mixed |= spelt is not None
+        lines.append(ex.eq(_square(s, i), *([] if spelt is None else [spelt]), value))
+    if not lines:
+        return []
+    reason = "The squares of the components added up"
+    if s.planar and any(map(s.turns, s.order)):
+        reason += "; by sin² + cos² = 1 a part's own angle drops out of its square"
+    reason += "."
+    if mixed:
+        reason += (
+            " Of two parts that turn by different angles two products of sines and cosines are "
+            "left, which add up to the cosine or the sine of the difference of the angles. Such a "
+            "line has first these products, then their sum."
+        )
+    return [Step("Squares of the velocities", reason, tuple(lines))]
+
+
+def _square(s: Setting, i: int) -> Expression:
+    """v² of body i's centre of mass, in the plane by the components."""
+    name = s.name("vc", i)
+    if not s.planar or not isinstance(name, Symbol):
+        return ex.power(name, 2)
+    return ex.add(*(ex.power(component(name, axis), 2) for axis in "xy"))
+
+
+def _spelt(s: Setting, i: int) -> Expression | None:
+    """The square of a sum of parts, products of sines and cosines left as they come; none where
+    there are no such products, or too many to read."""
+    parts = directed(s.layout, [s.symbols.element(x) for x in s.centre_velocity(i)])
+    pairs = list(combinations(parts, 2))
+    if len(pairs) > _PAIRS or not any(one.angle and other.angle for one, other in pairs):
+        return None
+    terms = [s.show_moved(part.square) for part in parts]
+    for one, other in pairs:
+        for own, theirs, sign, function in (
+            (one.along, other.along, 1, cosine),
+            (one.across, other.across, 1, cosine),
+            (one.across, other.along, 1, sine),
+            (one.along, other.across, -1, sine),
+        ):
+            if not (own.is_zero or theirs.is_zero):
+                speeds = s.show_moved(own), s.show_moved(theirs)
+                terms.append(ex.mul(2 * sign, *speeds, function(one, other)))
+    return ex.add(*terms)
+
+
+def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
+    """The step, and what the load adds to the force along each coordinate: f · ∂r_P/∂q_i."""
+    tip = [s.symbols.element(x) for x in s.tip_position()]
+    lines = [
+        eq(vec("f"), ex.Vector(tuple(map(sym, s.load)))),
+        eq(vec("r_P"), s.column(tuple(tip))),
+    ]
+    works: dict[int, Trig] = {}
+    for i in s.leaders:
+        x = s.coordinate(i)
+        works[i] = inner([position.derivative(x) for position in tip], s.load_components, s.symbols)
+        part = ex.dot(vec("f"), ex.partial(vec("r_P"), x))
+        motor = s.motor(i)
+        lines.append(eq(f"Q{s.index(i) + 1}", ex.add(motor, part), ex.add(motor, s.show(works[i]))))
+    reason = (
+        "The work of motors and load in a small change of the coordinates, Σ τ_i δq_i + f · δr_P, "
+        "is Σ Q_i δq_i: the load adds its component along the direction in which each coordinate "
+        "moves the tip."
+    )
+    return Step("Generalized forces by virtual work", reason, tuple(lines)), works

@@ -15,15 +15,14 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import MOST, Reduction
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.derivation import Meaning, Step
-from freebody_textbook.equations.equation_views import symmetric
+from freebody_textbook.equations.closed_form import symmetric
 from freebody_textbook.methods import absolute_coordinates, glossary, lagrange, modular_ring
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import LONG, Loops, block_system
-from freebody_textbook.methods.energies import HALF, Energies
+from freebody_textbook.methods.energies import HALF, Energies, virtual_work
 from freebody_textbook.methods.method import Method, MethodOption, Worked
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.step_reasons import Efforts
-from freebody_textbook.methods.virtual_work import virtual_work
 
 SHORT = 14
 """Numbers and symbols up to which a denominator is written in every quotient."""
@@ -108,7 +107,8 @@ class _FirstKindSteps:
 
     @property
     def forces(self) -> list[Trig]:
-        """What motors must give, by joint: 0 of those without motor; the load's part taken off."""
+        """Torques that the motors must give, by joint: 0 of those without motor; the load's part
+        taken off."""
         zero = self.s.symbols.zero()
         return [self.system.forces[self.s.index(i)] - self.works.get(i, zero) for i in self.s.order]
 
@@ -191,7 +191,7 @@ class _FirstKindSteps:
 
     # ------------------------------------------------------------ the second kind
     def reduced(self) -> list[Step]:
-        """In independent coordinates (5.24)."""
+        """The equations in independent coordinates (5.24)."""
         reduction = self.system.reduction
         if reduction is None:
             reason = (

@@ -16,50 +16,17 @@ from freebody.expressions.printed_names import sym, vec
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, each_parameter
-from freebody.model.placement import Placement
 from freebody_textbook.derivation import Meaning
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.free_body_steps import (
     PLACES,
     UNITS,
-    XYZ,
     FreeBody,
-    mark_of,
     part_with_mass,
     thrusts_of,
 )
 from freebody_textbook.methods.method import Worked
 from freebody_textbook.methods.setting import Setting
-
-
-def are_free(model: Model) -> bool:
-    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
-
-    It is the same of a model with loads on its bodies and of that with each load part of its body.
-    """
-    return model.dim == 3 and all(
-        body.kind.frees(3)
-        and body.kind.quaternion is not None
-        and body.parent < 0
-        and body.joint.placement == Placement()
-        and len(body.inertias) > 0
-        for body in model.bodies
-    )
-
-
-def velocity_names(model: Model) -> tuple[str, ...]:
-    """The symbols that free bodies bring with them: components of v and ω, their derivatives, and
-    thrusts; none of another model."""
-    if not are_free(model):
-        return ()
-    moving = [
-        f"{letter}{mark_of(model, k)}_{axis}{dots}"
-        for dots in (RATE, "")  # accelerations stand first in equations
-        for k in range(len(model.bodies))
-        for letter in UNITS
-        for axis in XYZ
-    ]
-    return (*moving, *thrusts_of(model))
 
 
 def work_out(s: Setting, route: str) -> Worked:
@@ -86,7 +53,7 @@ def work_out(s: Setting, route: str) -> Worked:
 
 
 def _robot(count: int) -> tuple[str, ...]:
-    """What is spoken of, in words."""
+    """Sentences on the robot and on the axes of its vectors."""
     many = "A rigid body moves" if count == 1 else f"{count} rigid bodies move"
     return (
         f"{many} freely in space, held by no joint: {PLACES * count} degrees of freedom.",
@@ -108,6 +75,12 @@ def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning
     ):
         yield Meaning(tuple(sym(f"tau{j}") for j in chosen), words, unit)
     yield from _parameters(s, given)
+    yield from _vectors(bodies)
+    yield from _constants(given, bodies)
+
+
+def _vectors(bodies: list[FreeBody]) -> Iterator[Meaning]:
+    """Vectors of the bodies; of velocities also components and their derivatives."""
     for letter, words, unit in (
         ("p", "position of the body's origin, world axes", "m"),
         ("v", "velocity of the body's origin", "m/s"),
@@ -121,16 +94,21 @@ def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning
             yield Meaning(tuple(map(sym, names)), "its components", unit)
             rates = tuple(sym(name + RATE) for name in names)
             yield Meaning(rates, "their derivatives with respect to time", f"{unit}²")
+
+
+def _constants(given: Model, bodies: list[FreeBody]) -> Iterator[Meaning]:
+    """Inertias, orientations, places of the centres of mass and the thrusts."""
     yield Meaning(tuple(b.inertia for b in bodies), "inertia about the centre of mass", "kg m²")
     yield Meaning(tuple(b.R for b in bodies), "rotation from the body's axes to the world's", "")
     yield Meaning(tuple(x for b in bodies for x in b.q), "the same as a quaternion", "")
     places = tuple(b.arm for b in bodies if b.is_off_centre)
     if places:
         yield Meaning(places, "centre of mass, from the body's origin", "m")
-    thrusts = tuple(map(sym, thrusts_of(given)))
-    if thrusts:
-        yield Meaning(thrusts, "thrusts along the z axes of the frames on the body", "N")
-        where = tuple(vec(f"s{name.removeprefix('T')}") for name in thrusts_of(given))
+    names = tuple(thrusts_of(given))
+    if names:
+        words = "thrusts along the z axes of the frames on the body"
+        yield Meaning(tuple(map(sym, names)), words, "N")
+        where = tuple(vec(f"s{name.removeprefix('T')}") for name in names)
         yield Meaning(where, "places of the thrusts, from the centre of mass", "m")
 
 
@@ -142,7 +120,7 @@ def _coordinates(names: Iterable[str], words: str, unit: str) -> Iterator[Meanin
 
 
 def _parameters(s: Setting, given: Model) -> Iterator[Meaning]:
-    """Those that occur, by what they are."""
+    """Parameters that occur, by what they are."""
     used = set(s.symbols.ring.names)
     for parameter, words, unit in _in_model(given):
         if parameter.name in used:

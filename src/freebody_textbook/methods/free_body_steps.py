@@ -32,7 +32,7 @@ UNITS = {"v": "m/s", "omega": "rad/s"}
 
 
 def mark_of(model: Model, k: int) -> str:
-    """What the symbols of body k are told apart by: nothing where it is the only one."""
+    """The number in the symbols of body k; "" where it is the only body."""
     return str(k + 1) if len(model.bodies) > 1 else ""
 
 
@@ -52,8 +52,8 @@ def mass_symbol(model: Model, k: int) -> Symbol:
 
 
 def thrusts_of(model: Model) -> dict[str, Frame]:
-    """By the name of a thrust, the frame along whose z axis it pushes: those that are mounted on
-    bodies, the tip apart."""
+    """The frames along whose z axes thrusts push, by the names of the thrusts: frames that are
+    mounted on bodies, the tip apart."""
     frames = [x for x in model.frames if x.mounted and x.body >= 0 and x.name != model.tip]
     return {f"T{j}": frame for j, frame in enumerate(frames, 1)}
 
@@ -74,7 +74,7 @@ class FreeBody:
 
     @cached_property
     def mark(self) -> str:
-        """Its number, or nothing where it is the only one."""
+        """The body's number in symbols, or "" where it is the only body."""
         return mark_of(self.given, self.k)
 
     @cached_property
@@ -84,7 +84,7 @@ class FreeBody:
         return self.s.symbols.coordinates[start : start + PLACES]
 
     def vector(self, letter: str, dots: str = "") -> Symbol:
-        """Its symbol of a vector."""
+        """The symbol of one of the body's vectors."""
         return vec(f"{letter}{self.mark}{dots}")
 
     def components(self, letter: str, dots: str = "") -> tuple[str, ...]:
@@ -93,12 +93,12 @@ class FreeBody:
 
     @property
     def R(self) -> Symbol:
-        """Its rotation."""
+        """The symbol of the body's rotation."""
         return Symbol(f"R{self.mark}", "R", (self.mark,) if self.mark else ())
 
     @property
     def m(self) -> Expression:
-        """Its mass: the model's name, else m."""
+        """The symbol of the body's mass: the model's name, else m."""
         return mass_symbol(self.given, self.k)
 
     @property
@@ -108,7 +108,7 @@ class FreeBody:
 
     @property
     def inertia(self) -> Expression:
-        """Its inertia."""
+        """The symbol of the body's inertia."""
         return sym(f"I{self.mark}")
 
     @property
@@ -169,7 +169,7 @@ class FreeBody:
 
     # ------------------------------------------------------------ steps
     def steps(self) -> Iterator[Step]:
-        """Those of this body."""
+        """The steps of this body."""
         yield self.pose()
         yield self.laws()
         yield self.written_out()
@@ -282,7 +282,7 @@ class FreeBody:
         return Step(f"Rates of the angles{self._of}", reason, tuple(lines))
 
     def quaternion(self) -> Step:
-        """The same without angles."""
+        """The step to the rates of the orientation as a quaternion, without angles."""
         q = self.q
         a, b, c = map(sym, self.components("omega"))
         w, x, y, z = q

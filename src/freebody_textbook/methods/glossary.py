@@ -72,18 +72,21 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
             yield Meaning(rates, theirs, f"{words.unit}/s, {words.unit}/s²")
         driven = [i for i in joints if s.motor(i) != ex.ZERO]
         if motors and driven:
-            plural = "s" if len(driven) > 1 else ""
-            yield Meaning(
-                tuple(map(s.motor, driven)),
-                f"torque{plural} on the bod{'ies' if plural else 'y'}"
-                if absolute
-                else f"{words.effort}{plural} of the motor{plural}",
-                words.effort_unit,
-            )
+            yield _motors(s, driven, words, absolute)
+
+
+def _motors(s: Setting, driven: list[int], words: JointWords, absolute: bool) -> Meaning:
+    """Torques or forces of the motors of joints that are spoken of alike; absolute: along angles of
+    links."""
+    plural = "s" if len(driven) > 1 else ""
+    meaning = f"{words.effort}{plural} of the motor{plural}"
+    if absolute:
+        meaning = f"torque{plural} on the bod{'ies' if plural else 'y'}"
+    return Meaning(tuple(map(s.motor, driven)), meaning, words.effort_unit)
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
-    """Those that occur; of motion alone the lengths from joint to joint and to the tip."""
+    """Parameters that occur; of motion alone the lengths from joint to joint and to the tip."""
     used = set(s.symbols.ring.names)
     found: dict[tuple[str, str], dict[str, None]] = {}
     for parameter, words, unit in in_model(s, moved):
@@ -188,7 +191,7 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
 
 
 def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
-    """What a parameter is in an inertia; of diagonal entries the axes, unless its name tells."""
+    """Words for a parameter of an inertia; of diagonal entries the axes, unless its name tells."""
     if len(tensor) == 1:
         return f"moment of inertia of body {n} about its centre of mass"
     entries = ("x", "", "", "y", "", "z")
@@ -236,7 +239,7 @@ def vectors(s: Setting) -> Iterator[Meaning]:
 
 
 def joint_moments(s: Setting) -> Iterator[Meaning]:
-    """Those that are not a motor's torque and no more."""
+    """Moments in joints that are more than a motor's torque."""
     if not all(map(s.is_pin, s.order)):
         yield from meanings(s, "M{n}")
 
@@ -254,7 +257,8 @@ def multipliers(s: Setting) -> Meaning:
 
 
 def _loop_units(s: Setting, point: str, rod: str, turn: str) -> str:
-    """Of equations that hold points, a rod's distance squared and directions: those that occur."""
+    """Units of equations that hold points, a rod's distance squared and directions, where they
+    occur."""
     closures = [loop.closure for loop in s.tree.loops]
     occurring = {
         point: any(x.point or x.slides for x in closures),

@@ -20,14 +20,11 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import glossary, step_reasons
-from freebody_textbook.methods.body_motion import motion
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.coupled_joints import joints
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.geometry import geometry
 from freebody_textbook.methods.method import Method, Worked
-from freebody_textbook.methods.reactions import rotor_part
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import geometry, joints, motion
 
 
 def work_out(setting: Setting) -> Worked:
@@ -87,7 +84,7 @@ class _JointRate:
 
     # ------------------------------------------------------------ partial velocities
     def partial_velocities(self) -> Step:
-        """Those that are not zero."""
+        """Partial velocities that are not zero."""
         s, lines = self.s, []
         for k in s.weighted:
             if k in self.turning and _some(self.turning[k]):
@@ -120,7 +117,7 @@ class _JointRate:
 
     @property
     def _moved(self) -> str:
-        """What moves, with the comma that goes before its rate."""
+        """The moving thing in words, with the comma that goes before its rate."""
         if self.s.is_alone(self.i):
             return f"joint {self.number} moves,"
         return f"{joints(self.s, self.i)} move, joint {self.number}"
@@ -216,12 +213,12 @@ class _JointRate:
 
     @property
     def _resisting(self) -> Trig:
-        """What friction and spring of the joint take."""
+        """The torque that friction and spring of the joint take."""
         return self.s.equations.drives[self.s.index(self.i)]
 
     @property
     def _rotor(self) -> Trig:
-        return rotor_part(self.s, self.i)
+        return self.s.rotor_part(self.i)
 
     @property
     def _active(self) -> Trig:
@@ -247,7 +244,7 @@ class _JointRate:
     # ------------------------------------------------------------ the equation
     @property
     def torque(self) -> Trig:
-        """What the motor must give."""
+        """The torque or force that the motor must give."""
         return -self._active - self._inertia
 
     def equation(self) -> Step:

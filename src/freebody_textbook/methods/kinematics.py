@@ -6,28 +6,35 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
+from freebody.errors import FreebodyError, listed
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.expressions.printed_names import sym, vec
+from freebody.expressions.printed_names import entry, sym, vec
 from freebody.expressions.singularities import Determinant, jacobian_determinant
 from freebody.lazy import cached_property
-from freebody_textbook.closed_chains.linear import ratio
+from freebody_textbook.closed_chains.input_output import ClosedInputOutput
+from freebody_textbook.closed_chains.linear import product, ratio
 from freebody_textbook.derivation import Meaning, Step
-from freebody_textbook.methods import loop_kinematics
+from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_quantities import meanings
+from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.glossary import METER
-from freebody_textbook.methods.inverse_position import inverse_position
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
 
+_SOUGHT = (
+    "Sought: how the tip P moves with the joints, and the joints' motion for a given one of "
+    "the tip."
+)
+
 
 def work_out(setting: Setting) -> Worked:
-    """The steps; there are no torques in them. Of a closed chain: see `loop_kinematics`."""
+    """The steps; there are no torques in them. Of a closed chain: see `_of_closed_chain`."""
     if setting.tree.loops:
-        return loop_kinematics.work_out(setting)
-    work = _Tip(setting)
+        return _of_closed_chain(setting)
+    work = _TipKinematics(setting)
     steps = [
         work.position(),
         work.velocity(),
@@ -36,10 +43,8 @@ def work_out(setting: Setting) -> Worked:
         work.acceleration(),
         *work.back(),
     ]
-    steps += inverse_position(setting) if not setting.symbols.is_rewritten else []
-    return Worked(
-        tuple(steps), (), _symbols(setting), "Kinematics of the tip", loop_kinematics.SOUGHT
-    )
+    steps += _inverse_position(setting) if not setting.symbols.is_rewritten else []
+    return Worked(tuple(steps), (), _symbols(setting), "Kinematics of the tip", _SOUGHT)
 
 
 def _symbols(s: Setting) -> Iterator[Meaning]:
@@ -51,7 +56,7 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
     yield Meaning((sym("J"),), "Jacobian of the tip", "m or 1")
 
 
-class _Tip:
+class _TipKinematics:
     """The steps; counted is the motion of the point, and in the plane the turning where there are
     joints for it."""
 
@@ -157,7 +162,7 @@ class _Tip:
         return jacobian_determinant(self.closed, self.rows)
 
     def singular(self) -> list[Step]:
-        """Where det J = 0, if J is square."""
+        """The step to the poses with det J = 0, if J is square."""
         s = self.s
         if len(self.rows) != len(s.leaders):
             return []
@@ -240,6 +245,176 @@ class _Tip:
         rows = [[ratio(x, determinant).form(s.layout) for x in row] for row in adjugate]
         name = ex.Symbol("J_inverse", "K")  # so that an entry K₁₁ is not read as 1/J₁₁
         return [eq(ex.power("J", -1), name), eq(name, ex.matrix(rows))]
+
+
+def _of_closed_chain(setting: Setting) -> Worked:
+    """The steps; drives and rows of the tip's motion as many as there are freedoms."""
+    given = setting.symbols.given or setting.symbols.model
+    if any(body.kind.quaternion is not None for body in given.bodies):
+        raise FreebodyError(
+            f"derive: how the tip of {given.name!r} moves with its drives is too long to be "
+            "printed, with three angles for the orientation of a body. fb.input_output gives its "
+            "numbers at a position; planar closed chains, such as 3RRR, are derived."
+        )
+    loops = Loops(setting)
+    work = _TipAndDrives(setting, loops, loops.equations.input_output())
+    steps = [loops.cut(), loops.closed(), loops.freedom(), loops.rates()]
+    steps += [work.between(), work.jacobian(), work.singular()]
+    return Worked(tuple(steps), (), _symbols_of_loops(setting), sought=_SOUGHT)
+
+
+def _symbols_of_loops(s: Setting) -> Iterator[Meaning]:
+    yield glossary.loop_equations(s)
+    yield Meaning((vec("v"),), "rates of the tip", "m/s, rad/s")
+    yield Meaning((sym("J"),), "Jacobian of the tip with respect to the driven joints", "m or 1")
+
+
+class _TipAndDrives:
+    """J_a ẋ + J_b θ̇ = 0 and what follows."""
+
+    def __init__(self, setting: Setting, loops: Loops, found: ClosedInputOutput):
+        self.s, self.loops, self.io = setting, loops, found
+
+    @property
+    def _numbered(self) -> bool:
+        return self.loops.is_notes_robot
+
+    def between(self) -> Step:
+        """J_a and J_b (2.35, 2.37-2.40)."""
+        x, theta = vec("v"), ex.Symbol("theta_d", "θ", dots=1, bold=True)
+        lines: list[Equation] = [
+            eq(x, ex.Vector(tuple(map(_component, self.io.rows)))),
+            eq(theta, ex.Vector(tuple(sym(name + RATE) for name in self.io.driven))),
+            eq(ex.add(ex.mul(_j("a"), x), ex.mul(_j("b"), theta)), ex.ZERO),
+            *self.loops.matrix(_j("a"), self.io.J_a),
+            *self.loops.matrix(_j("b"), self.io.J_b),
+        ]
+        coordinates = self.s.symbols.coordinates
+        direct = set(self.io.driven) | {"x", "y", "z"} >= set(coordinates)
+        how = (
+            "The rates of the tip and those of the drives appear in separate columns."
+            if direct
+            else "The equations are combined so that the rates of the passive joints cancel, as "
+            "when a velocity is projected on a bar to eliminate the bar's rotation."
+        )
+        slips = (
+            " (The notes print (2.37), (2.39), (2.40) with the opposite sign of d = 2b.)"
+            if self._numbered
+            else ""
+        )
+        reason = (
+            f"The velocity constraints relate the velocity of the tip to the rates of the driven "
+            f"joints. {how}{slips}"
+        )
+        numbers = ("2.35", "2.37", "2.38", "2.39", "2.40") if self._numbered else ("2.35",)
+        return Step("The tip and the drives", reason, tuple(lines), numbers)
+
+    def jacobian(self) -> Step:
+        """J = -J_a⁻¹ J_b (2.36)."""
+        J = self.io.J
+        rule = eq(sym("J"), ex.neg(ex.mul(ex.power(_j("a"), -1), _j("b"))))
+        below = [x.below for row in J for x in row if not x.is_polynomial]
+        layout = self.loops.equations.layout
+        common = below[0] if below and all(x == below[0] for x in below) else None
+        if common is not None and layout.is_negative(common):
+            common = -common
+        lines = [rule]
+        for i, row in enumerate(J, 1):
+            for k, x in enumerate(row, 1):
+                if not x.is_zero:
+                    lines.append(eq(entry("J", i, k), self.loops.ratio(x, common)))
+        if common is not None:
+            lines.append(eq(sym("Delta"), product(common, layout)))
+        reason = "Solved for the tip's velocity where J_a can be inverted."
+        return Step("The robot's Jacobian", reason, tuple(lines), ("2.36",), result=True)
+
+    def singular(self) -> Step:
+        """The step to the poses in which det J_b or det J_a vanishes."""
+        lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
+        reason = (
+            "First type, det J_b = 0: the drives can move while the tip does not, and the tip "
+            "loses a direction of motion, as at the boundary of the workspace. Second type, det "
+            "J_a = 0: the tip can move although the drives are locked; near such a position the "
+            f"forces in the robot grow without bound.{self._partly()}"
+        )
+        return Step("Singular positions", reason, tuple(lines))
+
+    def _partly(self) -> str:
+        """A sentence for where fewer components of the tip's motion are counted than it has."""
+        rows = self.io.rows
+        if len(rows) >= self.s.tree.space.dim:
+            return ""
+        counted = listed([str(_component(row)) for row in rows])
+        return (
+            f" With {len(rows)} degree{'s' * (len(rows) > 1)} of freedom only {counted} is counted "
+            "of the tip: in a position of the first type it may still move at right angles to "
+            "that."
+        )
+
+    def _where(self, found: Determinant, low: str) -> list[Equation]:
+        shown = found.expression
+        if ex.size(shown) > 2 * LONG:
+            shown = ex.words(f"({len(found.polynomial)} terms)")
+        lines = [eq(ex.Function("det", _j(low)), shown)]
+        for condition in found.conditions:
+            if all(ex.size(e) <= LONG for e in condition.solutions):
+                lines += condition.solutions
+        return lines
+
+
+def _component(row: str) -> Expression:
+    """ẋ for "vx", ω for "w"."""
+    if row[0] == "v":
+        return ex.Symbol(f"{row[1]}_d", row[1], dots=1)
+    return ex.Symbol(f"omega{row[1:]}", "ω", tuple(row[1:]))
+
+
+def _j(low: str) -> Expression:
+    return ex.Symbol(f"J_{low}", "J", (low,))
+
+
+def _inverse_position(s: Setting) -> list[Step]:
+    """One step for the notes' arm with straight links; none for others, which fb.inverse_kinematics
+    solves."""
+    lengths = _lengths(s)
+    if lengths is None:
+        return []
+    a, b = lengths
+    x = sym("x")
+    y = sym("y")
+    one = sym(s.coordinate(s.order[0]))
+    two = sym(s.coordinate(s.order[1]))
+    square = ex.add(ex.power(x, 2), ex.power(y, 2))
+    over = ex.sub(square, ex.add(ex.power(a, 2), ex.power(b, 2)))
+    reach, aside = ex.add(a, ex.mul(b, ex.cos(two))), ex.mul(b, ex.sin(two))
+    lines = (
+        eq(ex.cos(two), ex.div(over, ex.mul(2, a, b))),
+        eq(ex.power(ex.sin(two), 2), ex.sub(1, ex.power(ex.cos(two), 2))),
+        eq(ex.mul(square, ex.sin(one)), ex.sub(ex.mul(reach, y), ex.mul(aside, x))),
+        eq(ex.mul(square, ex.cos(one)), ex.add(ex.mul(reach, x), ex.mul(aside, y))),
+    )
+    reason = (
+        "The square of the distance to P(x, y) does not depend on the first angle and gives the "
+        "cosine of the second. Its sine has two signs, for the elbow on one side or the other; for "
+        "each, sine and cosine together determine the quadrant of the first angle (atan2). P can "
+        "be reached where the cosine lies between -1 and 1, that is, where its distance from the "
+        "base is at least the difference and at most the sum of the lengths."
+    )
+    return [Step("Inverse position", reason, lines, ("2.14", "2.15"))]
+
+
+def _lengths(s: Setting) -> tuple[Expression, Expression] | None:
+    """l1 and l2 of two straight links on a pivot at the origin."""
+    if s.cited != "RR" or s.tip != s.order[1]:
+        return None
+    first, second = s.order
+    at = [
+        s.motion.joints[first][1],
+        s.motion.joints[second][1],
+        s.tip_frame[2],
+    ]
+    (x0, y0), (a, y1), (b, y2) = ([s.show(x) for x in p] for p in at)
+    return (a, b) if all(x == ex.ZERO for x in (x0, y0, y1, y2)) and ex.ZERO not in (a, b) else None
 
 
 METHOD = Method(

@@ -16,13 +16,16 @@ from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import glossary, step_reasons
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.energies import Energies, kinetic_step, potential_step
-from freebody_textbook.methods.geometry import rotation_name
+from freebody_textbook.methods.energies import (
+    Energies,
+    kinetic_step,
+    potential_step,
+    squared_speeds,
+    virtual_work,
+)
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.squared_speeds import squared_speeds
-from freebody_textbook.methods.term_sources import KINETIC, POTENTIAL, TIME, TermSources
-from freebody_textbook.methods.virtual_work import virtual_work
+from freebody_textbook.methods.terms import KINETIC, POTENTIAL, TIME, TermSources
 
 
 def work_out(setting: Setting) -> Worked:
@@ -47,7 +50,7 @@ def work_out(setting: Setting) -> Worked:
 
 
 def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
-    """What the energies bring in."""
+    """Meanings of the symbols that the energies bring in."""
     yield from meanings(s, "rc{n}")
     yield from meanings(s, "omega{n}", "vc{n}")
     yield Meaning(
@@ -137,7 +140,7 @@ def _velocities(s: Setting) -> Step:
     for i in s.weighted:
         rate: Expression = ex.d_dt(s.name("rc", i))
         if not s.planar:
-            rate = ex.mul(rotation_name(s, -1, i), rate)
+            rate = ex.mul(s.rotation_name(-1, i), rate)
         lines.append(eq(s.name("vc", i), rate, s.column(s.centre_velocity(i))))
     reason = "Differentiating the positions with respect to time gives the velocities"
     axes = (
@@ -182,10 +185,10 @@ class LagrangianDerivatives:
 
     step: Step
     needed: Trig
-    """What they and friction add up to."""
+    """The sum of the derivatives and friction: the force along the coordinate."""
     friction: Trig
     sources: TermSources
-    """Which terms of that are from which of them."""
+    """The derivative that each term of the needed force is from."""
 
 
 def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives:

@@ -1,5 +1,5 @@
-"""What loops do to the bodies of a closed chain: their forces on free bodies, and how these are
-found from the joints that have no motor."""
+"""Forces of the loops of a closed chain on its free bodies, and how they are found from the joints
+that have no motor."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from freebody.spatial import Vector, sub
 from freebody_textbook.closed_chains.statics import LoopStatics
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.geometry import geometry
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import geometry
 
 FEW = 4
 """Multipliers up to which the equations for them are solved in print."""
@@ -42,7 +42,8 @@ class LoopReactions(SolvedReactions):
 
 
 def needs_of(reactions: SolvedReactions, loops: Loops) -> LoopStatics:
-    """What every joint needs, linear in the loops' forces, and which joints have no motor."""
+    """The torque that every joint needs, linear in the loops' forces, and which joints have no
+    motor."""
     s = reactions.s
     needed = {s.index(i): reactions.motor(i) for i in s.order}
     passive = tuple(s.index(i) for i in s.order if not s.driven(i))
@@ -61,7 +62,7 @@ class LoopForces:
         return [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
 
     def step(self, more: str = "") -> Step:
-        """What replaces each loop."""
+        """The step that puts forces in the place of each loop."""
         lines = [line for loop in self.s.tree.loops for line in self.loops.force_lines(loop)]
         held = "; ".join(self.loops.holds(loop) for loop in self.s.tree.loops)
         rods = any(loop.closure.distance for loop in self.s.tree.loops)
@@ -98,8 +99,8 @@ class LoopForces:
         moments = [(self.loops.moment_name(loop), loop) for loop, _ in self._ends(i)]
         return [self._signed(name, loop, i) for name, loop in moments if name != ex.ZERO]
 
-    def told(self, i: int) -> list[str]:
-        """What acts on body i, in words."""
+    def in_words(self, i: int) -> list[str]:
+        """The loops' forces on body i, in words."""
         found = []
         for loop, frame in self._ends(i):
             acting = [self.loops.force_name(loop), self.loops.moment_name(loop)]

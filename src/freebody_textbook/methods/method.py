@@ -1,4 +1,4 @@
-"""What a method of derivation is: one record, which the command line, errors, pages and documents
+"""A method of derivation as one record, which the command line, errors, pages and documents
 read."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 
 @dataclass(frozen=True)
 class Worked:
-    """What a method makes of a setting.
+    """A worked derivation: the steps of a method for a setting, and its results.
 
     steps: in order. tau: the motors' torques as this method finds them, in the order of the joints;
     none where it finds none. symbols: the meanings of what it introduces. title: where options

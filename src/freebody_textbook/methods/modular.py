@@ -21,13 +21,12 @@ from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression, Symbol
 from freebody.expressions.polynomials.symbols import symbols
 from freebody.expressions.polynomials.textbook_form import Layout, Poly, starts_with_minus
-from freebody.expressions.printed_names import sym, vec
+from freebody.expressions.printed_names import component, sym, vec
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.render.rows import part
 
 _LETTERS = {
     "w": ("omega", ""),
@@ -47,7 +46,7 @@ AXES = "xyz"
 
 @dataclass(frozen=True)
 class _NamedLayout(Layout):
-    """How polynomials with components in them are printed."""
+    """The printed layout of polynomials with components of vectors in them."""
 
     names: tuple[tuple[str, Symbol], ...] = ()
 
@@ -79,7 +78,8 @@ class _NamedLayout(Layout):
         return ex.add(*(self._turned(w, by_wave[w]) for w in sorted(by_wave, key=self._late)))
 
     def _late(self, wave: tuple) -> tuple:
-        """What is not turned first."""
+        """The rank of a product of sines and cosines: what has none first, then cosines before
+        sines."""
         return len(wave), [list(self._waves).index(n) ^ 1 for n, _ in wave]  # cosines first
 
     def _turned(self, wave: tuple, parts: dict[tuple, Poly]) -> Expression:
@@ -105,7 +105,7 @@ class ModularSetting(Setting):
 
     @classmethod
     def of(cls, s: Setting) -> Self:
-        """The same robot."""
+        """The setting of a robot with components of vectors as symbols."""
         given, count = s.symbols.given or s.symbols.model, len(s.symbols.model.bodies)
         names = (
             generator(quantity, n, axis)
@@ -125,9 +125,9 @@ class ModularSetting(Setting):
 
     @cached_property
     def components(self) -> dict[str, Symbol]:
-        """By the name of its generator the symbol of each component."""
+        """The symbols of components, by the names of their generators."""
         return {
-            generator(quantity, self.numbers[i], axis): part(self.vector(quantity, i), axis)
+            generator(quantity, self.numbers[i], axis): component(self.vector(quantity, i), axis)
             for quantity, i in self.vectors()
             for axis in AXES
         }
@@ -137,7 +137,7 @@ class ModularSetting(Setting):
         yield from itertools.product((*_LETTERS, *_BETWEEN), self.order)
 
     def vector(self, quantity: str, i: int) -> Symbol:
-        """Its symbol."""
+        """The symbol of a vector of body i."""
         n, parent = self.numbers[i], self.numbers[self.tree.bodies[i].parent]
         if quantity in _BETWEEN:
             return (self.naming.force if quantity == "f" else self.naming.moment)(parent, n)
@@ -150,7 +150,7 @@ class ModularSetting(Setting):
 
     @property
     def layout(self) -> Layout:
-        """How polynomials are printed, components by their symbols."""
+        """The printed layout of polynomials, components by their symbols."""
         return self._layout
 
     def show_moved(self, x: Scalar) -> Expression:
@@ -162,8 +162,8 @@ class ModularSetting(Setting):
         return self.symbols.ring[generator(quantity, self.numbers[i], axis)]
 
     def named(self, quantity: str, i: int, value: Vector) -> Vector:
-        """What follows from a vector has its components by name, but those that are zero or a rate
-        or a parameter themselves."""
+        """A vector by the names of its components, but those that are zero or a rate or a parameter
+        themselves."""
         return tuple(
             x if self._is_plain(x) else self._component(quantity, i, axis)
             for axis, x in zip(AXES, value, strict=True)
@@ -221,13 +221,13 @@ class ModularSetting(Setting):
         return self.vector("field", i)
 
     def gravity(self, i: int) -> Vector:
-        """Its components, by those in the axes of the body before."""
+        """Components of gravity in the axes of body i, by those in the axes of the body before."""
         self._run("explicit")
         return self._fields[i]
 
     @cached_property
     def motion(self) -> BodyMotions:
-        """Of the recursion, its vectors by name."""
+        """The motion of the recursion, its vectors by name."""
         return self._run("base")[1]
 
 
@@ -237,7 +237,8 @@ def generator(quantity: str, n: int, axis: str) -> str:
 
 
 def last_step(steps: Iterable[Step], full: str) -> Step:
-    """What the lines are together; full: how long the closed form is."""
+    """The step that says that the lines are the equations together; full: the length of the closed
+    form in words."""
     lines = [line for step in steps for line in step.equations]
     total = Counter[str]()
     for line in lines:

@@ -20,11 +20,10 @@ from freebody.spatial import Vector, add, times, transposed
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import recursive
 from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.geometry import rotation_name
 from freebody_textbook.methods.glossary import MOMENT, NEWTON
-from freebody_textbook.methods.inward_recursion import Inward, worked
 from freebody_textbook.methods.loop_forces import LoopForces
 from freebody_textbook.methods.modular import AXES, ModularSetting, generator
+from freebody_textbook.methods.recursive import Inward, worked
 from freebody_textbook.methods.setting import Setting
 
 _OF_LOOP = ("loop.f", "loop.n")
@@ -54,8 +53,8 @@ class RingSetting(ModularSetting):
         return Loops(self)
 
     def vector(self, quantity: str, i: int) -> Symbol:
-        """That of the loop is f_{0,n}, or n_{0,n}; with the number of a body above it in that
-        body's axes."""
+        """The symbol of a force or moment; of the loop f_{0,n}, or n_{0,n}; with the number of a
+        body above it in that body's axes."""
         if quantity not in _OF_LOOP:
             return super().vector(quantity, i)
         (loop,), force = self.tree.loops, quantity == _OF_LOOP[0]
@@ -88,7 +87,7 @@ class RingSetting(ModularSetting):
         return found
 
     def tip_load(self) -> tuple[External, ...]:
-        """What the loop does to the last body."""
+        """The loop's force and moment on the last body."""
         (loop,), last, space = self.tree.loops, self.order[-1], self.tree.space
         acting = [self.named(x, last, self.carried[x][-1]) for x in self.quantities]
         force, moment = (*acting, space.zero_angular)[:2]
@@ -161,7 +160,7 @@ def _turned(s: RingSetting) -> Step:
     for quantity in s.quantities:
         for k, i in enumerate(s.order):
             parent = s.tree.bodies[i].parent
-            rule = ex.mul(rotation_name(s, parent, i), s.vector(quantity, parent))
+            rule = ex.mul(s.rotation_name(parent, i), s.vector(quantity, parent))
             value = s.column(s.carried[quantity][k + 1])
             lines.append(worked(s.vector(quantity, i), rule, value, False))
     n = s.numbers[s.order[-1]]
@@ -174,7 +173,7 @@ def _turned(s: RingSetting) -> Step:
 
 
 def symbols(s: Setting) -> Iterator[Meaning]:
-    """What these steps bring in."""
+    """Meanings of the symbols that steps of a ring bring in."""
     yield from recursive.symbols(s)
     n = str(s.numbers[s.order[-1]])
     for letter, what, unit in (("f", "force", NEWTON), ("n", "moment", MOMENT)):

@@ -1,21 +1,32 @@
-"""What stands before the first step: the robot in words, what is sought, and a table of the
-symbols."""
+"""The text before the first step, the robot in words, what is sought and a table of the symbols;
+and legs that are alike, told once."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
 
 from freebody.errors import listed
+from freebody.expressions.nodes import Expression, Symbol, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.gravity import axis_of
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.single_joints import is_taken_apart
-from freebody_textbook.derivation import Meaning
-from freebody_textbook.methods.coupled_joints import coupled, following
+from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods.glossary import glossary
 from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import following
 from freebody_textbook.methods.step_reasons import ABSOLUTE, Efforts
+
+_FEW_LEGS = 3
+"""Legs up to which each has lines of its own."""
+
+
+_Renaming = Mapping[str, str]
 
 
 def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Meaning, ...]]:
@@ -59,7 +70,7 @@ def _arm(s: Setting) -> str:
 
 
 def _rows(s: Setting) -> str:
-    """Which bodies the joints join, by rows of bodies one after the other."""
+    """A sentence on which bodies the joints join, by rows of bodies one after the other."""
     rows: dict[int, list[list[int]]] = {}
     row: list[int] = []
     for i in s.order:
@@ -81,7 +92,7 @@ def _rows(s: Setting) -> str:
 
 
 def _kinds(s: Setting) -> str:
-    """What the joints are, and which have no motor."""
+    """A sentence on the kinds of the joints, and which have no motor."""
     by_words: dict[tuple[str, str], list[int]] = {}
     for i in s.leaders:
         by_words.setdefault((s.words(i).joint, s.words(i).coordinate), []).append(i)
@@ -145,9 +156,9 @@ def _follows(s: Setting, i: int) -> str:
 
 
 def _coupled(s: Setting, forces: bool) -> list[str]:
-    """What it means that joints follow others; forces: whether there are any."""
+    """Sentences on joints that follow others; forces: whether there are any."""
     what, told = "the rate" if s.at_rest else "the rate and the acceleration", []
-    for i in coupled(s):
+    for i in s.coupled:
         every = "both" if len(s.together(i)) == 2 else "all of them"
         motor = f", and one motor moves {every}" if forces and s.driven(i) else ""
         told.append(f"{following(s, i, what)}{motor}.")
@@ -175,7 +186,7 @@ def _coordinate(s: Setting, i: int) -> str:
 
 
 def _composed(s: Setting) -> list[str]:
-    """Which joints were taken apart."""
+    """Sentences on the joints that were taken apart."""
     told, n = [], 0
     given = s.symbols.given
     for body in given.bodies if given else ():
@@ -244,7 +255,7 @@ def _axes(s: Setting) -> list[str]:
 
 
 def _angles(s: Setting) -> list[str]:
-    """Where the angles of a planar robot begin."""
+    """A sentence on where the angles of a planar robot begin."""
     turning = [i for i in s.order if s.turns(i)]
     if not turning:
         return []
@@ -300,3 +311,104 @@ def _sought(s: Setting) -> str:
         return "Given a motion, the torques and forces along the coordinates are sought."
     told = f"Given a motion of the joints, the {efforts.words} {efforts.verb} sought"
     return f"{told}; {condition}." if free else f"{told}."
+
+
+# ---------------------------------------------------------------- legs that are alike
+def without_repeated_legs(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """The steps without the lines of further legs that are those of the first leg under other
+    names; steps of which none is left are dropped."""
+    first, *others = _legs(s)
+    if len(others) < _FEW_LEGS:
+        return steps
+    renamings = [_renaming(s, first, leg) for leg in others]
+    known = {x for names in renamings for x in names}
+    model = [
+        (k, line)
+        for k, step in enumerate(steps)
+        for line in step.equations
+        if known & set(_names(line))
+    ]
+    told: set[int] = set()
+    found = []
+    for step in steps:
+        kept = []
+        for line in step.equations:
+            like = _model_of(line, model, renamings)
+            if like is None:
+                kept.append(line)
+            else:
+                told.add(like)
+        found.append(replace(step, equations=tuple(kept)))
+    reasons = _reasons_of_legs(s, first, others)
+    return tuple(
+        replace(new, reason=new.reason + next(reasons)) if k in told else new
+        for k, (old, new) in enumerate(zip(steps, found, strict=True))
+        if new.equations or not old.equations
+    )
+
+
+def _legs(s: Setting) -> list[list[int]]:
+    """The most chains of bodies from the ground that have the same joints in a row."""
+    groups: dict[tuple[tuple[bool, bool], ...], list[list[int]]] = {(): [[]]}
+    for root in s.tree.children(-1):
+        leg = [root]
+        while len(below := s.tree.children(leg[-1])) == 1:
+            leg.append(below[0])
+        if not below and not set(leg) & s.links:
+            joints = tuple((s.turns(i), s.slides(i)) for i in leg)
+            groups.setdefault(joints, []).append(leg)
+    return max(groups.values(), key=len)
+
+
+def _renaming(s: Setting, first: list[int], leg: list[int]) -> _Renaming:
+    """Names of coordinates and their rates of one leg, from those of the first."""
+    return {
+        s.coordinate(a) + dots: s.coordinate(b) + dots
+        for a, b in zip(first, leg, strict=True)
+        for dots in ("", RATE, SECOND)
+    }
+
+
+def _names(line: Expression) -> Iterator[str]:
+    return (x.name for x in nodes(line) if isinstance(x, Symbol))
+
+
+def _model_of(
+    line: Expression, model: Iterable[tuple[int, Expression]], renamings: Iterable[_Renaming]
+) -> int | None:
+    """The step of the first leg's line that a line is under the names of its own leg."""
+    own = set(_names(line))
+    for names in renamings:
+        if own & set(names.values()):
+            for k, other in model:
+                if _same(other, line, dict(names), {b: a for a, b in names.items()}):
+                    return k
+    return None
+
+
+def _same(a: Any, b: Any, there: dict[str, str], back: dict[str, str]) -> bool:
+    """Whether two trees are equal but for names, each of which stands for one other."""
+    if isinstance(a, Symbol) and isinstance(b, Symbol):
+        look = [(x.letter, x.dots, x.high, x.bold) for x in (a, b)]
+        given = there.setdefault(a.name, b.name) == b.name
+        return look[0] == look[1] and given and back.setdefault(b.name, a.name) == a.name
+    if type(a) is not type(b):
+        return False
+    if isinstance(a, tuple):
+        return len(a) == len(b) and all(_same(x, y, there, back) for x, y in zip(a, b, strict=True))
+    if isinstance(a, Expression):
+        one, other = (tuple([getattr(x, name) for name in x.__match_args__]) for x in (a, b))
+        return _same(one, other, there, back)
+    return a == b
+
+
+def _reasons_of_legs(s: Setting, first: list[int], others: list[list[int]]) -> Iterator[str]:
+    def span(leg: list[int]) -> str:
+        return f"{s.numbers[leg[0]]} to {s.numbers[leg[-1]]}"
+
+    yield (
+        f" The lines are those of the first leg, bodies {span(first)}; for bodies "
+        f"{listed(list(map(span, others)))} they are the same, with other numbers."
+    )
+    while True:
+        yield " The lines of the other legs are the same, with other numbers."

@@ -1,5 +1,5 @@
-"""What each joint must carry, from the equations of Newton and Euler solved from the last body
-inward."""
+"""Reactions that each joint must carry, from the equations of Newton and Euler solved from the last
+body inward."""
 
 from __future__ import annotations
 
@@ -105,22 +105,12 @@ class SolvedReactions:
 
 
 def drive_part(s: Setting, i: int) -> Trig:
-    """What friction, spring and rotor of joint i, and of those that follow it, take of its motor;
-    at rest the springs alone."""
+    """The torque that friction, spring and rotor of joint i, and of those that follow it, take of
+    its motor; at rest the springs alone."""
     total = s.symbols.zero()
     for k in s.together(i) if s.at_rest else ():
         body = s.tree.bodies[k]
         if body.drive is not None:
             stretch = body.position(s.symbols.q)[0] - body.drive.rest
             total = total + s.ratio(k) * (body.drive.stiffness * stretch)
-    return total if s.at_rest else s.equations.drives[s.index(i)] + rotor_part(s, i)
-
-
-def rotor_part(s: Setting, i: int) -> Trig:
-    """The same of rotors alone."""
-    total = s.symbols.zero()
-    for k in s.together(i):
-        drive = s.tree.bodies[k].drive
-        if drive is not None:
-            total = total + s.ratio(k) * (drive.rotor * s.rate(k, s.symbols.qdd))
-    return total
+    return total if s.at_rest else s.equations.drives[s.index(i)] + s.rotor_part(i)

@@ -1,11 +1,15 @@
-"""What all derivations of a model share: its symbols, its motion, and how its vectors are called
-and shown.
+"""One model, ready to be derived: its bodies by number, how they move, and how all of this is
+called and shown.
 
 In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of
 the body's own frame, as in chapter 6.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 from freebody.algorithms.kinematics import (
     BodyMotions,
@@ -15,13 +19,373 @@ from freebody.algorithms.kinematics import (
     world_poses,
 )
 from freebody.algorithms.rnea import External, Recursion, rnea
+from freebody.elementary import Scalar
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Expression
+from freebody.expressions.naming import Naming
+from freebody.expressions.nodes import Equation, Words
+from freebody.expressions.notations.lettering import PLAIN, Lettering
+from freebody.expressions.polynomials.symbols import Symbols
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.printed_names import sym, vec
 from freebody.lazy import cached_property
+from freebody.model.joints import JointWords
+from freebody.model.tree import Mass, Tree
+from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, sub, times, transposed
-from freebody_textbook.methods.shown_mechanism import ShownMechanism
+from freebody_textbook.closed_chains.absolute import links_of
+from freebody_textbook.equations.equations import Equations
+from freebody_textbook.methods.lengths_and_directions import by_lengths
+
+MOST = 200
+"""Terms that will not fit whatever their form."""
+LONGEST = 160
+"""Numbers and symbols up to which an expression is written out; a longer one is told by its
+length."""
 
 
-class Setting(ShownMechanism):
-    """One model, ready to be derived: how its bodies move."""
+@dataclass(frozen=True)
+class Setting:
+    """One model over the ring of polynomials; load: names of the components of the force on the
+    tip, or none."""
+
+    symbols: Symbols
+    load: tuple[str, ...] = ()
+    at_rest: bool = False
+    """Whether the robot stands still: velocities and accelerations are zero."""
+    letters: Lettering = PLAIN
+    """The letters that the derivation will be printed in; what is made here has the notes'."""
+
+    # ------------------------------------------------------------ the model
+    @property
+    def tree(self) -> Tree:
+        """The model over the ring."""
+        return self.symbols.tree
+
+    @property
+    def planar(self) -> bool:
+        """Whether the model is in the plane."""
+        return self.tree.space.dim == 2
+
+    @cached_property
+    def naming(self) -> Naming:
+        """The names of the model's forces, masses, vectors and lengths."""
+        return Naming(self.symbols.model, self.symbols.reader.numbers)
+
+    # ------------------------------------------------------------ joints
+    @cached_property
+    def numbers(self) -> dict[int, int]:
+        """Number of each body of the tree, as the model's order counts from 1; the base (-1) is
+        0."""
+        return {-1: 0} | {k: i + 1 for i, k in enumerate(self.tree.body_of)}
+
+    @cached_property
+    def order(self) -> tuple[int, ...]:
+        """Bodies of the tree by their number."""
+        return tuple(sorted(range(len(self.tree.bodies)), key=lambda k: self.numbers[k]))
+
+    @cached_property
+    def links(self) -> frozenset[int]:
+        """Bodies without mass of a closed chain, between joints in a row that hold nothing: a
+        platform on legs is moved by these, not borne."""
+        return frozenset(links_of(self.symbols) if self.tree.loops else ())
+
+    def is_held(self, i: int) -> bool:
+        """Whether joint i holds its body in any direction."""
+        return self.tree.bodies[i].parent not in self.links
+
+    def turns(self, i: int) -> bool:
+        """Whether joint i turns its body about its axis."""
+        return self.tree.bodies[i].primitive.turns
+
+    def slides(self, i: int) -> bool:
+        """Whether joint i takes its body along its axis."""
+        return self.tree.bodies[i].primitive.slides
+
+    def words(self, i: int) -> JointWords:
+        """Words for the joint of body i."""
+        return self.tree.bodies[i].primitive.words
+
+    @cached_property
+    def cited(self) -> str:
+        """ "R" or "RR" where the model is an arm that the notes derive in these angles, else ""."""
+        if self.symbols.turned or any(self.symbols.quarters):
+            return ""
+        if self.tree.loops or len(self.leaders) < len(self.order):
+            return ""
+        bodies = [self.tree.bodies[i] for i in self.order]
+        is_chain = all(self.numbers[body.parent] == k for k, body in enumerate(bodies))
+        if (
+            not self.planar
+            or not is_chain
+            or not all(map(self.turns, self.order))
+            or len(bodies) > 2
+        ):
+            return ""
+        return "R" * len(bodies)
+
+    def coordinate(self, i: int) -> str:
+        """Name of the coordinate of body i's joint."""
+        return self.symbols.coordinates[self.index(i)]
+
+    def index(self, i: int) -> int:
+        """Place of that coordinate among all."""
+        return self.tree.bodies[i].coordinates.v[0]
+
+    def driven(self, i: int) -> bool:
+        """Whether a motor acts on the joint of body i."""
+        return self.naming.driven(self.numbers[i])
+
+    @cached_property
+    def leaders(self) -> tuple[int, ...]:
+        """Bodies whose joints have a coordinate of their own, by their number."""
+        return tuple(i for i in self.order if not self.follows(i))
+
+    def follows(self, i: int) -> bool:
+        """Whether the joint of body i follows another."""
+        return self.naming.follows(self.numbers[i])
+
+    def together(self, i: int) -> tuple[int, ...]:
+        """Body i and those whose joints follow its."""
+        return (i, *(k for k in self.order if self.follows(k) and self.index(k) == self.index(i)))
+
+    def is_alone(self, i: int) -> bool:
+        """Whether the joint of body i neither follows another nor is followed."""
+        return not self.follows(i) and len(self.together(i)) == 1
+
+    @cached_property
+    def coupled(self) -> tuple[int, ...]:
+        """Bodies whose joints others follow."""
+        return tuple(i for i in self.leaders if not self.is_alone(i))
+
+    def ratio(self, i: int) -> float:
+        """The ratio of the motion of body i's joint to its coordinate's."""
+        return self.tree.bodies[i].coordinates.ratio
+
+    def rate(self, i: int, rates: Vector) -> Scalar:
+        """The rate of body i's joint, or its acceleration, of those of the coordinates."""
+        return self.tree.bodies[i].rates(rates)[0]
+
+    def rotor_part(self, i: int) -> Trig:
+        """Inertia of the rotors at joint i and those that follow it, times their accelerations."""
+        total = self.symbols.zero()
+        for k in self.together(i):
+            drive = self.tree.bodies[k].drive
+            if drive is not None:
+                total = total + self.ratio(k) * (drive.rotor * self.rate(k, self.symbols.qdd))
+        return total
+
+    # ------------------------------------------------------------ masses
+    def _mass(self, i: int) -> Mass:
+        """Mass, centre and inertia of body i; one without mass is a point of none."""
+        masses = self.tree.bodies[i].masses
+        assert len(masses) < 2, "its parts are made one by symbols_of_bodies"
+        return masses[0] if masses else Mass(0.0, self.tree.space.zero, self._nothing())
+
+    def _nothing(self) -> Any:
+        return 0.0 if self.planar else ((0.0,) * 3,) * 3
+
+    def mass(self, i: int) -> Scalar:
+        """Mass of body i."""
+        return self._mass(i).m
+
+    def inertia(self, i: int) -> Scalar:
+        """Inertia of body i about its centre of mass."""
+        return self._mass(i).inertia
+
+    @cached_property
+    def weighted(self) -> tuple[int, ...]:
+        """Bodies with mass, by their number."""
+        return tuple(i for i in self.order if self.tree.bodies[i].masses)
+
+    def is_point(self, i: int) -> bool:
+        """Whether all of body i's mass is in its centre: it has no moment of inertia."""
+        inertia = self.inertia(i)
+        entries = (inertia,) if self.planar else (x for row in inertia for x in row)
+        return all(isinstance(x, float) and x == 0.0 for x in entries)
+
+    @property
+    def weighs(self) -> bool:
+        """Whether there is gravity."""
+        return any(not (isinstance(x, float) and x == 0.0) for x in self.tree.gravity)
+
+    # ------------------------------------------------------------ the tip
+    @property
+    def load_components(self) -> Vector:
+        """The load on the tip as it is given, in the world's axes."""
+        return tuple(self.symbols.ring[name] for name in self.load)
+
+    @cached_property
+    def tip_frame(self) -> tuple[int, Any, Vector]:
+        """The body that carries the tip, and the tip's rotation and position there."""
+        return self.tree.frames[self.symbols.model.frame().name]
+
+    @property
+    def tip(self) -> int:
+        """The body that carries the tip."""
+        return self.tip_frame[0]
+
+    def loaded(self, i: int) -> bool:
+        """Whether the load acts on body i."""
+        return bool(self.load) and self.tip == i
+
+    # ------------------------------------------------------------ the layout
+    @cached_property
+    def equations(self) -> Equations:
+        """The closed forms."""
+        return Equations(self.symbols)
+
+    @property
+    def layout(self) -> Layout:
+        """The printed layout of polynomials."""
+        return self.equations.layout
+
+    # ------------------------------------------------------------ how values are shown
+    def show(self, x: Scalar) -> Expression:
+        """A scalar sorted by accelerations and rates, or told by its length."""
+        return self._short(x, self.layout.form)
+
+    def show_moved(self, x: Scalar) -> Expression:
+        """A component of a velocity, acceleration or force, sorted by lengths."""
+        return self._short(x, lambda element: by_lengths(self.layout, element))
+
+    def with_value(self, left: str, rule: Expression, x: Scalar) -> Equation:
+        """left = rule = value; left = rule where nobody could read the value."""
+        value = self.show(x)
+        return ex.eq(left, rule) if isinstance(value, Words) else ex.eq(left, rule, value)
+
+    def _short(self, x: Scalar, form: Callable[[Trig], Expression]) -> Expression:
+        element = self.symbols.element(x)
+        if len(element) <= MOST:
+            shown = form(element)
+            if ex.size(shown) <= LONGEST:
+                return shown
+        return ex.words(f"({len(element)} terms)")
+
+    def column(self, v: Vector) -> Expression:
+        """A vector written out; 0 where all of it vanishes."""
+        entries = tuple(self.show_moved(x) for x in v)
+        return ex.ZERO if all(x == ex.ZERO for x in entries) else ex.Vector(entries)
+
+    def angular(self, v: Vector) -> Expression:
+        """An angular vector: a scalar in the plane."""
+        return self.show(v[0]) if self.planar else self.column(v)
+
+    # ------------------------------------------------------------ names
+    def name(self, letter: str, i: int, dots: str = "") -> Expression:
+        """Symbol of a vector of body i, such as v_ci."""
+        return vec(f"{letter}{self.numbers[i]}{dots}")
+
+    def angular_name(self, letter: str, i: int, dots: str = "") -> Expression:
+        """Symbol of an angular vector of body i."""
+        name = f"{letter}{self.numbers[i]}{dots}"
+        return sym(name) if self.planar else vec(name)
+
+    def force_name(self, i: int, k: int) -> Expression:
+        """f_{i,k}: by body i on body k."""
+        return self.naming.force(self.numbers[i], self.numbers[k])
+
+    def moment_name(self, i: int, k: int) -> Expression:
+        """n_{i,k}: moment by body i on body k."""
+        return self.naming.moment(self.numbers[i], self.numbers[k])
+
+    def joint_moment(self, i: int) -> Expression:
+        """The moment of the parent on body i: n, but in a turning joint of the plane the motor's
+        τ_i or 0."""
+        return self.naming.joint_moment(self.numbers[i])
+
+    def is_pin(self, i: int) -> bool:
+        """Whether joint i turns in the plane and transmits no moment besides its motor's, if it has
+        one."""
+        moment = self.joint_moment(i)
+        return moment in (ex.ZERO, self.naming.torque(self.numbers[i]))
+
+    def centre_name(self, i: int) -> Expression:
+        """s_ci from joint i to the centre of mass of body i; 0 of a body without mass, whose
+        moments are taken about its joint."""
+        return self.name("sc", i) if i in self.weighted else ex.ZERO
+
+    def reach_name(self, i: int, k: int) -> Expression:
+        """s_i from joint i to that of its child k, or s_{i,k} where body i carries several."""
+        return self.naming.reach(self.numbers[i], self.numbers[k])
+
+    def tip_name(self) -> Expression:
+        """s of the body that carries the tip, from its joint to the tip."""
+        return self.naming.to_tip(self.numbers[self.tip])
+
+    def axis_name(self, i: int) -> Expression:
+        """z_i, which joint i turns about, or u_i, along which it slides."""
+        return self.naming.axis(self.numbers[i])
+
+    def rotation_name(self, source: int, target: int) -> ex.Symbol:
+        """R^target_source, which takes components from the axes of one body to those of another."""
+        a, b = self.numbers[source], self.numbers[target]
+        return ex.Symbol(f"R{a}_{b}", "R", (str(a),), high=str(b))
+
+    def motor(self, i: int) -> Expression:
+        """τ_i of the motor; 0 of a passive joint."""
+        return self.naming.motor(self.numbers[i])
+
+    def mass_name(self, i: int) -> Expression:
+        """The model's name for the mass of body i, else m_i."""
+        return self.naming.mass(self.numbers[i])
+
+    def inertia_name(self, i: int) -> Expression:
+        """The model's name for the moment of inertia of body i in the plane, else I_i."""
+        return self.naming.inertia(self.numbers[i])
+
+    def field_name(self, i: int) -> Expression:
+        """Gravity as it acts on body i."""
+        return vec("g")
+
+    # ------------------------------------------------------------ terms of equations
+    def position(self, i: int) -> Expression:
+        """The displacement of body i's joint: its coordinate, or of one that follows another ratio
+        times that and the offset."""
+        at = self.tree.bodies[i].coordinates
+        turned = ex.mul(self.show(at.ratio), sym(self.coordinate(i)))
+        return ex.add(turned, self.show(at.offset))
+
+    def advance(self, i: int) -> Expression:
+        """The distance that joint i takes its body along its axis for each unit of its
+        coordinate."""
+        return self.show(self.tree.bodies[i].primitive.advance)
+
+    def along(
+        self,
+        i: int,
+        moment: Expression,
+        force: Expression,
+        product: Callable[[Expression, Expression], Expression] = ex.dot,
+    ) -> Expression:
+        """The part of a moment and a force at joint i that does work along its coordinate."""
+        axis, terms = self.axis_name(i), []
+        if self.turns(i):
+            terms.append(moment if self.planar else product(axis, moment))
+        if self.slides(i):
+            terms.append(ex.mul(self.advance(i), product(axis, force)))
+        return ex.add(*terms)
+
+    def mass_times(self, i: int, x: Expression) -> Expression:
+        """m_i x; 0 of a body without mass."""
+        return ex.mul(self.mass_name(i), x) if i in self.weighted else ex.ZERO
+
+    def needed(self, i: int) -> Expression:
+        """m (v̇_c - g) of body i: what all other forces on it must add up to."""
+        acceleration = self.name("vc", i, "_d")
+        return self.mass_times(i, ex.sub(acceleration, vec("g")) if self.weighs else acceleration)
+
+    def spin_terms(self, i: int) -> Expression:
+        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of
+        a point mass."""
+        if self.is_point(i):
+            return ex.ZERO
+        inertia = self.inertia_name(i)
+        turning = ex.mul(inertia, self.angular_name("omega", i, "_d"))
+        if self.planar:
+            return turning
+        w = self.angular_name("omega", i)
+        return ex.add(turning, ex.cross(w, ex.mul(inertia, w)))
 
     # ------------------------------------------------------------ motion
     @cached_property

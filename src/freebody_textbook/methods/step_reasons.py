@@ -22,12 +22,12 @@ ABSOLUTE = (
     "The torque τ_i of such an angle is that on body i: of its joint's motor, less those of the "
     "motors of the joints that it carries."
 )
-"""What torques are where angles are those of the links."""
+"""A sentence on torques along angles of the links."""
 
 
 def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
-    """What a bearing carries at constant rates where no centre of mass moves, as a sentence with a
-    blank in front; or nothing."""
+    """A sentence on what a bearing carries at constant rates where no centre of mass moves, as a
+    sentence with a blank in front; or nothing."""
     moves = any(not s.symbols.element(x).is_zero for k in s.weighted for x in s.centre_velocity(k))
     if s.planar or not s.turns(i) or moves:
         return ""
@@ -52,14 +52,14 @@ def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
 
 @dataclass(frozen=True)
 class Efforts:
-    """What the motors give, in words: `motor torques and force`."""
+    """The torques and forces of motors in words: `motor torques and force`."""
 
     words: str
     count: int
 
     @classmethod
     def of(cls, s: Setting) -> Efforts:
-        """Those of all joints with a motor."""
+        """The efforts of all joints with a motor."""
         found = Counter(s.words(i).effort for i in s.leaders if s.driven(i))
         named = [f"{effort}{'s' * (n > 1)}" for effort, n in found.items()]
         return cls(f"motor {listed(named)}" if named else "", found.total())
@@ -71,7 +71,7 @@ class Efforts:
 
     @property
     def given(self) -> str:
-        """How a sentence begins that tells what is sought, these being given."""
+        """The beginning of a sentence that says what is sought where these efforts are given."""
         return f"Given the {self.words}, the" if self.count else "The"
 
     @property
@@ -82,7 +82,8 @@ class Efforts:
 
 
 def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
-    """What acts on body i, and which laws are written; more: what acts besides."""
+    """The reason of a free body's step: what acts on body i, and which laws are written; more: what
+    acts besides."""
     acting = f"On body {s.numbers[i]} act: {'; '.join([*_acting(s, i), *more])}."
     if i not in s.weighted:
         return f"{acting} It has no mass: forces, and moments about its joint, add up to zero."
@@ -125,7 +126,8 @@ def _acting(s: Setting, i: int) -> list[str]:
 
 
 def working_part(s: Setting, i: int) -> str:
-    """What of the force and the moment at joint i does work along its coordinate."""
+    """Words for the part of the force and the moment at joint i that does work along its
+    coordinate."""
     n = s.numbers[i]
     if not s.turns(i):
         return f"the force along the slide u_{n}"
@@ -134,13 +136,13 @@ def working_part(s: Setting, i: int) -> str:
 
 
 def joints_that(s: Setting, turn: bool) -> str:
-    """What joints are called that turn their bodies, or do not: `revolute or helical`; or
-    nothing."""
+    """Words for the joints that turn their bodies, or for those that do not: `revolute or helical`;
+    or nothing."""
     return " or ".join(dict.fromkeys(s.words(i).joint for i in s.order if s.turns(i) == turn))
 
 
 def added_rates(s: Setting) -> str:
-    """What the joints add to the angular velocities."""
+    """A clause on what the joints add to the angular velocities."""
     turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
     if not turning:
         return f"No joint turns a body; a {others} joint adds nothing"
@@ -164,7 +166,7 @@ def _carried_round(s: Setting, i: int) -> bool:
 
 
 def motorless(s: Setting) -> str:
-    """Which joints have no motor, as a sentence with a blank in front; or nothing."""
+    """The joints that have no motor, as a sentence with a blank in front; or nothing."""
     joints = [f"joint {s.numbers[i]}" for i in s.leaders if not s.driven(i)]
     return (
         f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor."
@@ -174,7 +176,8 @@ def motorless(s: Setting) -> str:
 
 
 def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
-    """How the reaction at joint i leaves the equations; rest: what is left besides the motor."""
+    """The reason of an elimination: how the reaction at joint i leaves the equations; rest: what is
+    left besides the motor."""
     n, torque = s.numbers[i], f"τ_{s.naming.place(s.numbers[i])}"
     first = f"Newton's equation of body {n} gives the force at joint {n}"
     if s.tree.children(i):
@@ -201,7 +204,7 @@ def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
 
 
 def substituted(s: Setting, i: int, reactions: bool) -> str:
-    """What is put in where."""
+    """The reason of a substitution: which values are put into which equation."""
     motor = f"the {s.words(i).effort} of motor {s.numbers[i]}"
     if not s.driven(i):
         motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
@@ -214,8 +217,8 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
 
 
 def drive(s: Setting, i: int) -> str:
-    """What else the motor of joint i works against, as a sentence with a blank in front; or
-    nothing."""
+    """Friction and the like against which the motor of joint i works too, as a sentence with a
+    blank in front; or nothing."""
     moved = s.together(i)
     drives = [own for k in moved if (own := s.tree.bodies[k].drive) is not None]
     parts = [("spring", "stiffness")]

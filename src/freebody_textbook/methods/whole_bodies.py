@@ -13,17 +13,18 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.elementary import Scalar
-from freebody.errors import listed
-from freebody.expressions.polynomials.symbols import Formulas, Symbols, symbols
+from freebody.errors import FreebodyError, listed
+from freebody.expressions.polynomials.symbols import RATE, Formulas, Symbols, symbols
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.bodies import Body
 from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter
+from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass
 from freebody.spatial import of_dimension
-from freebody_textbook.methods.mechanism import require_single_joints
+from freebody_textbook.methods.free_body_steps import UNITS, XYZ, mark_of, thrusts_of
 
 _ENTRIES = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))  # of a tensor, as it is stored
 
@@ -42,7 +43,7 @@ def symbols_of_bodies(
     how = {"extra": extra, "euler": euler, "formulas": formulas}
     how |= {"turned": turned, "quarters": quarters}
     made = symbols(model, **how)
-    require_single_joints(made, what)
+    _require_single_joints(made, what)
     masses = {body.name: body.masses for body in made.tree.bodies}
     if all(len(own) < 2 for own in masses.values()):
         return made
@@ -57,7 +58,27 @@ def symbols_of_bodies(
     return symbols(replace(model, bodies=bodies), **how)
 
 
-def told(model: Model, made: Symbols, apart: bool = True) -> list[str]:
+def _require_single_joints(symbols: Symbols, what: str) -> None:
+    """Refuse what is not written out body by body: joints of several coordinates, and in closed
+    chains joints that follow others."""
+    model = symbols.model
+    for body in model.bodies:
+        follows = bool(model.loops) and body.joint.mimic is not None
+        if body.kind.nv != 1 or follows:
+            instead = (
+                "fb.loop_equations gives those of its loops"
+                if model.loops
+                else "fb.equations gives the closed form"
+            )
+            raise FreebodyError(
+                f"{what}: joint {body.joint.name!r} of {model.name!r} is {body.kind.name}"
+                f"{' and follows another' if follows else ''}; derivations"
+                f"{' of closed chains' if follows else ''} are written "
+                f"for {'independent ' if follows else ''}joints of one coordinate: {instead}."
+            )
+
+
+def sentences_on_whole_bodies(model: Model, made: Symbols, apart: bool = True) -> list[str]:
     """A sentence for each body of a model that is made of parts; made: what `symbols_of_bodies`
     made of it; apart: whether a body is counted by its last joint of one coordinate."""
     assert made.given is not None
@@ -117,3 +138,34 @@ def _named(
 
 def _is_zero(x: Scalar) -> bool:
     return x == 0.0 if isinstance(x, float) else x.is_zero
+
+
+# ---------------------------------------------------------------- bodies that nothing holds
+def are_free(model: Model) -> bool:
+    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
+
+    It is the same of a model with loads on its bodies and of that with each load part of its body.
+    """
+    return model.dim == 3 and all(
+        body.kind.frees(3)
+        and body.kind.quaternion is not None
+        and body.parent < 0
+        and body.joint.placement == Placement()
+        and len(body.inertias) > 0
+        for body in model.bodies
+    )
+
+
+def velocity_names(model: Model) -> tuple[str, ...]:
+    """The symbols that free bodies bring with them: components of v and ω, their derivatives, and
+    thrusts; none of another model."""
+    if not are_free(model):
+        return ()
+    moving = [
+        f"{letter}{mark_of(model, k)}_{axis}{dots}"
+        for dots in (RATE, "")  # accelerations stand first in equations
+        for k in range(len(model.bodies))
+        for letter in UNITS
+        for axis in XYZ
+    ]
+    return (*moving, *thrusts_of(model))

@@ -42,7 +42,7 @@ _RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
     "transpose": (1, ex.transposed),
     "d_dt": (1, ex.d_dt),
 }
-"""Of each function how many arguments it has, and what it makes of them."""
+"""The number of arguments of each function, and what it makes of them."""
 
 SPECIAL: dict[str, tuple] = {
     "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
@@ -188,7 +188,7 @@ _PRINTED: Rules = {
         _inside,
     ),
 }  # fmt: skip
-"""What is read as it is printed: flat sums and products, a sign in front, a number first."""
+"""Rules for a formula as it is printed: flat sums and products, a sign in front, a number first."""
 
 
 def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:

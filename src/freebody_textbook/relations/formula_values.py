@@ -1,10 +1,11 @@
-"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of
-tuples."""
+"""Values of formulas over exact polynomials or numbers, and usual values of symbols for
+examples: vectors are tuples, matrices tuples of tuples."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
 from typing import Any
@@ -30,21 +31,32 @@ from freebody.expressions.expression import (
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.scalar_math import tan
 from freebody.scalars.composed import Composed
+from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import product, times, transposed
 from freebody_textbook.relations.formula import FormulaError
 
-Value = Any
+FormulaValue = Any
+
+
+_TYPICAL = {
+    "l": (0.5, 0.4, 0.3, 0.2), "lc": (0.2, 0.15, 0.12, 0.1), "m": (3.0, 2.0, 1.5, 1.0),
+    "I": (0.08, 0.05, 0.03, 0.02),
+    "theta": (0.4, 0.9, -0.6, 0.7), "d": (0.25, 0.35, 0.15, 0.45),
+}  # fmt: skip
+
+
+_TYPICAL_RATES, _TYPICAL_SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 
 class Each(tuple):
     """One value for each of several bodies, such as the masses m_i; `sum` adds them up."""
 
 
-def value(node: Expression, values: Mapping[str, Value]) -> Value:
+def value(node: Expression, values: Mapping[str, FormulaValue]) -> FormulaValue:
     """The value of an expression, given each symbol's by name."""
 
-    def symbol(node: Symbol, at: Any) -> Value:
+    def symbol(node: Symbol, at: Any) -> FormulaValue:
         if node.name not in values:
             raise UnknownNameError("quantity", node.name, "the values given", values)
         return plain(values[node.name])
@@ -55,7 +67,7 @@ def value(node: Expression, values: Mapping[str, Value]) -> Value:
         raise FormulaError(problem.problem) from None
 
 
-def plain(x: Any) -> Value:
+def plain(x: Any) -> FormulaValue:
     """Arrays and lists as tuples; scalars as they are."""
     if isinstance(x, np.ndarray):
         return plain(x.tolist())
@@ -64,20 +76,20 @@ def plain(x: Any) -> Value:
     return tuple(map(plain, x)) if isinstance(x, list | tuple) else x
 
 
-def rank(x: Value) -> int:
+def rank(x: FormulaValue) -> int:
     """0 of a scalar, 1 of a vector, 2 of a matrix."""
     return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
 
 
-def shape_name(x: Value) -> str:
-    """What a value is, in words."""
+def shape_name(x: FormulaValue) -> str:
+    """The shape of a value in words."""
     if rank(x) == 0:
         return "a scalar"
     return f"a vector of {len(x)}" if rank(x) == 1 else f"a matrix of {len(x)} × {len(x[0])}"
 
 
 # ---------------------------------------------------------------- arithmetic
-def plus(a: Value, b: Value) -> Value:
+def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a + b of the same shape."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(plus, a, b)
@@ -86,12 +98,12 @@ def plus(a: Value, b: Value) -> Value:
     return tuple(map(plus, a, b)) if rank(a) else a + b
 
 
-def minus(a: Value) -> Value:
+def minus(a: FormulaValue) -> FormulaValue:
     """-a."""
     return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
 
 
-def multiplied(a: Value, b: Value) -> Value:
+def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a b: scalars times anything, matrices times vectors and matrices."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(multiplied, a, b)
@@ -111,7 +123,7 @@ def multiplied(a: Value, b: Value) -> Value:
     )
 
 
-def crossed(a: Value, b: Value) -> Value:
+def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
     ω z × b."""
     if isinstance(a, Each) or isinstance(b, Each):
@@ -128,7 +140,7 @@ def crossed(a: Value, b: Value) -> Value:
     raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
 
 
-def dotted(a: Value, b: Value) -> Value:
+def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a · b."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(dotted, a, b)
@@ -137,14 +149,14 @@ def dotted(a: Value, b: Value) -> Value:
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
 
 
-def _each(rule: Any, a: Value, b: Value) -> Value:
+def _each(rule: Any, a: FormulaValue, b: FormulaValue) -> FormulaValue:
     n = max(len(x) for x in (a, b) if isinstance(x, Each))
     left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
     return Each(map(rule, left, right))
 
 
 # ---------------------------------------------------------------- functions and powers
-def _raised(base: Value, exponent: int) -> Value:
+def _raised(base: FormulaValue, exponent: int) -> FormulaValue:
     """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
     if isinstance(base, Each):
         return Each(_raised(x, exponent) for x in base)
@@ -160,34 +172,34 @@ def _raised(base: Value, exponent: int) -> Value:
     raise FormulaError(f"{shape_name(base)} has no power {exponent}")
 
 
-def _in_numbers(x: Value) -> Array:
+def _in_numbers(x: FormulaValue) -> Array:
     """A matrix of numbers as an array."""
     if any(isinstance(entry, Trig | Composed) for row in x for entry in row):
         raise FormulaError(f"{shape_name(x)} of polynomials is not inverted here; give it numbers")
     return np.array(x, dtype=float)
 
 
-def _determinant(x: Value) -> Value:
+def _determinant(x: FormulaValue) -> FormulaValue:
     if len(x) == 2:
         return x[0][0] * x[1][1] - x[0][1] * x[1][0]
     return float(np.linalg.det(_in_numbers(x)))
 
 
-def _added(x: Value) -> Value:
+def _added(x: FormulaValue) -> FormulaValue:
     if not isinstance(x, Each):
         raise FormulaError("∑ needs a value for each body")
     return reduce(plus, x)
 
 
-def _norm(x: Value) -> Value:
+def _norm(x: FormulaValue) -> FormulaValue:
     return elementary.sqrt(dotted(x, x))
 
 
-def _diagonal(x: Value) -> Value:
+def _diagonal(x: FormulaValue) -> FormulaValue:
     return tuple(tuple(d if i == j else 0.0 for j in range(len(x))) for i, d in enumerate(x))
 
 
-def _skew(x: Value) -> Value:
+def _skew(x: FormulaValue) -> FormulaValue:
     """The matrix of x × …"""
     a, b, c = x
     return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
@@ -202,11 +214,11 @@ _FUNCTIONS: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _derivative(node: Derivative, at: Any) -> Value:
+def _derivative(node: Derivative, at: Any) -> FormulaValue:
     return _slope(at(node.of), _variable(at(node.by)) if node.partial else None)
 
 
-def _variable(x: Value) -> str:
+def _variable(x: FormulaValue) -> str:
     """The name of a symbol of a ring."""
     names = x.ring.names if isinstance(x, Trig) else x.variables if isinstance(x, Composed) else ()
     for name in names:
@@ -215,7 +227,7 @@ def _variable(x: Value) -> str:
     raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter")
 
 
-def _slope(x: Value, by: str | None) -> Value:
+def _slope(x: FormulaValue, by: str | None) -> FormulaValue:
     """The partial derivative by a symbol, or the time derivative."""
     if rank(x):
         return tuple(_slope(entry, by) for entry in x)
@@ -232,7 +244,7 @@ def time_rates(ring: TrigRing) -> dict[str, Trig]:
     return first | {x + RATE: ring[x + SECOND] for x in ring.names if x + SECOND in ring.index}
 
 
-def divided(a: Value, b: Value) -> Value:
+def divided(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a / b: anything by a scalar; exact where both are whole."""
     if isinstance(a, tuple):
         return type(a)(divided(x, b) for x in a)
@@ -241,12 +253,12 @@ def divided(a: Value, b: Value) -> Value:
     return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
 
 
-def _applied(function: Any, x: Value, name: str) -> Value:
+def _applied(function: Any, x: FormulaValue, name: str) -> FormulaValue:
     """A function of each of several values, but for the sum, which takes them together."""
     return Each(map(function, x)) if isinstance(x, Each) and name != "∑" else function(x)
 
 
-def _stacked(entries: list[Value]) -> Value:
+def _stacked(entries: list[FormulaValue]) -> FormulaValue:
     """A vector; of entries that are given for several bodies a vector for each."""
     counts = {len(x) for x in entries if isinstance(x, Each)}
     if not counts:
@@ -273,3 +285,31 @@ _RULES: Rules = {
     Vector: lambda node, at: _stacked(list(map(at, node.entries))),
     Matrix: lambda node, at: tuple(tuple(map(at, row)) for row in node.rows),
 }
+
+
+def typical(
+    names: Sequence[str], given: Mapping[str, float | None] | None = None
+) -> dict[str, float]:
+    """A usual value for each symbol; those given stay."""
+    return {
+        name: typical_value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)
+    }
+
+
+def occurs(name: str, x: Trig) -> bool:
+    """Whether a polynomial has a symbol, or its sine or cosine, in it."""
+    index, degrees = x.ring.index, x.poly.degrees()
+    return any(n in index and degrees[index[n]] > 0 for n in (name, *waves_of(name)))
+
+
+def typical_value(name: str, given: float | None, shift: int, k: int) -> float:
+    """The model's value; else one of a usual size."""
+    if given is not None:
+        return given
+    match = re.fullmatch(r"([A-Za-z]+)(\d+)(_d{1,2})?", name)
+    number = (int(match[2]) if match else k) - 1 + shift
+    if match and match[3]:
+        return (_TYPICAL_RATES if match[3] == "_d" else _TYPICAL_SECONDS)[number % 4]
+    if match and match[1] in _TYPICAL:
+        return _TYPICAL[match[1]][number % 4]
+    return 9.81 if name == "g" else round(0.3 + 0.17 * (number % 5), 2)

@@ -162,9 +162,24 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
     """A function of several variables from formulas: vector_function(["3*cos(a) + 2*cos(b)"], ["a",
     "b"]).
 
-    rows: one formula per entry, with sin, cos, tan, sqrt, exp, log. names: the variables. Raises
-    FormulaError for a formula that cannot be read, UnknownNameError for a name that is not a
-    variable.
+    Parameters
+    ----------
+    rows
+        One formula for each entry, with sin, cos, tan, sqrt, exp, log.
+    names
+        The variables.
+
+    Returns
+    -------
+    VectorFunction
+        The exact function.
+
+    Raises
+    ------
+    FormulaError
+        A formula that cannot be read.
+    UnknownNameError
+        A name that is not a variable.
     """
     parsed = [parse(row) for row in rows]
     for node in parsed:

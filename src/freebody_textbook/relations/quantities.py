@@ -1,5 +1,5 @@
-"""What a derivation speaks of, by name: the positions, velocities, forces and energies of every
-body, exact."""
+"""Quantities of a derivation by name: the positions, velocities, forces and energies of every body,
+exact."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ from freebody_textbook.methods.recursive import GRAVITIES
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.whole_bodies import symbols_of_bodies
 
-Values = dict[str, Any]
+ValuesByName = dict[str, Any]
 
 
-class Quantities(Titled, Values):
+class Quantities(Titled, ValuesByName):
     """Exact quantities by name, and how they print."""
 
-    def __init__(self, values: Values, layout: Layout):
+    def __init__(self, values: ValuesByName, layout: Layout):
         super().__init__(values)
         self.layout = layout
 
@@ -42,7 +42,7 @@ class Quantities(Titled, Values):
         return f"Quantities: {counted(len(self), 'name')}: {', '.join(self)}"
 
     def __or__(self, other: Any) -> Quantities:
-        """With further quantities."""
+        """The quantities with further ones."""
         return Quantities({**self, **other}, self.layout)
 
     def form(self, x: Any) -> Expression:
@@ -69,9 +69,27 @@ def quantities(
     2, R1 those of body 1 to the world, p1_2 is the origin of frame 2 in frame 1; w1 and z1 are the
     angular velocity and the z axis of body 1 in world axes.
 
-    load: a force f = (fx, fy) acts on the tip. at_rest: nothing moves. gravity: "explicit" counts
-    each body's weight among its forces; "base" accelerates the base by -g instead, which then is in
-    all accelerations. Raises FreebodyError for branched models, spherical and free joints.
+    Parameters
+    ----------
+    model
+        The robot, a serial arm.
+    load
+        Whether a force f = (fx, fy) acts on the tip, in space (fx, fy, fz).
+    at_rest
+        Whether nothing moves.
+    gravity
+        "explicit" counts each body's weight among its forces; "base" accelerates the base by -g
+        instead, which then is in all accelerations.
+
+    Returns
+    -------
+    Quantities
+        Exact polynomials by name, with their printed forms.
+
+    Raises
+    ------
+    FreebodyError
+        A branched model, a spherical or free joint.
     """
     if gravity not in GRAVITIES:
         raise UnknownNameError("gravity", gravity, "fb.quantities", GRAVITIES)
@@ -98,14 +116,14 @@ class QuantityValues:
         self.base = gravity == "base"
         self.gravity = gravity
 
-    def all(self) -> Values:
+    def all(self) -> ValuesByName:
         found = self._symbols() | self._arm()
         for i in self.s.order:
             found |= self.of_body(i)
         return found
 
-    def of_body(self, i: int) -> Values:
-        """The values of one body."""
+    def of_body(self, i: int) -> ValuesByName:
+        """The quantities of one body."""
         return values_of(RecursionValues(self.s, i, self.record, self.base))
 
     @cached_property
@@ -120,9 +138,9 @@ class QuantityValues:
         return tuple(map(self._element, v))
 
     # ------------------------------------------------------------ groups
-    def _symbols(self) -> Values:
+    def _symbols(self) -> ValuesByName:
         s = self.s.symbols
-        found: Values = s.followed({}) | {name: s.ring[name] for name in s.ring.names}
+        found: ValuesByName = s.followed({}) | {name: s.ring[name] for name in s.ring.names}
         q, qd, qdd = s.q, s.qd, s.qdd
         if self.s.at_rest:
             qd = qdd = tuple(s.zero() for _ in q)
@@ -132,10 +150,10 @@ class QuantityValues:
             found["f"] = tuple(s.ring[name] for name in self.s.load)
         return found
 
-    def _arm(self) -> Values:
+    def _arm(self) -> ValuesByName:
         eq, tau = self.s.equations, tuple(self._element(x) for x in self.record.tau)
         n = range(len(eq.M))
-        found: Values = {
+        found: ValuesByName = {
             "tau": tau, "M": tuple(map(tuple, eq.M)), "C": tuple(map(tuple, eq.C)),
             "c": tuple(eq.c),
             "G": tuple(eq.g), "T": eq.T, "V": eq.V, "L": eq.T - eq.V,
@@ -144,12 +162,12 @@ class QuantityValues:
         found |= {f"G{i + 1}": eq.g[i] for i in n} | {f"tau{i + 1}": tau[i] for i in n}
         return found | (self._tip() if self.s.symbols.model.tip is not None else {})
 
-    def _tip(self) -> Values:
+    def _tip(self) -> ValuesByName:
         s = self.s
         k = Kinematics(s.symbols, s.symbols.model.frame().name)
         dim = s.tree.space.dim
         (_, v), (_, a) = frame_motion(s.tree, s.motion, k.frame)
-        found: Values = {
+        found: ValuesByName = {
             "r": tuple(k.position), "r_d": self._vector(v), "r_dd": self._vector(a),
             "J": tuple(map(tuple, k.J[:dim])), "J_d": tuple(map(tuple, k.J_dot[:dim])),
         }  # fmt: skip
@@ -160,8 +178,8 @@ class QuantityValues:
 
 
 def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
-    """The same with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k those
-    before and behind.
+    """The quantities with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k
+    those before and behind.
 
     Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
     """

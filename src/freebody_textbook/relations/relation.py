@@ -12,27 +12,28 @@ import numpy as np
 from freebody.expressions.expression import Equation
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
-from freebody.expressions.polynomials.typical_values import occurs, typical
 from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 from freebody_textbook.relations.formula import FormulaError, names_in, parse
 from freebody_textbook.relations.formula_values import (
     Each,
-    Value,
+    FormulaValue,
     minus,
+    occurs,
     plain,
     plus,
     rank,
     shape_name,
+    typical,
     value,
 )
 from freebody_textbook.relations.quantities import of_link
 
 ROUNDING = 1e-9
-"""Of the largest number of either side: what floats may differ by."""
+"""A difference of floats that counts as none, relative to the largest number of either side."""
 PLACES = 16
-"""Where functions are compared by numbers."""
+"""The number of places at which functions are compared by numbers."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -40,7 +41,7 @@ class Relation(Titled):
     """True when both sides are equal."""
 
     formula: str
-    sides: tuple[Value, ...]
+    sides: tuple[FormulaValue, ...]
     """Values of the sides; none where they cannot be formed."""
     equal: bool
     exact: bool
@@ -57,7 +58,7 @@ class Relation(Titled):
         return f"Relation {self.formula}: {self.problem or found}"
 
     @property
-    def differences(self) -> list[Value]:
+    def differences(self) -> list[FormulaValue]:
         """First side minus the last, entry by entry."""
         return (
             list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
@@ -87,12 +88,30 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
     """Whether an equation holds between quantities given by name; see `fb.quantities` for those of
     an arm.
 
-    formula: "f12 + m2*gravity = m2*vc2_d"; see `freebody_textbook.relations.formula`. values:
-    scalars, vectors and matrices of numbers or exact polynomials. Polynomials are compared exactly,
-    numbers to 1e-9 of the largest. link: the number that `i` stands for in names such as omega_i,
-    and omega_h, omega_k of the previous and the next link. A scalar and a vector are not equal, but
-    a vector may be compared with 0. Raises FormulaError for text that cannot be read,
-    UnknownNameError for a name without value.
+    Polynomials are compared exactly, numbers to 1e-9 of the largest. A scalar and a vector are not
+    equal, but a vector may be compared with 0.
+
+    Parameters
+    ----------
+    values
+        Scalars, vectors and matrices of numbers or exact polynomials, by name.
+    formula
+        "f12 + m2*gravity = m2*vc2_d"; see `freebody_textbook.relations.formula`.
+    link
+        The number that `i` stands for in names such as omega_i, and omega_h, omega_k of the
+        previous and the next link.
+
+    Returns
+    -------
+    Relation
+        True where the equation holds, with both sides and, where it does not, the reason.
+
+    Raises
+    ------
+    FormulaError
+        A text that cannot be read.
+    UnknownNameError
+        A name without value.
     """
     node = parse(formula)
     if not isinstance(node, Equation):
@@ -121,21 +140,21 @@ def symbols_of(formula: str) -> list[str]:
     return names_in(parse(formula))
 
 
-def _filled(side: Value, sides: tuple[Value, ...]) -> Value:
+def _filled(side: FormulaValue, sides: tuple[FormulaValue, ...]) -> FormulaValue:
     """0 stands for a zero vector where another side is one."""
     other = max(sides, key=rank)
     return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
 
 
-def _is_zero(x: Value) -> bool:
+def _is_zero(x: FormulaValue) -> bool:
     return bool(x.is_zero) if hasattr(x, "is_zero") else bool(np.all(np.asarray(x) == 0))
 
 
-def _shape(x: Value) -> tuple[int, ...]:
+def _shape(x: FormulaValue) -> tuple[int, ...]:
     return (len(x), *_shape(x[0])) if isinstance(x, tuple) and x else ()
 
 
-def _entries(x: Value) -> Iterator[Value]:
+def _entries(x: FormulaValue) -> Iterator[FormulaValue]:
     if isinstance(x, tuple):
         for entry in x:
             yield from _entries(entry)
@@ -143,7 +162,7 @@ def _entries(x: Value) -> Iterator[Value]:
         yield x
 
 
-def _compared(a: Value, b: Value, scale: list[Value]) -> tuple[bool, bool]:
+def _compared(a: FormulaValue, b: FormulaValue, scale: list[FormulaValue]) -> tuple[bool, bool]:
     """Whether two scalars are equal, and whether that is certain beside rounding.
 
     A difference of functions that does not become 0 is looked at in places: where it is 0 in all of
@@ -165,7 +184,7 @@ def _compared(a: Value, b: Value, scale: list[Value]) -> tuple[bool, bool]:
     return equal, not equal
 
 
-def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
+def _equal(a: FormulaValue, b: FormulaValue, scale: list[FormulaValue]) -> bool:
     if isinstance(a, Trig) or isinstance(b, Trig):
         return (a - b).is_zero if isinstance(a, Trig) else (b - a).is_zero
     numbers = [x for x in (a, b, *scale) if not isinstance(x, Trig)]
@@ -177,7 +196,7 @@ def _equal(a: Value, b: Value, scale: list[Value]) -> bool:
     )
 
 
-def _numbers(side: Value, values: Mapping[str, float]) -> Any:
+def _numbers(side: FormulaValue, values: Mapping[str, float]) -> Any:
     if isinstance(side, tuple):
         return tuple(_numbers(x, values) for x in side)
     return float(side.evaluate(values)) if isinstance(side, Trig | Composed) else float(side)

@@ -5,22 +5,24 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from freebody.expressions.nodes import Expression
+from freebody.expressions.nodes import Expression, Sourced, nodes
 from freebody.expressions.typesetting.literal import declared, literal
 from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
-from freebody_textbook.render import page, term_sources
-from freebody_textbook.render.equation_numbers import cited
-from freebody_textbook.render.living_parts import STYLE, LivingParts
-from freebody_textbook.render.paper import STATE, STEPS
-from freebody_textbook.render.prose import Medium, markdown_prose, tex_prose, text_prose, web_prose
-from freebody_textbook.render.short_lines import LARGEST, short_lines
-from freebody_textbook.render.small_screens import NARROW, SCROLLED, TOUCHED
+from freebody_textbook.render import page, styles
+from freebody_textbook.render.prose import (
+    Medium,
+    cited,
+    markdown_prose,
+    tex_prose,
+    text_prose,
+    web_prose,
+)
 
 if TYPE_CHECKING:
     from freebody_textbook.derivation import Derivation, Meaning, Step
@@ -28,17 +30,33 @@ if TYPE_CHECKING:
 Figures = Mapping[str, str]
 """SVG text by the name that a step gives its figure."""
 
-Rows = Sequence[tuple[str, str, str]]
-"""Of the table of symbols: symbols, meaning, unit or ""."""
+SymbolRows = Sequence[tuple[str, str, str]]
+"""Rows of the table of symbols: symbols, meaning, unit or ""."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 TALLEST = 40
 """Lines that a frame around a result may hold, so that it fits on a page."""
 
+LETTERS = 34.0
+"""Letters of a line in a window of 400 px."""
+LARGEST = 595_000
+"""Bytes that a page may have with them."""
+
+
+@dataclass(frozen=True)
+class LivingParts:
+    """HTML of the panel with the drawing and its sliders, of the values below each step's
+    equations, and the text of the page's only script."""
+
+    panel: str
+    below: Mapping[Step, str]
+    script: str
+
 
 @dataclass(frozen=True, kw_only=True)
 class _Document:
-    """How the blocks of a document are written: templates for words that `prose` has set."""
+    """A kind of document by how its blocks are written: templates for words that `prose` has
+    set."""
 
     prose: Medium
     symbol: Callable[[Expression], str]
@@ -46,28 +64,29 @@ class _Document:
     listed: Callable[[list[str]], str] = ", ".join
     """Symbols of one meaning."""
     wrap: Callable[[str, str], str] = lambda words, indent: words
-    rows: Callable[[_Document, Rows], str] = lambda self, rows: "".join(
+    rows: Callable[[_Document, SymbolRows], str] = lambda self, rows: "".join(
         self.row.format(*row) for row in rows
     )
     title: str
     underline: str = ""
-    """What a title is underlined with, as many letters as it has."""
+    """The letter that a title is underlined with."""
     given: str = "{}"
     row: str = ""
-    """Of the table of symbols."""
+    """A row of the table of symbols."""
     table: str = "{}"
     terms: str = "{}"
     """The table of what terms are, without unit."""
     figure: str = ""
     opening: str = ""
-    """What stands before the first step."""
+    """The text before the first step."""
     heading: str
-    """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
+    """The heading of a step: its number, what is done, and `notes` with the notes' equation
+    numbers."""
     number: str = "{}. "
     notes: str
     reason: str = "{}"
     end: str = ""
-    """Of a step."""
+    """The end of a step."""
     source: str
     between: str = "\n"
 
@@ -76,7 +95,8 @@ class _Document:
         return self.of(derivation)._written(derivation, figures)
 
     def of(self, derivation: Derivation) -> _Document:
-        """The same with symbols in sentences as the equations have them."""
+        """The kind of document with symbols in sentences as the derivation's equations have
+        them."""
         planar = derivation.equations.symbols.model.dim == 2
         return replace(self, prose=self.prose.planar) if planar else self
 
@@ -165,7 +185,7 @@ def _cells(line: str) -> int:
     return len(re.sub("[\u0300-\u036f]", "", line))
 
 
-def _text_table(rows: Rows, width: int) -> str:
+def _text_table(rows: SymbolRows, width: int) -> str:
     size = min(24, max((_cells(names) for names, _, _ in rows), default=0))
     lines = []
     for names, words, unit in rows:
@@ -180,7 +200,7 @@ def _text_table(rows: Rows, width: int) -> str:
 
 # ---------------------------------------------------------------- Markdown and LaTeX
 def _framed(step: Step) -> str:
-    """Its equations as LaTeX, with a frame around a result that fits into one."""
+    """A step's equations as LaTeX, with a frame around a result that fits into one."""
     formula = page.latex([step.equations])
     return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
 
@@ -252,15 +272,15 @@ def latex(derivation: Derivation) -> str:
 
 
 # ---------------------------------------------------------------- HTML
-NOTEBOOK_STYLE = f"{page.STYLE}{term_sources.STYLE}section>details>summary>h2{{display:inline}}"
-"""What steps need where they stand in a page of others, such as a notebook."""
+NOTEBOOK_STYLE = f"{page.STYLE}{styles.TERMS}section>details>summary>h2{{display:inline}}"
+"""The style that steps need in a page of others, such as a notebook."""
 
 body = _Document(
     prose=web_prose,
     symbol=lambda symbol: mathml(symbol, display=False),
     equations=lambda step: (
         f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
-        f"{term_sources.legend(step.equations)}"
+        f"{_legend(step.equations)}"
     ),
     listed=lambda symbols: " ".join(
         [*(f"<span>{x},</span>" for x in symbols[:-1]), *symbols[-1:]]  # no comma begins a line
@@ -292,8 +312,8 @@ def tried(living: LivingParts) -> _Document:
 
 
 def on_phones(document: _Document, steps: Sequence[Step], room: int) -> _Document:
-    """The same with equations in short lines too, of `room` bytes at most."""
-    short = short_lines(steps, room)
+    """A document with equations in short lines too, of `room` bytes at most."""
+    short = _short_lines(steps, room)
     return replace(document, equations=lambda step: short.get(step, "") + document.equations(step))
 
 
@@ -308,7 +328,7 @@ def html(
     title, inside, scripts = web_prose(_title(derivation)), body, []
     if living is not None:
         inside = tried(living)
-        scripts, style = [legal(living.script)], style + STYLE + STATE
+        scripts, style = [legal(living.script)], style + styles.PANEL + styles.STATE
     kind = ' class="living"' if living else ""
     run = "".join(f"<script>{text}</script>" for text in scripts)
 
@@ -317,8 +337,8 @@ def html(
             f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{_STYLE}{page.STYLE}"
-            f"{term_sources.STYLE}{STEPS}{SCROLLED}{TOUCHED}{NARROW}</style></head>\n<body>"
+            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{page.STYLE}"
+            f"{styles.TERMS}{styles.STEPS}{styles.SCROLLED}{styles.TOUCHED}{styles.NARROW}</style></head>\n<body>"
             f"<main{kind}>\n"
             f"{lean(document(derivation, figures))}\n</main>{run}</body></html>\n"
         )
@@ -327,25 +347,42 @@ def html(
     return written(on_phones(inside, derivation.steps, left))
 
 
-_STYLE = """
-body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;
---paper:#fff;background:var(--paper)}
-main{max-width:60rem;margin:0 auto;padding:2rem 1.2rem 4rem}
-h1{font-size:1.9rem;line-height:1.25}
-h2{font-size:1.2rem;margin:2.4rem 0 .3rem}h2 span{color:#8a94a3;margin-right:.4em}
-summary{cursor:pointer}section>details>summary{margin:2.4rem 0 .3rem}summary h2{display:inline}
-h2 .notes{font-weight:400;color:#5a6675;font-size:.85rem;margin-left:.4em}
-p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
-.result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}
-.symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
-.symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}
-.symbols td:last-child,.symbols span{white-space:nowrap}
-math{font-size:1.2rem}p math,td math{font-size:1.1em}
-figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
-.source{color:#5a6675;font-size:.9rem;margin-top:3rem}
-@media screen and (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
-.source,h2 .notes{color:#9aa6b5}}
-"""
+_SOURCES = {
+    "time": "the time derivative of ∂L/∂q̇",
+    "kinetic": "∂T/∂q",
+    "potential": "∂V/∂q",
+    "several": "more than one of these",
+}
+"""Sources of terms in words, in the order in which a legend has them."""
+
+
+def _legend(lines: Iterable[Expression]) -> str:
+    """The legend of the marks in some lines; nothing where there are none."""
+    found = {x.source for line in lines for x in nodes(line) if isinstance(x, Sourced)}
+    words = [
+        f'<span class="term-{source}">{meant}</span>'
+        for source, meant in _SOURCES.items()
+        if source in found
+    ]
+    return f'<p class="sources">Terms from {"; ".join(words)}.</p>' if words else ""
+
+
+def _short_lines(steps: Iterable[Step], room: int) -> dict[Step, str]:
+    """HTML for each step whose equations are too long for a phone: its equations in shorter lines,
+    hidden where there is room for long ones; of the first steps only, if those of all take more
+    than `room` bytes: the others are scrolled."""
+    found: dict[Step, str] = {}
+    for step in filter(lambda one: one.equations, steps):
+        text = page.html([step.equations], LETTERS)
+        if text == page.html([step.equations]):
+            continue
+        kind = "equations short" + " result" * step.result
+        found[step] = f'<div class="{kind}">{text}</div>'
+        room -= len(lean(found[step]).encode())
+        if room < 0:
+            del found[step]
+            break
+    return found
 
 
 # ---------------------------------------------------------------- shared

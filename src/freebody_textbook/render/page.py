@@ -1,11 +1,14 @@
-"""Groups of equations as text, LaTeX and MathML."""
+"""Groups of equations as text, LaTeX and MathML, set into lines: chains one sign below the
+other, wide arrays by their entries."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import accumulate, groupby
 
+from freebody.expressions.expression import eq
 from freebody.expressions.nodes import (
     Derivative,
     Equation,
@@ -17,19 +20,19 @@ from freebody.expressions.nodes import (
     Vector,
     nodes,
 )
+from freebody.expressions.printed_names import component, place
 from freebody.expressions.typesetting.latex import LATEX, width_of
 from freebody.expressions.typesetting.mathml import MATHML, NAMESPACE
 from freebody.expressions.typesetting.text import TEXT
 from freebody.expressions.typesetting.typesetter import Typesetter
-from freebody_textbook.render.paper import ROWS
-from freebody_textbook.render.rows import Row, left_side, rows, turned_round
+from freebody_textbook.render.styles import ROWS
 
 _RIGHT = "text-align:right;text-align:-webkit-right;padding-right:0"
 _LEFT = "text-align:left;text-align:-webkit-left;padding-left:0"
 STYLE = f".aligned>mtr>mtd:first-child{{{_RIGHT}}}.aligned>mtr>mtd:last-child{{{_LEFT}}}{ROWS}"
 """A page with equations of `html` needs it: their rows say nothing of how they are aligned."""
 
-Groups = Sequence[Sequence[Equation]]
+EquationGroups = Sequence[Sequence[Equation]]
 
 WIDE = 0.25
 """The part of a line from which on a left side is wide."""
@@ -39,15 +42,22 @@ TALL = 24
 """About the rows of a table where there are many: a printed page breaks between tables."""
 
 
+_WidthOf = Callable[[Expression], float]
+
+
+_SIGN = 4.2
+"""Width of an equals sign and of the indent behind it, in letters."""
+
+
 # ---------------------------------------------------------------- text
-def text(groups: Groups, width: int = 100) -> str:
+def text(groups: EquationGroups, width: int = 100) -> str:
     """A line an equation, longer ones broken; an empty line between groups."""
     return "\n\n".join("\n".join(_text_group(group, width)) for group in groups)
 
 
 def _text_group(group: Sequence[Equation], width: int) -> list[str]:
     lines, indent = [], 0
-    for row in rows(group, width, _letters)[0]:
+    for row in _rows(group, width, _letters)[0]:
         head = " " * indent if row.left is None else TEXT.line(row.left)
         indent = len(head)
         first, *rest = TEXT.lines(row.right, width - indent - 3)
@@ -61,25 +71,27 @@ def _letters(node: Expression) -> float:
 
 # ---------------------------------------------------------------- formulas
 def _lines(
-    group: Sequence[Row], room: float, setter: Typesetter
+    group: Sequence[_Row], room: float, setter: Typesetter
 ) -> Iterator[tuple[str, str, bool]]:
-    """What stands left and right of the sign, line by line, and whether a line goes on with the one
+    """The texts left and right of the sign, line by line, and whether a line goes on with the one
     before."""
     for row in group:
         left = "" if row.left is None else setter.line(row.left)
-        fits = span(row.right) <= room
+        fits = _span(row.right) <= room
         parts = [setter.line(row.right)] if fits else setter.lines(row.right, room)
         yield from ((left, part, k > 0) for k, part in enumerate(parts))
 
 
-def _set(groups: Groups, width: float, setter: Typesetter) -> list[list[tuple[str, str, bool]]]:
+def _set(
+    groups: EquationGroups, width: float, setter: Typesetter
+) -> list[list[tuple[str, str, bool]]]:
     """The lines of each group; all have the same room."""
-    found = [rows(group, width, span) for group in groups]
+    found = [_rows(group, width, _span) for group in groups]
     room = min((room for _, room in found), default=width)
     return [list(_lines(group, room, setter)) for group, _ in found]
 
 
-def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
+def latex(groups: EquationGroups, environment: str = "aligned", width: int = 76) -> str:
     """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
     blocks = [
         " \\\\\n".join(
@@ -92,25 +104,25 @@ def latex(groups: Groups, environment: str = "aligned", width: int = 76) -> str:
     return f"\\begin{{{environment}}}\n{body}\n\\end{{{environment}}}"
 
 
-def span(node: Expression) -> float:
+def _span(node: Expression) -> float:
     """About how wide an expression is as a formula, in letters."""
     if isinstance(node, Vector):
-        return max(map(span, node.entries)) + 2.5
+        return max(map(_span, node.entries)) + 2.5
     if isinstance(node, Matrix):
-        return sum(max(map(span, column)) + 1.5 for column in zip(*node.rows, strict=True)) + 1
+        return sum(max(map(_span, column)) + 1.5 for column in zip(*node.rows, strict=True)) + 1
     if isinstance(node, Equation):
-        return sum(map(span, node.sides)) + 3 * (len(node.sides) - 1)
+        return sum(map(_span, node.sides)) + 3 * (len(node.sides) - 1)
     if isinstance(node, Sum):
-        return sum(map(span, node.terms)) + 2.2 * (len(node.terms) - 1)
+        return sum(map(_span, node.terms)) + 2.2 * (len(node.terms) - 1)
     if isinstance(node, Derivative):
-        above = span(node.of) if isinstance(node.of, Symbol) else 0.0
-        return max(above, span(node.by)) + 1.2 + (0.0 if above else span(node.of) + 1.5)
+        above = _span(node.of) if isinstance(node.of, Symbol) else 0.0
+        return max(above, _span(node.by)) + 1.2 + (0.0 if above else _span(node.of) + 1.5)
     if isinstance(node, Quotient):
-        return max(span(node.above), span(node.below)) + 0.5
+        return max(_span(node.above), _span(node.below)) + 0.5
     return width_of(LATEX.line(node))
 
 
-def html(groups: Groups, width: float = 74, alone: bool = False) -> str:
+def html(groups: EquationGroups, width: float = 74, alone: bool = False) -> str:
     """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
     wide left side have a table of their own, lest others have no room.
 
@@ -138,14 +150,14 @@ def _height(line: Equation) -> int:
     return max((len(x.rows if isinstance(x, Matrix) else x.entries) for x in arrays), default=1)
 
 
-def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equation]]]:
+def _tables(groups: EquationGroups, width: float, tall: float) -> list[list[list[Equation]]]:
     """The groups, in the same order, in tables of left sides that are all wide or all narrow, and
     not of very many rows."""
     tables: list[list[list[Equation]]] = []
     last = None
     for group in groups:
-        parts = _parts([turned_round(line, width, span) for line in group], tall)
-        runs = groupby(parts, lambda row: (row[0], span(left_side(row[1])) > WIDE * width))
+        parts = _parts([_turned_round(line, width, _span) for line in group], tall)
+        runs = groupby(parts, lambda row: (row[0], _span(_left_side(row[1])) > WIDE * width))
         for k, (kind, lines) in enumerate(runs):
             if kind != last:
                 tables.append([])
@@ -156,7 +168,7 @@ def _tables(groups: Groups, width: float, tall: float) -> list[list[list[Equatio
     return tables
 
 
-def _table(groups: Groups, width: float, alone: bool) -> str:
+def _table(groups: EquationGroups, width: float, alone: bool) -> str:
     cells = ""
     for j, group in enumerate(_set(groups, width, MATHML)):
         for k, (left, right, goes_on) in enumerate(group):
@@ -174,3 +186,78 @@ def _table(groups: Groups, width: float, alone: bool) -> str:
 
 def _cell(inside: str, style: str) -> str:
     return f'<mtd style="{style}">{inside}</mtd>' if style else f"<mtd>{inside}</mtd>"
+
+
+@dataclass(frozen=True)
+class _Row:
+    """left = right; a chain goes on where left is None."""
+
+    left: Expression | None
+    right: Expression
+
+
+def _rows(group: Iterable[Equation], width: float, measure: _WidthOf) -> tuple[list[_Row], float]:
+    """The lines of a group of equations, and the room that their right sides have beside the widest
+    left one."""
+    turned = (_turned_round(equation, width, measure) for equation in group)
+    lines = [line for equation in turned for line in _unfolded(equation, width, measure)]
+    heads = [_head(line) for line in lines]
+    room = width - _SIGN - max((measure(head) for head, _ in heads), default=0.0)
+    return [row for head, rest in heads for row in _chain(head, rest, room, measure)], room
+
+
+def _turned_round(equation: Equation, width: float, measure: _WidthOf) -> Equation:
+    """The equation; a = b as b = a where a is too wide for a line, as only the right side is
+    broken."""
+    left, *others = equation.sides
+    sizes = [measure(side) for side in others]
+    if len(others) > 1 or sizes[0] > width / 4 or measure(left) + _SIGN + sizes[0] <= width:
+        return equation
+    return eq(others[0], left)
+
+
+def _unfolded(equation: Equation, width: float, measure: _WidthOf) -> list[Equation]:
+    """The equation; one whose last side is an array too wide for a line by the array's entries
+    instead."""
+    *before, last = equation.sides
+    name = before[0]
+    if not isinstance(last, Vector | Matrix) or not isinstance(name, Symbol):
+        return [equation]
+    if measure(last) + measure(name) + _SIGN <= width:
+        return [equation]
+    return [*([Equation(tuple(before))] if len(before) > 1 else []), *_entries(name, last)]
+
+
+def _entries(name: Symbol, array: Vector | Matrix) -> list[Equation]:
+    if isinstance(array, Matrix):
+        return [
+            eq(component(name, place(i, j)), x)
+            for i, row in enumerate(array.rows, 1)
+            for j, x in enumerate(row, 1)
+        ]
+    labels = "xyz" if len(array.entries) <= 3 else map(str, range(1, len(array.entries) + 1))
+    return [eq(component(name, label), x) for label, x in zip(labels, array.entries, strict=False)]
+
+
+def _left_side(equation: Equation) -> Expression:
+    """The side left of the sign at which equations are aligned."""
+    return _head(equation)[0]
+
+
+def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
+    """The side left of the sign that is aligned, and the sides right of it: names come first."""
+    names = 1
+    while names < len(equation.sides) - 1 and isinstance(equation.sides[names], Symbol):
+        names += 1
+    left = equation.sides[:names]
+    return (left[0] if names == 1 else Equation(left)), equation.sides[names:]
+
+
+def _chain(
+    head: Expression, rest: tuple[Expression, ...], room: float, measure: _WidthOf
+) -> list[_Row]:
+    """One line if it fits, else a line a side."""
+    joined = rest[0] if len(rest) == 1 else Equation(rest)
+    if len(rest) == 1 or sum(map(measure, rest)) + _SIGN * (len(rest) - 1) <= room:
+        return [_Row(head, joined)]
+    return [_Row(head if k == 0 else None, side) for k, side in enumerate(rest)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from freebody.expressions.typesetting import literal
@@ -29,8 +29,8 @@ _TEX = {
 
 @dataclass(frozen=True)
 class Medium:
-    """How a sentence is set: its words, its symbols (sign, letter, subscript, whether it is a
-    vector), names of others."""
+    """A medium by how a sentence is set: its words, its symbols (sign, letter, subscript, whether
+    it is a vector), names of others."""
 
     words: Callable[[str], str]
     symbol: Callable[[str, str, str, bool], str]
@@ -40,7 +40,7 @@ class Medium:
 
     @property
     def planar(self) -> Medium:
-        """The same where moments are scalars."""
+        """The medium for the plane, where moments are scalars."""
         return replace(self, vectors=self.vectors - {"n"})
 
     def __call__(self, sentence: str) -> str:
@@ -89,3 +89,29 @@ text_prose = Medium(str, _text_symbol, literal.printable)
 
 web_prose = Medium(lambda words: html.escape(_with_minus(words)), _web_symbol, literal.web)
 """A sentence in HTML."""
+
+
+def cited(numbers: Sequence[str]) -> str:
+    """`("3.16", "3.17", "4.1")` as (3.16), (3.17), (4.1); three and more in a row as a range."""
+    runs: list[list[str]] = []
+    for number in sorted(dict.fromkeys(numbers), key=_place):
+        if runs and _place(number) == _next(runs[-1][-1]):
+            runs[-1].append(number)
+        else:
+            runs.append([number])
+    return ", ".join(part for run in runs for part in _run(run))
+
+
+def _run(run: list[str]) -> list[str]:
+    if len(run) < 3:
+        return [f"({number})" for number in run]
+    return [f"({run[0]})–({run[-1]})"]
+
+
+def _place(number: str) -> tuple[int, ...]:
+    return tuple(map(int, number.split(".")))
+
+
+def _next(number: str) -> tuple[int, ...]:
+    *chapter, last = _place(number)
+    return (*chapter, last + 1)

@@ -1,1 +1,1 @@
-"""How courses and books write: letters, angles, parameters given by formulas. A file each."""
+"""Notations of courses and books: letters, angles, parameters given by formulas. A file each."""

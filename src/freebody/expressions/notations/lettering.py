@@ -105,7 +105,7 @@ class Lettering(ByValue):
 
     @cached_property
     def letters(self) -> Mapping[str, str]:
-        """By the letters of `KIND_OF` those of the notation."""
+        """The notation's letters, by those of `KIND_OF`."""
         given, others = self.notation.letters, self.notation.all_letters
         taken = {letter for letters in given.values() for letter in letters}
         found = {}
@@ -133,7 +133,8 @@ class Lettering(ByValue):
         return line.mapped(self)
 
     def _numbers(self, angle: Expression) -> str:
-        """Of a sum of the model's angles their numbers, rising, of one digit each; else ""."""
+        """The numbers of the angles in a sum of the model's angles, rising, of one digit each; else
+        ""."""
         terms = angle.terms if isinstance(angle, Sum) else (angle,)
         names = [x.name if isinstance(x, Symbol) else "" for x in terms]
         plain = all(x in _ANGLES and x in self.coordinates for x in names)
@@ -218,8 +219,8 @@ def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, .
 
 
 def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
-    """The lettering of a document: without short sines and cosines where s_1 is something else,
-    and with the reduced mass matrix H as it is where there is a larger M.
+    """The letters for a document: without short sines and cosines where s_1 is something else, and
+    the reduced mass matrix H as it is where there is a larger M.
 
     Raises FreebodyError where two symbols of it would be one.
     """
@@ -231,17 +232,23 @@ def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Letteri
         other = called.setdefault(lettering.symbol(old), old)
         if other != old:
             return lettered_for(_with_another(lettering, old, other), symbols)
+    return _without_ambiguous_functions(lettering, called)
+
+
+def _without_ambiguous_functions(lettering: Lettering, called: Iterable[Symbol]) -> Lettering:
+    """The letters without short sines and cosines, where one of them is also a letter of these
+    symbols."""
     letters = {x.letter for x in called if x.low and x.low[0].isdigit()}
     names = lettering.notation.names
     short = {x for x, y in names.items() if y in ("sin", "cos")}
-    if any(spelt(x) in letters for x in short):
-        kept = {x: y for x, y in names.items() if x not in short}
-        lettering = replace(lettering, notation=replace(lettering.notation, names=kept))
-    return lettering
+    if not any(spelt(x) in letters for x in short):
+        return lettering
+    kept = {x: y for x, y in names.items() if x not in short}
+    return replace(lettering, notation=replace(lettering.notation, names=kept))
 
 
 def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:
-    """The same with the next letter for one of two symbols that are called alike."""
+    """The letters with the next one for one of two symbols that are called alike."""
     notation = lettering.notation
     for symbol in (one, other):
         kind = KIND_OF.get(symbol.letter)

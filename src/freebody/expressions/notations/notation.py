@@ -3,6 +3,7 @@ are given by formulas. The presets are TOML files beside this one, and so are a 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -22,6 +23,8 @@ from freebody.expressions.quantities.kinds import (
 )
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
+from freebody.model.bodies import Body
+from freebody.model.model import Model
 from freebody.values import ByValue
 
 PRESETS = (
@@ -30,7 +33,7 @@ PRESETS = (
 """Names of the notations that come with freebody, each a file."""
 
 TERMS = ("coefficients", "vector", "matrix", "bias")
-"""How torques are written by terms without accelerations: by coefficients h of products of rates, a
+"""Forms of the terms of torques without accelerations: by coefficients h of products of rates, a
 vector of velocity terms, the matrix C times the rates, or a vector with gravity in it."""
 
 _PRINTED = {
@@ -44,9 +47,13 @@ ZEROS = {"x axis": 0, "down": -1, "up": 1}
 LARGEST_FILE = 100_000
 
 
+Weights = tuple[tuple[int, ...], ...]
+"""A matrix of whole numbers."""
+
+
 @dataclass(frozen=True, eq=False)
 class BookNotation(ByValue):
-    """How somebody writes."""
+    """A notation: letters, names, angles and parameters of a course or a book."""
 
     name: str
     title: str = ""
@@ -56,7 +63,7 @@ class BookNotation(ByValue):
     zero: str = "x axis"
     """A key of `ZEROS`."""
     names: Mapping[str, str] = field(default_factory=dict[str, str])
-    """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
+    """Names and what they stand for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
     parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
     letters: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
@@ -94,7 +101,7 @@ class BookNotation(ByValue):
 
     @property
     def quarter_turns(self) -> int:
-        """By how many right angles the direction of zero is turned from x."""
+        """The right angles by which the direction of zero is turned from x."""
         return ZEROS[self.zero]
 
 
@@ -176,3 +183,50 @@ def notation_of(
         return preset(path)
     data = read_file.read(path, LARGEST_FILE, "a notation")
     return read(path, read_file.decoded(path, data))
+
+
+def angles_of(
+    caller: str, notation: BookNotation, model: Model, absolute: bool = False
+) -> tuple[Weights | None, tuple[int, ...]]:
+    """B of θ = B φ, where θ are the model's coordinates and φ the notation's, or None where they
+    are the same; and by how many right angles each of φ is 0 elsewhere, or ().
+
+    Raises FreebodyError for robots whose angles are not written so.
+    """
+    turned = turned_by(caller, model) if absolute or notation.absolute else None
+    if not notation.quarter_turns:
+        return turned, ()
+    first = [not any(row[:i]) for i, row in enumerate(turned_by(caller, model))]
+    return turned, tuple(
+        notation.quarter_turns * _sense(body) * int(alone or turned is not None)
+        for body, alone in zip(model.bodies, first, strict=True)
+    )
+
+
+def turned_by(caller: str, model: Model) -> Weights:
+    """B of θ = B φ for absolute angles, each in the sense of its own joint: each turn of a planar
+    tree is that of its body less that of the body before. Drawings have anticlockwise ones only."""
+    if model.dim != 2:
+        raise FreebodyError(
+            f"{caller}: absolute angles belong to robots in the plane; {model.name!r} is in space."
+        )
+    rows: list[list[int]] = []
+    for i, body in enumerate(model.bodies):
+        row = [int(i == k) for k in range(len(model.bodies))]
+        above = body.parent
+        while above >= 0 and not model.bodies[above].kind.turns:
+            above = model.bodies[above].parent
+        if body.kind.turns and above >= 0:
+            row[above] = -_sense(body) * _sense(model.bodies[above])
+        if body.joint.mimic is not None or (caller != "check" and _sense(body) < 0):
+            raise FreebodyError(
+                f"{caller}: absolute angles are not written where a joint follows another or turns "
+                f"clockwise, as {body.joint.name!r} of {model.name!r} does."
+            )
+        rows.append(row)
+    return tuple(map(tuple, rows))
+
+
+def _sense(body: Body) -> int:
+    """1 of a body that turns anticlockwise, -1 clockwise, 0 of one that does not turn."""
+    return int(body.kind.turns and math.copysign(1, body.joint.axis[0]))

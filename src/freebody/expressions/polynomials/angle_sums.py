@@ -1,5 +1,9 @@
-"""A polynomial's terms with its sines and cosines as products, or gathered into sines and cosines
-of sums of angles."""
+"""A polynomial's terms with its sines and cosines as products, gathered into sines and cosines of
+sums of angles, and two of these as a product again: cos a + cos b = 2 cos ½(a+b) cos ½(a-b), and so
+on.
+
+With b = 0 these are 1 + cos 2x = 2 cos²x and 1 - cos 2x = 2 sin²x.
+"""
 
 from __future__ import annotations
 
@@ -14,20 +18,28 @@ from freebody.scalars.trig import Trig
 Raw = list[tuple[dict[str, int], Fraction]]
 """Terms as `Trig.terms` gives them: {generator: exponent}, coefficient."""
 
-Monomial = tuple[tuple[str, int], ...]
+SymbolPowers = tuple[tuple[str, int], ...]
 """Powers of symbols, (name, exponent)."""
 
-Wave = tuple[tuple[str, Monomial, int], ...]
+TrigProduct = tuple[tuple[str, SymbolPowers, int], ...]
 """A product of functions (sin or cos, multiples of angles, exponent); () is 1."""
 
 Exponents = tuple[tuple[int, int], ...]
 """Exponents of sine and cosine for each angle."""
 
-Blocks = tuple[tuple[str, ...], ...]
+AngleBlocks = tuple[tuple[str, ...], ...]
 """Angles that are gathered with one another, each in one block."""
 
-Terms = dict[tuple[Monomial, Wave], Fraction]
+TrigTerms = dict[tuple[SymbolPowers, TrigProduct], Fraction]
 """Coefficient of each monomial times wave."""
+
+
+_Multiples = dict[str, int]
+
+
+_InPowers = dict[tuple[tuple[int, ...], Exponents], tuple[int, int]]
+"""Real and imaginary part by the powers of e^{ix} of the first angles, and the exponents of sine
+and cosine of the others."""
 
 
 def raw(x: Trig) -> Raw:
@@ -35,10 +47,10 @@ def raw(x: Trig) -> Raw:
     return list(x.terms())
 
 
-def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
+def as_products(terms: Raw, angles: tuple[str, ...]) -> TrigTerms:
     """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin²
     again."""
-    result: Terms = {}
+    result: TrigTerms = {}
     for powers, coefficient in terms:
         wave = tuple(
             (f, ((x, 1),), powers[f"{f}_{x}"])
@@ -50,7 +62,7 @@ def as_products(terms: Raw, angles: tuple[str, ...]) -> Terms:
     return _with_squares(result)
 
 
-def _with_squares(terms: Terms) -> Terms:
+def _with_squares(terms: TrigTerms) -> TrigTerms:
     """a X - a X cos²x written a X sin²x."""
     result = dict(terms)
     for (monomial, wave), coefficient in terms.items():
@@ -71,17 +83,17 @@ def _with_squares(terms: Terms) -> Terms:
     return result
 
 
-def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
+def gathered(terms: Raw, angles: tuple[str, ...], blocks: AngleBlocks) -> TrigTerms:
     """Sines and cosines of sums of the angles of a block, each with its first multiple positive."""
-    state: dict[tuple[Monomial, Wave, Exponents], Fraction] = {}
+    state: dict[tuple[SymbolPowers, TrigProduct, Exponents], Fraction] = {}
     for powers, coefficient in terms:
         exponents = tuple((powers.get(f"sin_{x}", 0), powers.get(f"cos_{x}", 0)) for x in angles)
         state[_rest(powers, angles), (), exponents] = coefficient
     for block in blocks:
         places = [angles.index(x) for x in block]
-        parts: defaultdict[tuple[Monomial, Wave, Exponents], dict[Exponents, Fraction]] = (
-            defaultdict(dict)
-        )
+        parts: defaultdict[
+            tuple[SymbolPowers, TrigProduct, Exponents], dict[Exponents, Fraction]
+        ] = defaultdict(dict)
         for (monomial, wave, exponents), coefficient in state.items():
             ours = tuple(exponents[k] for k in places)
             others = tuple((0, 0) if k in places else e for k, e in enumerate(exponents))
@@ -89,20 +101,20 @@ def gathered(terms: Raw, angles: tuple[str, ...], blocks: Blocks) -> Terms:
         state = {
             (monomial, wave + own, others): value
             for (monomial, wave, others), part in parts.items()
-            for own, value in _waves(part, block)
+            for own, value in _in_sums_of_angles(part, block)
         }
     return {(monomial, wave): value for (monomial, wave, _), value in state.items()}
 
 
-def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> Monomial:
+def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> SymbolPowers:
     """The monomial without its sines and cosines."""
     waves = {f"{f}_{x}" for x in angles for f in ("sin", "cos")}
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
 
-def _waves(
+def _in_sums_of_angles(
     part: dict[Exponents, Fraction], names: tuple[str, ...]
-) -> Iterator[tuple[Wave, Fraction]]:
+) -> Iterator[tuple[TrigProduct, Fraction]]:
     """A polynomial in the sines and cosines of a block's angles as a sum over waves.
 
     Angle by angle it becomes one in z = e^{ix}, with 2 cos x = z + 1/z and 2 sin x = -i (z - 1/z),
@@ -110,21 +122,11 @@ def _waves(
     """
     degree = max(sum(s + c for s, c in exponents) for exponents in part)
     scale = math.lcm(*(value.denominator for value in part.values())) << degree
-    laurent: dict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = {}
+    laurent: _InPowers = {}
     for exponents, value in part.items():
         laurent[(), exponents] = (int(value * scale) >> sum(s + c for s, c in exponents), 0)
     for _ in names:
-        wider: defaultdict[tuple[tuple[int, ...], Exponents], tuple[int, int]] = defaultdict(
-            lambda: (0, 0)
-        )
-        for (multiples, ((s, c), *later)), (re, im) in laurent.items():
-            if s % 2:  # times -i
-                re, im = im, -re
-            for k, factor in _laurent(s, c):
-                key = ((*multiples, k), tuple(later))
-                x, y = wider[key]
-                wider[key] = (x + factor * re, y + factor * im)
-        laurent = {key: value for key, value in wider.items() if value != (0, 0)}
+        laurent = _next_angle(laurent)
     for (multiples, _), (re, im) in laurent.items():
         first = next((k for k in multiples if k), 0)
         argument = tuple((x, k) for x, k in zip(names, multiples, strict=True) if k)
@@ -138,6 +140,19 @@ def _waves(
                 yield (("sin", argument, 1),), Fraction(-2 * im, scale)
 
 
+def _next_angle(laurent: _InPowers) -> _InPowers:
+    """The sine and cosine of one more angle written by powers of z."""
+    wider: _InPowers = defaultdict(lambda: (0, 0))
+    for (multiples, ((s, c), *later)), (re, im) in laurent.items():
+        if s % 2:  # times -i
+            re, im = im, -re
+        for k, factor in _laurent(s, c):
+            key = ((*multiples, k), tuple(later))
+            x, y = wider[key]
+            wider[key] = (x + factor * re, y + factor * im)
+    return {key: value for key, value in wider.items() if value != (0, 0)}
+
+
 @lru_cache(maxsize=256)
 def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
     """(z - 1/z)^sines (z + 1/z)^cosines, up to i^sines; sines is 0 or 1."""
@@ -149,3 +164,82 @@ def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
             wider[k - 1] += sign * value
         powers = wider
     return tuple((k, value) for k, value in powers.items() if value)
+
+
+def paired(terms: TrigTerms, blocks: AngleBlocks) -> TrigTerms:
+    """Gathered terms, two of them made one product wherever their coefficients and angles allow
+    it."""
+    block_of = {x: k for k, block in enumerate(blocks) for x in block}
+    candidates: defaultdict[tuple, list[tuple[TrigProduct, _Multiples]]] = defaultdict(list)
+    for (monomial, wave), value in terms.items():
+        for k, (f, argument, _) in enumerate(wave):
+            rest = wave[:k] + wave[k + 1 :]
+            key = (monomial, rest, f, block_of[argument[0][0]], abs(value))
+            candidates[key].append((wave, dict(argument)))
+    result = dict(terms)
+    for (monomial, rest, f, _, value), rows in candidates.items():
+        if f == "cos" and abs(terms.get((monomial, rest), 0)) == value:
+            rows = [*rows, (rest, {})]
+        _join(result, monomial, rest, f, rows)
+    return result
+
+
+def _join(
+    result: TrigTerms,
+    monomial: SymbolPowers,
+    rest: TrigProduct,
+    f: str,
+    rows: list[tuple[TrigProduct, _Multiples]],
+) -> None:
+    """Replaces pairs of rows, first come first served."""
+    left = [row for row in rows if (monomial, row[0]) in result]
+    while left:
+        wave, a = left.pop(0)
+        for k, (other, b) in enumerate(left):
+            half = _halves(a, b)
+            if half is None:
+                continue
+            p, q = result[monomial, wave], result[monomial, other]
+            sign, functions = _product(f, *half, p == q)
+            joined = _sorted(rest + functions)
+            if (monomial, joined) not in result:
+                del result[monomial, wave], result[monomial, other], left[k]
+                result[monomial, joined] = 2 * p * sign
+                break
+
+
+def _halves(a: _Multiples, b: _Multiples) -> tuple[_Multiples, _Multiples] | None:
+    """½(a + b) and ½(a - b), if they are whole."""
+    names = list(dict.fromkeys([*a, *b]))
+    total = {x: a.get(x, 0) + b.get(x, 0) for x in names}
+    if any(k % 2 for k in total.values()):
+        return None
+    difference = {x: a.get(x, 0) - b.get(x, 0) for x in names}
+    plus, minus = ({x: k // 2 for x, k in d.items() if k} for d in (total, difference))
+    return plus, minus
+
+
+def _product(f: str, plus: _Multiples, minus: _Multiples, equal: bool) -> tuple[int, TrigProduct]:
+    """f(a) + f(b) (or f(a) - f(b) where not `equal`) as sign · 2 · product of functions of ½(a+b)
+    and ½(a-b)."""
+    kinds = {
+        ("cos", True): (1, "cos", "cos"),
+        ("cos", False): (-1, "sin", "sin"),
+        ("sin", True): (1, "sin", "cos"),
+        ("sin", False): (1, "cos", "sin"),
+    }
+    sign, first, second = kinds[f, equal]
+    functions = []
+    for kind, angle in ((first, plus), (second, minus)):
+        if next(iter(angle.values()), 1) < 0:
+            angle = {x: -k for x, k in angle.items()}
+            sign = -sign if kind == "sin" else sign
+        functions.append((kind, tuple(angle.items()), 1))
+    if functions[0] == functions[1]:
+        return sign, ((*functions[0][:2], 2),)
+    return sign, tuple(functions)
+
+
+def _sorted(wave: TrigProduct) -> TrigProduct:
+    """Short arguments first."""
+    return tuple(sorted(wave, key=lambda f: (len(f[1]), sum(abs(k) for _, k in f[1]), f[1], f[0])))

@@ -35,7 +35,7 @@ class _Half:
 
     @property
     def parity(self) -> Parity:
-        """Which half angles it is odd in."""
+        """The half angles in which a polynomial is odd."""
         return tuple(d % 2 for d in self.degree)
 
 

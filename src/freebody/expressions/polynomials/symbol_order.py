@@ -1,4 +1,4 @@
-"""What the symbols of a model are (angles by parallel axes, masses by body, gravity, rates) and
+"""Kinds of the symbols of a model (angles by parallel axes, masses by body, gravity, rates) and
 their order."""
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.angle_sums import Blocks
+from freebody.expressions.polynomials.angle_sums import AngleBlocks
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body
@@ -26,7 +26,7 @@ Rank = tuple[int, int, int, str]
 
 @dataclass(frozen=True)
 class Order:
-    """What the symbols of a model are, so that terms can be grouped and factors ordered."""
+    """Kinds and order of a model's symbols, so that terms can be grouped and factors ordered."""
 
     symbols: Symbols
 
@@ -36,7 +36,7 @@ class Order:
         return self.symbols.ring.angles
 
     @cached_property
-    def blocks(self) -> Blocks:
+    def blocks(self) -> AngleBlocks:
         """The angles by parallel axes: those of one block turn about the same direction."""
         bodies = self.symbols.tree.bodies
         blocks: list[list[str]] = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
@@ -30,7 +30,7 @@ from freebody.values import ByValue, key
 Formulas = tuple[tuple[str, tuple[tuple[tuple[tuple[str, int], ...], Fraction], ...]], ...]
 """Names, and the terms of the polynomials that they stand for."""
 RATE, SECOND = "_d", "_dd"
-"""What the names of velocities and accelerations end with."""
+"""Endings of the names of velocities and accelerations."""
 
 
 class TrigReader(QuantityReader):
@@ -112,7 +112,7 @@ class Symbols(ByValue):
     turned: tuple[tuple[int, ...], ...] | None = None
     """B of θ = B φ, where the joints' coordinates are θ and the symbols stand for φ."""
     quarters: tuple[int, ...] = ()
-    """By how many right angles each of φ is 0 elsewhere than on the x axis."""
+    """The right angles from the x axis to where each of φ is 0."""
     follows: bool = True
     """Whether formulas of the model are put in; else all its parameters are symbols."""
 
@@ -156,12 +156,12 @@ class Symbols(ByValue):
 
     @property
     def qd(self) -> tuple[Trig, ...]:
-        """Their rates."""
+        """Rates of the coordinates."""
         return self.of_joints(self.own(RATE))
 
     @property
     def qdd(self) -> tuple[Trig, ...]:
-        """Their accelerations."""
+        """Accelerations of the coordinates."""
         return self.of_joints(self.own(SECOND))
 
     def followed(self, given: Mapping[str, Trig]) -> dict[str, Trig]:
@@ -262,28 +262,11 @@ def symbols(
     model = with_single_joints(model, euler)
     _require_whole_ratios(model)
     coordinates = coordinate_names(model)
-    turning = [
-        name
-        for body, own in zip(model.bodies, names_by_body(model), strict=True)
-        for name, is_angle in zip(own, body.kind.angular, strict=False)
-        if is_angle
-    ]
-    turns = _angle_parameters(model)
     own = {x.name: x for x in model.formulas if follows and x.name in following}
     given_by_formulas = own.keys() | {name for name, _ in formulas}
-    names = list(dict.fromkeys(p.name for p in each_parameter(model))) if not numbers else []
-    names = [name for name in names if name not in given_by_formulas]
-    angles = [x for x in names if x in turns]
-    others = [
-        *(x for x in coordinates if x not in turning),
-        *(x + RATE for x in coordinates),
-        *(x + SECOND for x in coordinates),
-        *(sign_of(x + RATE) for x in coordinates),
-        *(x for x in names if x not in angles),
-        *extra,
-        *(inertial or ()),
-    ]
-    ring = TrigRing([*turning, *angles], others)
+    names = [] if numbers else list(dict.fromkeys(p.name for p in each_parameter(model)))
+    parameters = [name for name in names if name not in given_by_formulas]
+    ring = _ring(model, coordinates, parameters, (*extra, *(inertial or ())))
     return Symbols(
         model,
         ring,
@@ -313,7 +296,8 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
 
 
 def names_by_body(model: Model) -> list[tuple[str, ...]]:
-    """That of each body's joint; none of one that follows another or has several coordinates."""
+    """Names of the coordinate of each body's joint; none of one that follows another or has several
+    coordinates."""
     names: list[tuple[str, ...]] = []
     parameters = {p.name for p in each_parameter(model)}
     i = 0
@@ -357,6 +341,30 @@ def names_by_formulas(model: Model) -> set[str]:
     """Parameters that formulas of the model give in symbols: all but angles, whose sines and
     cosines have names of their own."""
     return {formula.name for formula in model.formulas} - _angle_parameters(model)
+
+
+def _ring(
+    model: Model, coordinates: Sequence[str], parameters: Sequence[str], further: Iterable[str]
+) -> TrigRing:
+    """The polynomials in coordinates, their rates and accelerations, and parameters; coordinates
+    and parameters that are angles have sines and cosines."""
+    turning = [
+        name
+        for body, own in zip(model.bodies, names_by_body(model), strict=True)
+        for name, is_angle in zip(own, body.kind.angular, strict=False)
+        if is_angle
+    ]
+    turns = _angle_parameters(model)
+    angles = [x for x in parameters if x in turns]
+    others = [
+        *(x for x in coordinates if x not in turning),
+        *(x + RATE for x in coordinates),
+        *(x + SECOND for x in coordinates),
+        *(sign_of(x + RATE) for x in coordinates),
+        *(x for x in parameters if x not in angles),
+        *further,
+    ]
+    return TrigRing([*turning, *angles], others)
 
 
 def _angle_parameters(model: Model) -> set[str]:

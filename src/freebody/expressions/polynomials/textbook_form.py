@@ -19,15 +19,15 @@ from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
 from freebody.expressions.grammar.atoms import undotted
 from freebody.expressions.polynomials.angle_sums import (
-    Monomial,
     Raw,
-    Terms,
-    Wave,
+    SymbolPowers,
+    TrigProduct,
+    TrigTerms,
     as_products,
     gathered,
+    paired,
     raw,
 )
-from freebody.expressions.polynomials.sums_to_products import paired
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import SECOND, Symbols
 from freebody.expressions.printed_names import sym
@@ -35,10 +35,10 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 
-Poly = dict[Monomial, Fraction]
+Poly = dict[SymbolPowers, Fraction]
 """A polynomial in symbols without sines and cosines."""
 
-Groups = dict[str, Terms]
+InertiaGroups = dict[str, TrigTerms]
 """Terms by the inertial parameter that they are multiplied with."""
 
 
@@ -50,7 +50,7 @@ class Layout:
 
     @cached_property
     def order(self) -> Order:
-        """What the symbols are."""
+        """The kinds and the order of the symbols."""
         return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
@@ -66,9 +66,9 @@ class Layout:
         form = self.form(x)
         return isinstance(form.terms[0] if isinstance(form, ex.Sum) else form, ex.Negative)
 
-    def by_rates(self, x: Trig) -> list[tuple[Monomial, Expression]]:
+    def by_rates(self, x: Trig) -> list[tuple[SymbolPowers, Expression]]:
         """The parts of a polynomial by their product of rates, each with those rates behind it."""
-        parts: defaultdict[Monomial, Raw] = defaultdict(list)
+        parts: defaultdict[SymbolPowers, Raw] = defaultdict(list)
         for powers, coefficient in raw(x):
             rates = self._sorted((n, e) for n, e in powers.items() if n in self.order.moving)
             parts[rates].append(
@@ -80,7 +80,7 @@ class Layout:
             rows.append((rates, self._times_rates(groups, rates) if rates else self._sum(groups)))
         return rows
 
-    def _times_rates(self, groups: Groups, rates: Monomial) -> Expression:
+    def _times_rates(self, groups: InertiaGroups, rates: SymbolPowers) -> Expression:
         """number · (terms) · rates."""
         content = self.content(
             {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
@@ -92,7 +92,7 @@ class Layout:
             content, coefficient = -content, ex.neg_each(coefficient)
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
-    def rate_rank(self, rates: Monomial) -> tuple:
+    def rate_rank(self, rates: SymbolPowers) -> tuple:
         """Accelerations, squares of velocities, products, none, single velocities, signs,
         components of loads."""
         names = [n for n, e in rates for _ in range(e)]
@@ -110,7 +110,7 @@ class Layout:
             kind = 4 if len(names) == 1 else 1 if len(rates) == 1 else 2
         return kind, order
 
-    def by_inertia(self, terms: Raw) -> Groups:
+    def by_inertia(self, terms: Raw) -> InertiaGroups:
         """The factors of each mass and moment of inertia, and under "" what has none, in the order
         of the bodies."""
         groups: defaultdict[str, Raw] = defaultdict(list)
@@ -124,7 +124,7 @@ class Layout:
         order = sorted(groups, key=lambda n: (self.order.inertial.get(n, last), self.order.rank(n)))
         return {name: self._shortest(groups[name]) for name in order}
 
-    def _shortest(self, terms: Raw) -> Terms:
+    def _shortest(self, terms: Raw) -> TrigTerms:
         """The form with the fewest terms: sums of angles (all, or those of parallel axes), or
         products."""
         angles, blocks = self.order.angles, self.order.blocks
@@ -135,24 +135,24 @@ class Layout:
             forms += [by_axis, paired(by_axis, blocks), as_products(terms, angles)]
         return min(forms, key=len)
 
-    def _sum(self, groups: Groups) -> Expression:
+    def _sum(self, groups: InertiaGroups) -> Expression:
         return ex.add(*(self._group(name, terms) for name, terms in groups.items()))
 
-    def _group(self, name: str, terms: Terms) -> Expression:
+    def _group(self, name: str, terms: TrigTerms) -> Expression:
         """inertia · number · common symbols · (the rest)."""
         common = self._common(terms)
         content = self.content(terms)
         inside = {(_without(m, common), w): c / content for (m, w), c in terms.items()}
         front = [*([self.symbol(name)] if name else []), *self._monomial(common)]
-        rest = self._by_waves(inside)
+        rest = self._by_products(inside)
         if isinstance(rest, ex.Sum) and not front:
             if abs(content) == 1:
                 return rest if content == 1 else ex.neg_each(rest)
             if self.order.decimal:
-                return self._by_waves(terms)
+                return self._by_products(terms)
         return ex.mul(self.order.number(content), *front, rest)
 
-    def _common(self, terms: Terms) -> Monomial:
+    def _common(self, terms: TrigTerms) -> SymbolPowers:
         """Symbols that all terms share; none where a term without angles would keep others (lc² + l
         lc cos θ stays)."""
         exponents = [dict(monomial) for monomial, _ in terms]
@@ -163,12 +163,15 @@ class Layout:
             return tuple((n, e) for n, e in common if n == self.order.gravity)
         return common
 
-    def content(self, terms: Terms) -> Fraction:
+    def content(self, terms: TrigTerms) -> Fraction:
         """The greatest number that divides all coefficients, with the sign of the first term."""
         first = terms[
             min(
                 terms,
-                key=lambda key: (wave_rank(key[1], self.order.angles), self.monomial_rank(key[0])),
+                key=lambda key: (
+                    product_rank(key[1], self.order.angles),
+                    self.monomial_rank(key[0]),
+                ),
             )
         ]
         if self.order.decimal:
@@ -180,13 +183,13 @@ class Layout:
             top if first > 0 else -top, math.lcm(*(c.denominator for c in terms.values()))
         )
 
-    def _by_waves(self, terms: Terms) -> Expression:
+    def _by_products(self, terms: TrigTerms) -> Expression:
         """Σ polynomial · wave, what has no angle first."""
-        groups: defaultdict[Wave, Poly] = defaultdict(dict)
+        groups: defaultdict[TrigProduct, Poly] = defaultdict(dict)
         for (monomial, wave), coefficient in terms.items():
             groups[wave][monomial] = coefficient
         rows = []
-        for wave in sorted(groups, key=lambda w: wave_rank(w, self.order.angles)):
+        for wave in sorted(groups, key=lambda w: product_rank(w, self.order.angles)):
             functions = [function(*f) for f in wave]
             rows.append(
                 self.poly(groups[wave]) if not wave else self.scaled(groups[wave], functions)
@@ -195,7 +198,7 @@ class Layout:
 
     def scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
         """number · common symbols · (the rest) · functions."""
-        flat: Terms = {(m, ()): c for m, c in poly.items()}
+        flat: TrigTerms = {(m, ()): c for m, c in poly.items()}
         common, content = self._common(flat), self.content(flat)
         rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
         if functions and starts_with_minus(rest):
@@ -240,39 +243,44 @@ class Layout:
             factors.append(({m: c / scale for m, c in terms.items()}, exponent))
         return content, sorted(factors, key=lambda row: min(map(self.monomial_rank, row[0])))
 
-    def _square(self, poly: Poly) -> tuple[tuple[Monomial, Monomial, Fraction], Poly, Poly] | None:
+    def _square(
+        self, poly: Poly
+    ) -> tuple[tuple[SymbolPowers, SymbolPowers, Fraction], Poly, Poly] | None:
         """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer
-        terms."""
+        terms: of the first symbol x that allows it."""
         names = sorted(
             {n for m in poly for n, _ in m},
             key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),
         )
-        for x in names:
-            squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
-            if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
-                continue
-            (top, a) = squares[0]
-            front = _without(top, ((x, 2),))
-            linear = {m: c for m, c in poly.items() if dict(m).get(x) == 1}
-            divisor = self._sorted((*front, (x, 1)))
-            if not linear or not all(_divides(divisor, m) for m in linear):
-                continue
-            base: Poly = {((x, 1),): Fraction(1)} | {
-                _without(m, divisor): c / (2 * a) for m, c in linear.items()
-            }
-            rest = defaultdict(Fraction, poly)
-            for m, c in base.items():
-                for n, d in base.items():
-                    rest[self._product(front, m, n)] -= a * c * d
-            left = {m: c for m, c in rest.items() if c}
-            printed = not self.order.decimal or all(
-                map(_is_short, [*base.values(), *left.values()])
-            )
-            if len(left) + 1 < len(poly) and printed:
-                return (top, front, a), base, left
-        return None
+        completed = (self._completed(poly, x) for x in names)
+        return next((found for found in completed if found is not None), None)
 
-    def _product(self, *monomials: Monomial) -> Monomial:
+    def _completed(
+        self, poly: Poly, x: str
+    ) -> tuple[tuple[SymbolPowers, SymbolPowers, Fraction], Poly, Poly] | None:
+        """The square completed in one symbol, as above."""
+        squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
+        if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
+            return None
+        (top, a) = squares[0]
+        front = _without(top, ((x, 2),))
+        linear = {m: c for m, c in poly.items() if dict(m).get(x) == 1}
+        divisor = self._sorted((*front, (x, 1)))
+        if not linear or not all(_divides(divisor, m) for m in linear):
+            return None
+        base: Poly = {((x, 1),): Fraction(1)} | {
+            _without(m, divisor): c / (2 * a) for m, c in linear.items()
+        }
+        rest = defaultdict(Fraction, poly)
+        for m, c in base.items():
+            for n, d in base.items():
+                rest[self._product(front, m, n)] -= a * c * d
+        left = {m: c for m, c in rest.items() if c}
+        numbers = [*base.values(), *left.values()]
+        printed = not self.order.decimal or all(map(_is_short, numbers))
+        return ((top, front, a), base, left) if printed and len(left) + 1 < len(poly) else None
+
+    def _product(self, *monomials: SymbolPowers) -> SymbolPowers:
         total: defaultdict[str, int] = defaultdict(int)
         for monomial in monomials:
             for name, exponent in monomial:
@@ -280,15 +288,15 @@ class Layout:
         ring = self.symbols.ring.index
         return tuple(sorted(total.items(), key=lambda item: ring[item[0]]))
 
-    def _monomial(self, monomial: Monomial) -> list[Expression]:
+    def _monomial(self, monomial: SymbolPowers) -> list[Expression]:
         return [ex.power(self.symbol(n), e) for n, e in self._sorted(monomial)]
 
-    def monomial_rank(self, monomial: Monomial) -> tuple:
+    def monomial_rank(self, monomial: SymbolPowers) -> tuple:
         """Falling degree, then as in a dictionary."""
         ranked = [(self.order.rank(n), -e) for n, e in self._sorted(monomial)]
         return -sum(e for _, e in monomial), ranked
 
-    def _sorted(self, monomial: Iterable[tuple[str, int]]) -> Monomial:
+    def _sorted(self, monomial: Iterable[tuple[str, int]]) -> SymbolPowers:
         return tuple(sorted(monomial, key=lambda item: self.order.rank(item[0])))
 
 
@@ -299,7 +307,7 @@ class InTextbookForm:
 
     @cached_property
     def layout(self) -> Layout:
-        """How polynomials of this model are printed: `layout.form(x)` is an expression."""
+        """The printed layout of the model's polynomials: `layout.form(x)` is an expression."""
         return Layout(self.symbols)
 
     def form(self, x: Trig) -> Expression:
@@ -321,18 +329,18 @@ def _is_short(x: Fraction) -> bool:
     return Fraction(f"{float(x):.6g}") == x
 
 
-def _without(monomial: Monomial, divisor: Monomial) -> Monomial:
+def _without(monomial: SymbolPowers, divisor: SymbolPowers) -> SymbolPowers:
     """monomial / divisor."""
     below = dict(divisor)
     return tuple((n, e - below.get(n, 0)) for n, e in monomial if e > below.get(n, 0))
 
 
-def _divides(divisor: Monomial, monomial: Monomial) -> bool:
+def _divides(divisor: SymbolPowers, monomial: SymbolPowers) -> bool:
     above = dict(monomial)
     return all(above.get(n, 0) >= e for n, e in divisor)
 
 
-def wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
+def product_rank(wave: TrigProduct, angles: tuple[str, ...]) -> tuple:
     """Few functions first, then few angles, small multiples, inner joints, cosines before sines."""
     total = sum(abs(k) * e for _, argument, e in wave for _, k in argument)
     used = sorted(angles.index(x) for _, argument, _ in wave for x, _ in argument)
@@ -340,6 +348,6 @@ def wave_rank(wave: Wave, angles: tuple[str, ...]) -> tuple:
     return len(set(used)), total, used, [f for f, _, _ in wave], signs
 
 
-def function(name: str, argument: Monomial, exponent: int) -> Expression:
+def function(name: str, argument: SymbolPowers, exponent: int) -> Expression:
     angle = ex.add(*(ex.mul(k, sym(x)) for x, k in argument))
     return ex.power(ex.Function(name, angle), exponent)

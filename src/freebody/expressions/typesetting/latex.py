@@ -6,9 +6,8 @@ import re
 from fractions import Fraction
 
 from freebody.expressions.nodes import Expression, Number, Symbol
-from freebody.expressions.typesetting.lines import BREAK
 from freebody.expressions.typesetting.literal import GREEK_COMMANDS, tex, tex_math
-from freebody.expressions.typesetting.typesetter import Notation, Typesetter, is_call
+from freebody.expressions.typesetting.typesetter import BREAK, Notation, Typesetter, is_call
 
 _DOTS = ("{}", "\\dot{{{}}}", "\\ddot{{{}}}")
 _NAMES = {x: f"\\{x}" for x in ("sin", "cos", "tan", "arcsin", "arccos", "arctan", "det", "exp",

@@ -39,7 +39,8 @@ TEX = {
     "–": "--",
     "—": "---",
 }
-"""What LaTeX would read as something else, Greek letters, subscripts and dashes, in text."""
+"""Characters that LaTeX would read as something else, Greek letters, subscripts and dashes, in
+text."""
 _LETTERS = re.compile(rf"[A-Za-z{''.join(GREEK_COMMANDS)}][\u0307\u0308]|.", re.DOTALL)
 _DOTS = {"\u0307": r"\dot", "\u0308": r"\ddot"}
 _KNOWN = "\u017f"  # the last letter that pdfTeX has in T1 fonts

@@ -7,8 +7,7 @@ from fractions import Fraction
 from xml.sax.saxutils import escape
 
 from freebody.expressions.nodes import Expression, Symbol
-from freebody.expressions.typesetting.lines import BREAK
-from freebody.expressions.typesetting.typesetter import Notation, Typesetter, is_call
+from freebody.expressions.typesetting.typesetter import BREAK, Notation, Typesetter, is_call
 
 NAMESPACE = 'xmlns="http://www.w3.org/1998/Math/MathML"'
 _OPEN, _CLOSE = '<mo stretchy="false">(</mo>', '<mo stretchy="false">)</mo>'
@@ -20,14 +19,15 @@ _LOW = re.compile(
     "(<mrow>.*?</mrow>|<mn>[^<]*</mn>|<mi>[^<]*</mi>)"
 )
 _MARKS = re.compile("\ue000([a-z]*)\ue001|\ue002")
-"""Where a term with a source begins and ends, until it is known where lines end."""
+"""Marks of where a term with a source begins and ends, until it is known where lines end."""
 _BOLD = str.maketrans(
     {chr(0x41 + k): chr(0x1D400 + k) for k in range(26)}
     | {chr(0x61 + k): chr(0x1D41A + k) for k in range(26)}
     | {chr(0x391 + k): chr(0x1D6A8 + k) for k in range(25)}
     | {chr(0x3B1 + k): chr(0x1D736 + k) for k in range(25)}
 )
-"""As in LaTeX: upright, but small Greek letters in italics. Browsers know no bold `mathvariant`."""
+"""Bold letters as in LaTeX: upright, but small Greek letters in italics. Browsers know no bold
+`mathvariant`."""
 
 
 def lean(page: str) -> str:

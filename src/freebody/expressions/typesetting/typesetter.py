@@ -32,8 +32,11 @@ from freebody.expressions.nodes import (
     Words,
     nodes,
 )
-from freebody.expressions.typesetting.lines import BREAK, broken
 from freebody.outputs.number_text import mantissa_and_exponent
+
+BREAK = "\u2028"
+"""Stands where a line may be broken, in place of the space before a sign."""
+
 
 EQUATION, SUM, PRODUCT, CALL, POWER, ATOM = range(6)
 
@@ -56,7 +59,8 @@ DIGITS = 6
 
 
 def precedence(node: Expression) -> int:
-    """How tightly a node binds; brackets go around what binds less than its surroundings need."""
+    """The strength with which a node binds; brackets go around what binds less than its
+    surroundings need."""
     if isinstance(node, Number):
         if node.value < 0:
             return SUM
@@ -75,8 +79,8 @@ def is_call(node: Expression) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Notation:
-    """What a notation says of itself: templates of what stands around the pieces, in the order in
-    which they are put in, and functions where a template does not do.
+    """A notation as templates of what stands around the pieces, in the order in which they are put
+    in, and functions where a template does not do.
 
     A matrix or column: what is around it, between its rows, and between the entries of a row.
     """
@@ -89,7 +93,7 @@ class Notation:
     """A symbol, with an exponent as `exponent` gives it, or ""."""
     exponent: Callable[[int], str] = str
     gap: Callable[[Expression, Expression], str] = lambda before, after: " "
-    """What stands between two factors."""
+    """The text between two factors."""
     function: Callable[[str], str] = str
     """A function's name."""
     tight: Callable[[str], str] = str
@@ -99,7 +103,7 @@ class Notation:
     sourced: Callable[[str, str], str] = lambda source, term: term
     """A term by where it came from; it may be broken."""
     finished: Callable[[list[str]], list[str]] = list
-    """What is left to do when a formula has been broken into lines."""
+    """A last change of a formula that has been broken into lines."""
     plus: str = f"{BREAK}+ "
     minus: str = f"{BREAK}− "
     lead: str = "−"
@@ -118,7 +122,7 @@ class Notation:
     transposed: str = "ᵀ"
     inverse_transposed: str = "⁻ᵀ"
     space: str = " "
-    """What is left of a `BREAK` where no line may be broken."""
+    """The text in place of a `BREAK` where no line may be broken."""
     raised: str = "{}{}"
     group: str = "{}"
     """Several pieces as one; where this is an element, no line is broken in it."""
@@ -137,17 +141,18 @@ class Notation:
     brackets_before_factors: bool = False
     """Whether a function before a factor needs brackets, lest that is read as its argument."""
     operand: str = " ({})"
-    """What a derivative that stands before it is taken of."""
+    """The template of the operand of a derivative that stands before it."""
     matrix: tuple[str, str, str] = ("[{}]", "; ", ", ")
     column: tuple[str, str, str] | None = None
-    """Of another form than a matrix with one column."""
+    """The templates of a column, where it has another form than a matrix."""
 
 
 class Typesetter:
     """Expressions as strings in a notation: `setter(node, level)` puts brackets where needed."""
 
     fraction_levels = CALL, POWER
-    """How tightly numerator and denominator must bind to stand without brackets in a line."""
+    """The strength with which numerator and denominator must bind to stand without brackets in a
+    line."""
 
     def __init__(self, notation: Notation):
         self.notation = notation
@@ -171,7 +176,7 @@ class Typesetter:
         return self._finished([self.whole(node)])[0]
 
     def lines(self, node: Expression, room: float) -> list[str]:
-        """The same in lines of about so many letters, broken before signs."""
+        """An expression in lines of about so many letters, broken before signs."""
         return self._finished(broken(self(node), room, self.notation.width))
 
     def _finished(self, lines: list[str]) -> list[str]:
@@ -310,3 +315,42 @@ def _signed(term: Expression) -> tuple[bool, Expression]:
     if isinstance(term, Number) and term.value < 0:
         return True, Number(-term.value, term.decimal)
     return False, term
+
+
+@dataclass
+class _LinePart:
+    text: str
+    depth: int
+    """Brackets that are open where the piece begins."""
+
+
+def broken(string: str, width: float, measure: Callable[[str], float] = len) -> list[str]:
+    """Lines of at most `width`, as far as the breaks allow; a line is left where the fewest
+    brackets are open."""
+    pieces, depth = [], 0
+    for text in string.split(BREAK):
+        pieces.append(_LinePart(text, depth))
+        depth += text.count("(") - text.count(")")
+    lines = []
+    while pieces:
+        size = _fitting(pieces, width, measure)
+        lines.append(" ".join(piece.text for piece in pieces[:size]))
+        pieces = pieces[size:]
+    return lines
+
+
+def _fitting(pieces: list[_LinePart], width: float, measure: Callable[[str], float]) -> int:
+    """The number of pieces that go on the next line."""
+    sizes = []
+    total = 0.0
+    for piece in pieces:
+        total += measure(piece.text) + (1 if sizes else 0)
+        sizes.append(total)
+    if total <= width or len(pieces) == 1:
+        return len(pieces)
+    most = max(1, sum(size <= width for size in sizes))
+    breaks = [k for k in range(1, most + 1) if k < len(pieces) and sizes[k - 1] > 0.35 * width] or [
+        most
+    ]
+    shallow = min(pieces[k].depth for k in breaks)
+    return max(k for k in breaks if pieces[k].depth == shallow)

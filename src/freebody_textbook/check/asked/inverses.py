@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 
+from freebody.expressions.polynomials.arithmetic import Entries
 from freebody.expressions.quantities import kinds
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, over
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, Table
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.spelling.answer_text import AnswerError
-from freebody_textbook.closed_chains.linear import Entries, solved
+from freebody_textbook.closed_chains.linear import solved
 
 MOST_ROWS = 3
 """Of a matrix that is inverted."""

@@ -10,7 +10,7 @@ from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import arithmetic, evaluate
 from freebody.expressions.expression import Expression
 from freebody.expressions.grammar.dotted_names import spellings
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property

@@ -10,7 +10,7 @@ from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.arithmetic import inner
+from freebody.expressions.polynomials.arithmetic import Entries, inner
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
@@ -20,7 +20,6 @@ from freebody_textbook.check.asked.group import Named, QuantityGroup
 from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
 from freebody_textbook.closed_chains.input_output import ROWS, ClosedInputOutput
-from freebody_textbook.closed_chains.linear import Entries
 
 _PAIRS = {
     ("Ja", "Jb"): tuple(f"J _? {{? < \\mathrm {{ >? {x} !~%no_end }}{{0,2}}" for x in "ab"),

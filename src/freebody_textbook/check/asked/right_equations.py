@@ -12,8 +12,7 @@ from typing import Any
 from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.parser import PI
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.notations.angles import Weights, angles_of
-from freebody.expressions.notations.notation import BookNotation
+from freebody.expressions.notations.notation import BookNotation, Weights, angles_of
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import (
     RATE,
@@ -35,12 +34,10 @@ from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
-from freebody_textbook.derive import multipliers
+from freebody_textbook.derive import formulas_of, multipliers
 from freebody_textbook.equations.equations import Equations
-from freebody_textbook.methods.free_bodies import are_free, velocity_names
 from freebody_textbook.methods.free_body_steps import XYZ
-from freebody_textbook.methods.whole_bodies import symbols_of_bodies
-from freebody_textbook.parameter_formulas import formulas_of
+from freebody_textbook.methods.whole_bodies import are_free, symbols_of_bodies, velocity_names
 
 ALONG_SLIDE = "F"
 """The symbol of a force along the one slide of a mechanism that nothing drives."""

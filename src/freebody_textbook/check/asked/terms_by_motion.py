@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from freebody.expressions.polynomials.arithmetic import Product, collected
+from freebody.expressions.polynomials.angle_sums import SymbolPowers
+from freebody.expressions.polynomials.arithmetic import collected
 from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 
-Parts = dict[Product, Trig]
+Parts = dict[SymbolPowers, Trig]
 """What stands with each: a polynomial in the parameters."""
 
 

@@ -10,7 +10,7 @@ from typing import ClassVar
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.grammar.words import DETERMINANT
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig

@@ -11,7 +11,7 @@ from freebody.expressions.expression import Expression
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.words import spelt
-from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.printed_names import vec
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property

@@ -9,7 +9,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.expressions.expression import Expression, mul
-from freebody.expressions.polynomials.angle_sums import Monomial, Terms, Wave, gathered, raw
+from freebody.expressions.polynomials.angle_sums import (
+    SymbolPowers,
+    TrigProduct,
+    TrigTerms,
+    gathered,
+    raw,
+)
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.scalars.generators import WAVES, function_of
 from freebody.scalars.trig import Trig
@@ -17,7 +23,7 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 
 MOST_TERMS = 20_000
 
-Key = tuple[Monomial, Wave]
+Key = tuple[SymbolPowers, TrigProduct]
 """A product of symbols, and a sine or cosine."""
 
 
@@ -38,7 +44,7 @@ class Difference:
         return {x for x, _ in monomial} | {x for _, angle, _ in wave for x, _ in angle}
 
 
-def terms(setting: RightEquations, x: Trig) -> Terms:
+def terms(setting: RightEquations, x: Trig) -> TrigTerms:
     """A polynomial term by term, powers of symbols in a fixed order."""
     rows = gathered(raw(x), setting.ring.angles, setting.order.blocks)
     return {(tuple(sorted(m)), w): c for (m, w), c in rows.items()}
@@ -96,7 +102,7 @@ def _alike(a: Key, b: Key) -> bool:
     return a[1] == b[1] and len(first) <= 1 and len(second) <= 1
 
 
-def _letters(monomial: Monomial) -> list[str]:
+def _letters(monomial: SymbolPowers) -> list[str]:
     return [name for name, exponent in monomial for _ in range(exponent)]
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from freebody.expressions.nodes import Expression, nodes
-from freebody.expressions.polynomials.typical_values import occurs, typical_value
 from freebody.expressions.printed_names import sym
 from freebody.outputs.number_text import shortest
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
@@ -13,6 +12,7 @@ from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.state_values import StateValues
 from freebody_textbook.check.verdict import Example
+from freebody_textbook.relations.formula_values import occurs, typical_value
 
 
 def example(setting: RightEquations, yours: Value, right: Value) -> Example | None:

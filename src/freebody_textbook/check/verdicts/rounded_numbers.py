@@ -15,12 +15,13 @@ from fractions import Fraction
 from freebody.errors import FreebodyError
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
+from freebody.expressions.polynomials.angle_sums import SymbolPowers
 from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly, rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.asked.terms_by_motion import Parts, Product, parts, whole
+from freebody_textbook.check.asked.terms_by_motion import Parts, parts, whole
 from freebody_textbook.check.reasons.differences import (
     Difference,
     Key,
@@ -64,7 +65,7 @@ class Rounded:
         return frozenset([g] if any(g in powers for powers, _ in self.yours.terms()) else [])
 
     @cached_property
-    def _in_numbers(self) -> frozenset[Product]:
+    def _in_numbers(self) -> frozenset[SymbolPowers]:
         """Of the products in the answer those with which no parameter stands that has a value, g
         apart."""
         symbols = set(self._constants) - {self.setting.order.gravity}

@@ -1,23 +1,35 @@
-"""The step that says what each term of the equations of motion is."""
+"""Terms of equations: the step that says what each of them is, and which derivative of the
+energies it came from."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import reduce
 from typing import TypeGuard
 
 from freebody.errors import listed
 from freebody.expressions import expression as ex
+from freebody.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
-from freebody.expressions.nodes import Product, nodes
-from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.nodes import Function, Negative, Product, Sourced, Sum, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.scalars.generators import sign_of
+from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods.setting import Setting
-from freebody_textbook.methods.term_sources import moving, patterns
 
-MANY = 12
+_MANY = 12
 """Terms up to which each has a row of its own."""
+
+
+_MovingFactors = tuple[str, ...]
+"""The rates, accelerations and other such factors of a product, sorted."""
+
+
+TIME, KINETIC, POTENTIAL, SEVERAL = "time", "kinetic", "potential", "several"
+"""Sources: d/dt ∂L/∂q̇, ∂T/∂q, ∂V/∂q, and more than one of them."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +98,7 @@ class Term:
 
     @property
     def words(self) -> str:
-        """What it is."""
+        """The term in words."""
         return self.kind.one.format(here=self.here, others=listed(self.others))
 
 
@@ -96,14 +108,14 @@ def term_meanings(s: Setting, closed: Step) -> list[Step]:
     equations = closed.equations
     if not equations:
         return []
-    found = _Terms(s, equations)
+    found = _PrintedTerms(s, equations)
     terms = [
         term for i, line in enumerate(equations[: len(s.leaders)]) for term in found.of(i, line)
     ]
     if not terms:
         return []
     each = [Meaning((x.shown,), x.words, "") for x in terms]
-    rows = tuple(each if len(each) <= MANY else _by_kind(terms))
+    rows = tuple(each if len(each) <= _MANY else _by_kind(terms))
     return [Step("What each term means", _reason(terms), terms=rows)]
 
 
@@ -129,7 +141,7 @@ def _reason(terms: Iterable[Term]) -> str:
     return "The terms of the equations above by name" + (f": {more}." if more else ".")
 
 
-class _Terms:
+class _PrintedTerms:
     """The terms of printed equations, by what is in them."""
 
     def __init__(self, s: Setting, equations: Iterable[Equation]):
@@ -166,24 +178,35 @@ class _Terms:
         return f"{what} {s.numbers[s.leaders[i]]}"
 
     def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[TermKind, tuple[str, ...]]:
-        found = sorted(patterns(part, self.names))
+        found = sorted(_patterns(part, self.names))
         names = found[0] if found else ()
-        coordinates = self.s.symbols.coordinates
-        second = [k for k, x in enumerate(coordinates) if x + SECOND in names]
-        first = [k for k, x in enumerate(coordinates) if x + RATE in names]
+        second = self._places(names, SECOND)
         if second:
             return (INERTIA, ()) if second == [i] else (COUPLING, self._joints(second))
         if any(is_multiplier(name) for name in names) or not found:
             return CLOSING, ()
+        if names:
+            return self._kind_by_rates(names, is_drive)
+        return (SPRING, ()) if is_drive else self._kind_by_weights(part)
+
+    def _places(self, names: Collection[str], dots: str) -> list[int]:
+        """Coordinates whose rates (or accelerations) are among some names."""
+        return [k for k, x in enumerate(self.s.symbols.coordinates) if x + dots in names]
+
+    def _kind_by_rates(
+        self, names: Collection[str], is_drive: bool
+    ) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term with rates or their signs."""
+        first = self._places(names, RATE)
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS
             return GYROSCOPIC if self.still else kind, self._joints(first)
         if first:
             return (VISCOUS, ()) if is_drive else (RATES, self._joints(first))
-        if names:
-            return DRY, ()
-        if is_drive:
-            return SPRING, ()
+        return DRY, ()
+
+    def _kind_by_weights(self, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term without rates: gravity, with the bodies whose weights it names."""
         bodies = {self.bodies[x.name]: None for x in nodes(part) if _is_in(x, self.bodies)}
         return (WEIGHT, tuple(bodies)) if bodies else (WEIGHTS, ())
 
@@ -200,7 +223,94 @@ def _terms(x: Expression) -> tuple[Expression, ...]:
 
 
 def _symbol(term: Expression) -> Expression:
-    """What stands before the rates: H₁₂ of H₁₂ θ̈₂."""
+    """The symbol before the rates: H₁₂ of H₁₂ θ̈₂."""
     inside = term.operand if isinstance(term, ex.Negative) else term
     factors = inside.factors if isinstance(inside, Product) else (inside,)
     return next((x for x in factors if not isinstance(x, ex.Number)), inside)
+
+
+class TermSources:
+    """Polynomials by what they are derivatives of; a printed term is from those that hold its
+    products of rates and accelerations.
+
+    Two of them may hold such a product and cancel in part; then the term is from several.
+    """
+
+    def __init__(self, symbols: Symbols, polynomials: Mapping[str, Trig]):
+        self._moving = moving(symbols)
+        self._sources: dict[_MovingFactors, set[str]] = {}
+        for source, polynomial in polynomials.items():
+            for powers, _ in polynomial.terms():
+                pattern = tuple(
+                    name for name in sorted(powers) if name in self._moving
+                    for _ in range(powers[name])
+                )  # fmt: skip
+                self._sources.setdefault(pattern, set()).add(source)
+
+    def marked(self, shown: Expression) -> Expression:
+        """An expression with its terms marked; those from elsewhere stay as they are."""
+        terms = shown.terms if isinstance(shown, Sum) else (shown,)
+        return ex.add(*map(self._marked, terms))
+
+    def _marked(self, term: Expression) -> Expression:
+        if isinstance(term, Negative):
+            return Negative(self._marked(term.operand))
+        found = {
+            source
+            for pattern in _patterns(term, self._moving)
+            for source in self._sources.get(pattern, ())
+        }
+        if not found & {TIME, KINETIC, POTENTIAL}:
+            return term
+        return Sourced(term, found.pop() if len(found) == 1 else SEVERAL)
+
+
+def moving(symbols: Symbols) -> frozenset[str]:
+    """Names of rates, accelerations, signs of rates, and of what the model itself does not hold."""
+    names = symbols.coordinates
+    return frozenset(
+        (
+            *(x + dots for x in names for dots in (RATE, SECOND)),
+            *(sign_of(x + RATE) for x in names),
+            *symbols.extra,
+        )
+    )
+
+
+def _patterns(term: Expression, names: Collection[str]) -> Collection[_MovingFactors]:
+    """The products of these names that occur in a printed term; none where it is no product or sum
+    of scalars."""
+    nothing: frozenset[_MovingFactors] = frozenset({()})
+
+    def function(
+        node: Function, at: Callable[[Expression], Collection[_MovingFactors]]
+    ) -> Collection[_MovingFactors]:
+        if node.name == "sgn":
+            return frozenset((sign_of(name),) for pattern in at(node.argument) for name in pattern)
+        return nothing
+
+    rules: Rules = {
+        **arithmetic(
+            lambda number: nothing,
+            total=lambda terms: frozenset().union(*terms),
+            product=_product,
+            negative=lambda operand: operand,
+            quotient=lambda above, below: above,
+            power=lambda base, exponent: _product([base] * max(exponent, 0)),
+        ),
+        Symbol: lambda node, at: frozenset({(node.name,)}) if node.name in names else nothing,
+        Function: function,
+    }
+    try:
+        return evaluate(term, rules)
+    except NoValue:
+        return ()
+
+
+def _product(factors: Iterable[Collection[_MovingFactors]]) -> Collection[_MovingFactors]:
+    def times(
+        a: Collection[_MovingFactors], b: Collection[_MovingFactors]
+    ) -> Collection[_MovingFactors]:
+        return frozenset(tuple(sorted((*x, *y))) for x in a for y in b)
+
+    return reduce(times, factors, frozenset({()}))
