@@ -214,6 +214,7 @@ class Reader {
   call() {
     const token = this.take(), word = page.functions[token.text];
     if (word === "Derivative") return this.rate();
+    if (word === "jacobian") throw undecided("A derivative");
     if (word === "Matrix") {
       this.at--;
       return this.table();
@@ -229,7 +230,10 @@ class Reader {
     if (has(INVERSE, word)) return this.inverse(token, word);
     const power = this.token.kind === "power" || this.isOperator("^") ? this.exponent() : 1;
     if (power === -1 && has(INVERSE, `arc${word}`)) return this.inverse(token, `arc${word}`);
-    const node = {is: word, parts: [this.argument(token)]};
+    const under = table.RECIPROCALS[word];
+    if (under && power === -1) throw undecided("An inverse of it");
+    const own = {is: under || word, parts: [this.argument(token)]};
+    const node = under ? {is: "quotient", parts: [numberNode(1), own]} : own;
     return power === 1 ? node : {is: "power", parts: [node], exponent: power};
   }
   // Derivative(theta1(t), t) and Derivative(theta1(t), (t, 2)) of a coordinate, as SymPy prints them.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
@@ -45,13 +45,16 @@ class DerivativeParser(Parser):
         names = self._variables(by)
         if not isinstance(of, Matrix) and len(names) == 1:
             return self._slope(of, names[0], span)
-        rows = [row[0] for row in of.rows] if isinstance(of, Matrix) else [of]
-        if isinstance(of, Matrix) and len(of.rows[0]) > 1:
+        slopes = self._slopes(of, names, span)
+        return slopes if isinstance(of, Matrix) else Matrix(tuple(zip(*slopes.rows, strict=True)), span=span)
+
+    def _slopes(self, of: Expression, names: Sequence[str], span: Span) -> Matrix:
+        """The derivatives of a vector or an expression, a row each."""
+        rows = [x for row in of.rows for x in row] if isinstance(of, Matrix) else [of]
+        if isinstance(of, Matrix) and 1 not in (len(of.rows), len(of.rows[0])):
             self.source.fail("a vector or one expression is differentiated", of.span)
-        table = [[self._slope(x, name, span) for name in names] for x in rows]
-        if not isinstance(of, Matrix):
-            table = [[x] for x in table[0]]
-        return Matrix(tuple(map(tuple, table)), span=span)
+        table = (tuple(self._slope(x, name, span) for name in names) for x in rows)
+        return Matrix(tuple(table), span=span)
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
         """One derivative."""
@@ -100,6 +103,23 @@ class DerivativeParser(Parser):
             self.source.fail("a derivative must be the first or second one", span)
         own = by_time and generator(value) is not None
         return Named(self.source[span], value, is_derivative=not own, span=span)
+
+    def jacobian(self, token: Token) -> Expression:
+        """jacobian([x; y], [q1; q2])."""
+        self.expect("open", "'('")
+        of = self._vector(self.expression())
+        self.expect("comma", "the comma of jacobian(what, by what)")
+        by = self._vector(self.expression())
+        span = (token.start, self.expect("close", "')'").end)
+        entries = [x for row in by.rows for x in row] if isinstance(by, Matrix) else [by]
+        names = [generator(self.reader.read(x)) or "" for x in entries]
+        if not all(names):
+            self.source.fail("this is no vector of coordinates to differentiate by", by.span)
+        return self._slopes(of, names, span)
+
+    def _vector(self, node: Expression) -> Expression:
+        """What a node is, the vector or matrix if it may be one."""
+        return self.others.get(node) or worked_out(node, self.others)
 
     def _differentiated_by(self) -> tuple[str, int]:
         """The variable, t for the time, and how often: t, (t, 2), t, 2 or another expression."""

@@ -32,6 +32,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, around, product_of
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.tables.characters import RECIPROCALS
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
@@ -215,6 +216,8 @@ class AnswerParser(DerivativeParser):
         function = self._function(token)
         if function == "Derivative":
             return self.derivative(token)
+        if function == "jacobian":
+            return self.jacobian(token)
         if function == "Matrix":
             self.at -= 1
             return self.table()
@@ -225,6 +228,12 @@ class AnswerParser(DerivativeParser):
         exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
         if exponent == -1 and function in ("sin", "cos", "tan"):
             return self._inverse_function(token, f"arc{function}")
+        if exponent == -1 and function in RECIPROCALS:
+            self.source.fail(
+                f"the inverse function of {function} is not read: write it by arctan, arccos or "
+                "arcsin",
+                token.span,
+            )
         argument = self._argument(token)
         span = self.since(token.start)
         if function == "sgn":
@@ -251,7 +260,11 @@ class AnswerParser(DerivativeParser):
         return Function(function, arguments, span=self.since(token.start))
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
-        """sin, cos or tan of a sum of angles; of a half of one, or of arccos x, in numbers."""
+        """sin, cos, tan or 1 over one of a sum of angles; of a half of one, or of arccos x, in
+        numbers."""
+        if function in RECIPROCALS:
+            below = self._wave(RECIPROCALS[function], argument, span)
+            return Quotient(Number(Fraction(1), span=span), below, span=span)
         if any(isinstance(x, Function) for x in nodes(argument)):
             return Function(function, argument, span=span)
         angle = self.reader.angle(argument)

@@ -20,6 +20,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source
+from freebody.derivations.grammar.tables.characters import RECIPROCALS
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.derivations.quantities.links import COORDINATES, PARAMETERS
 from freebody.errors import likely
@@ -31,14 +32,15 @@ if TYPE_CHECKING:
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
-    "tan": "tan", "Tan": "tan", "sgn": "sgn", "sign": "sgn",
-    "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
+    "tan": "tan", "Tan": "tan", **{x: x for x in RECIPROCALS}, "cosec": "csc", "sgn": "sgn", "sign": "sgn",
+    "Derivative": "Derivative", "diff": "Derivative", "jacobian": "jacobian",
+    "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",
     "acos": "arccos", "arccos": "arccos", "Acos": "arccos", "asin": "arcsin", "arcsin": "arcsin",
     "Asin": "arcsin", "atan": "arctan", "arctan": "arctan", "Atan": "arctan", "atan2": "atan2",
     "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
 }  # fmt: skip
-_NOT_POLYNOMIAL = word_set("cot exp log ln")
+_NOT_POLYNOMIAL = word_set("exp log ln")
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _BARE = str.maketrans("", "", "_{}\\")

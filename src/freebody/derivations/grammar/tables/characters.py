@@ -71,8 +71,10 @@ VULGAR_FRACTIONS = {
     "⅛": (1, 8), "⅜": (3, 8),
 }  # fmt: skip
 FRACTIONS = ("\\frac", "\\tfrac", "\\dfrac")
+RECIPROCALS = {"cot": "tan", "sec": "cos", "csc": "sin"}
+"""Functions that are 1 over another."""
 FUNCTION_COMMANDS = (
-    "sin", "cos", "tan", "sqrt", "exp", "log", "ln", "arctan", "arccos", "arcsin", "sgn",
+    "sin", "cos", "tan", "cot", "sec", "csc", "sqrt", "exp", "log", "ln", "arctan", "arccos", "arcsin", "sgn",
 )  # fmt: skip
 MATRICES = ("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "smallmatrix", "array")
 """LaTeX environments that hold a matrix; other environments are passed over."""
