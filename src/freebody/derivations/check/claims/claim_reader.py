@@ -22,7 +22,7 @@ from freebody.derivations.check.reading.circular_answers import uses
 from freebody.derivations.check.reading.claim import Claim
 from freebody.derivations.check.states.state_values import functions_of
 from freebody.derivations.check.verdicts.rounded_numbers import half_a_unit
-from freebody.derivations.expressions.nodes import Expression, Matrix, Number
+from freebody.derivations.expressions.nodes import Expression, Matrix, Number, nodes
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.derivations.quantities import kinds
@@ -50,6 +50,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """The same, whatever acts."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
+        self._refuse_motion(line)
         if self._restates_a_parameter(line):
             return []
         if self.is_of_angles(line):
@@ -80,6 +81,26 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             whole = [*(x for x in named if isinstance(x, Token)), *side]
             found += self.in_some_axes(whole, stated)
         return found
+
+    def _refuse_motion(self, line: Line) -> None:
+        """Refuse what moves beside virtual displacements: read as rates, what does no work along
+        the motion would vanish."""
+        variations = self.vocabulary.variations
+        inside = [token for side in line for token in side if token.kind == "name"]
+        if variations.isdisjoint(token.start for token in inside):
+            return
+        for token in inside:
+            if token.start not in variations and self._is_moving(token):
+                self.source.fail(
+                    "beside virtual displacements stands what has rates in it, which is not read",
+                    token.span,
+                    "Write the equation of motion, or the power with rates, tau1*dtheta1 = dE/dt.",
+                )
+
+    def _is_moving(self, token: Token) -> bool:
+        """Whether rates or accelerations are in what a name stands for."""
+        node = self.parse((token,))
+        return any(self._moves(x.value) for x in nodes(node) if isinstance(x, Named))
 
     def _restates_a_parameter(self, line: Line) -> bool:
         """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is

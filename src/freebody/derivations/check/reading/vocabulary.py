@@ -20,7 +20,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.grammar.tables.characters import RECIPROCALS
+from freebody.derivations.grammar.tables.characters import DOT, RECIPROCALS
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.derivations.quantities.links import COORDINATES, PARAMETERS
 from freebody.errors import likely
@@ -41,6 +41,7 @@ FUNCTIONS = {
     "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
 }  # fmt: skip
 _NOT_POLYNOMIAL = word_set("exp log ln")
+VARIATION = "delta"
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _BARE = str.maketrans("", "", "_{}\\")
@@ -76,6 +77,10 @@ class Vocabulary:
     """Vectors and matrices of the user's own."""
     trees: dict[str, Expression] = field(default_factory=dict)
     """Names of the user's own for what holds roots or inverse functions."""
+    given: set[str] = field(default_factory=set)
+    """Letters of vectors that lines give: they may be numbers, and so stand side by side, 4AC."""
+    variations: set[int] = field(default_factory=set)
+    """Where virtual displacements stand."""
     _known: frozenset[str] | None = None
     _inside_words: frozenset[str] = frozenset()
     """Those that may be a part of a longer word."""
@@ -169,6 +174,8 @@ class Vocabulary:
     def word(self, source: Source, at: int) -> words.Cut:
         """The names that the word there is made of."""
         word = words.spell(source, at)
+        if word.plain == VARIATION and VARIATION not in self.known:
+            word = _joined(source, word)
         pieces = self.cut(source, word)
         if pieces is None:
             self._unknown(source, word)
@@ -177,11 +184,25 @@ class Vocabulary:
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
-        the equations of motion, Mq̈."""
+        the equations of motion, Mq̈, and letters that lines give."""
         known = self.known
         known = known if word.plain in known else self._inside_words
         found = words.cut(source, word, known, self.functions)
-        return words.cut(source, word, self._glued, ()) if found is None else found  # Mq̈
+        if found is None:
+            found = words.cut(source, word, self._glued, ())  # Mq̈
+        if found is None and self.given:
+            found = words.cut(source, word, self._inside_words | self.given, self.functions)
+        if found is None and word.plain.startswith(VARIATION):
+            found = self._varied(word)
+        return found
+
+    def _varied(self, word: words.Word) -> list[words.Piece] | None:
+        """A virtual displacement δθ1 as the rate θ̇1: the coefficients of both are the same."""
+        rate = DOT + word.plain.removeprefix(VARIATION)
+        if rate not in self.known:
+            return None
+        self.variations.add(word.start)
+        return [(rate, word.start, word.end)]
 
     def _unknown(self, source: Source, spelt: words.Word) -> NoReturn:
         """Raise the error for a word that is no name."""
@@ -354,3 +375,12 @@ class Vocabulary:
             for letter, function in (("c", "cos"), ("s", "sin")):
                 angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))
                 yield letter + numbers, (function, angle)
+
+
+def _joined(source: Source, word: words.Word) -> words.Word:
+    """The δ of \\delta\\theta_1 with the name behind it."""
+    if word.at == len(source.lexemes) or not words.begins(source.lexemes[word.at]):
+        return word
+    behind = words.spell(source, word.at)
+    plain = word.plain + behind.plain
+    return words.Word(word.start, behind.at, behind.end, plain, power=behind.power)
