@@ -6,7 +6,14 @@ from collections.abc import Callable, Mapping, Sequence
 
 from freebody.derivations.check.algebra.answer_tree import Named
 from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
-from freebody.derivations.check.algebra.quotients import generator
+from freebody.derivations.check.algebra.quotients import (
+    generator,
+    inverted,
+    negative,
+    pair,
+    plus,
+    times,
+)
 from freebody.derivations.check.algebra.tables_in_formulas import worked_out
 from freebody.derivations.check.asked.quantity import AskedQuantity
 from freebody.derivations.check.reading.circular_answers import uses
@@ -14,6 +21,7 @@ from freebody.derivations.check.reading.vocabulary import Vocabulary
 from freebody.derivations.expressions.nodes import Expression, Matrix, Span
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import Parser
+from freebody.derivations.grammar.tables.characters import TOTAL
 
 _HIGHEST = 2
 """The order up to which derivatives are read."""
@@ -29,7 +37,8 @@ class DerivativeParser(Parser):
     others: dict[Expression, Matrix]
     """The vectors and matrices that names of scalars also stand for."""
 
-    def differentiated(self, start: int) -> Expression:
+    def differentiated(self, first: Token) -> Expression:
+        """What stands behind ∂, or the d of a derivative by a coordinate."""
         of = None if self.is_operator("/") else self._operand()
         if not self.is_operator("/"):
             self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
@@ -37,14 +46,16 @@ class DerivativeParser(Parser):
         self.expect("partial", "∂")
         by = self.expect("name", "what is differentiated by")
         of = self._operand() if of is None else of
-        span = self.since(start)
+        span = self.since(first.start)
         self.vocabulary.uses[self.source[span]] = tuple(
             use.target for use in uses(of, self.quantities, self.vocabulary)
         )
         of = worked_out(of, self.others)
         names = self._variables(by)
         if not isinstance(of, Matrix) and len(names) == 1:
-            return self._slope(of, names[0], span)
+            total = first.text == TOTAL and names[0] in self.vocabulary.setting.symbols.rates
+            slope = self._along_motion if total else self._slope
+            return slope(of, names[0], span)
         slopes = self._slopes(of, names, span)
         return slopes if isinstance(of, Matrix) else Matrix(tuple(zip(*slopes.rows, strict=True)), span=span)
 
@@ -61,6 +72,22 @@ class DerivativeParser(Parser):
         value = self.reader.read(of)
         rates = self.vocabulary.setting.symbols.rates
         slope = value.along(rates) if by == "t" else value.derivative(by)
+        return Named(self.source[span], slope, is_derivative=True, span=span)
+
+    def _along_motion(self, of: Expression, by: str, span: Span) -> Expression:
+        """The derivative by a coordinate, all others following where the loops let one move freely,
+        as of an inertia J(θ1): the ratio of the rates."""
+        setting = self.vocabulary.setting
+        if setting.system is None:
+            return self._slope(of, by, span)
+        if len(setting.symbols.coordinates) - len(setting.system.loops.names) != 1:
+            self.source.fail("several coordinates move freely: write ∂ or the rates", span)
+        rates = setting.symbols.rates
+        above, below = pair(self.reader.quotient(of))
+        change = plus(
+            times(above.along(rates), below), negative(times(above, below.along(rates)))
+        )
+        slope = times(change, inverted(times(times(below, below), rates[by])))
         return Named(self.source[span], slope, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:

@@ -74,7 +74,7 @@ class AnswerParser(DerivativeParser):
             return self.bracket() if self.token.kind == "open" else super().primary()
         first = self.take()
         self._deeper(first)
-        node = self.differentiated(first.start)
+        node = self.differentiated(first)
         self.depth -= 1
         return node
 

@@ -91,8 +91,10 @@ FILL = "\x1f"
 """A blank that is shown with what stands before it, where a text was made shorter."""
 SIGNS = ("**", "==", "<=", ">=", "!=", ":=")
 """Signs of two characters."""
+TOTAL = "\ue01b"
+"""The d of a derivative by a coordinate, as spellings have it."""
 KINDS_OF_SIGNS = {
-    "∂": "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",
+    "∂": "partial", TOTAL: "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",
     ",": "comma", "&": "amp", "°": "degree", ";": "line", "\n": "line",
 }  # fmt: skip
 """What further signs are among tokens."""
