@@ -75,6 +75,7 @@ class Reader {
   // plane; a raised dot between vectors is the product of numbers.
   multiplied(factors, sign, factor) {
     const left = productOf(factors), sides = [left, factor];
+    if (sign === "@" && !sides.every(mayBeTable)) throw unreadable("'@' has no meaning here: it stands between vectors and matrices");
     const dotted = ["\u00b7", "\u22c5", "\u2219", "\u2022", "\\cdot"].includes(sign);
     const before = (left.is === "product" ? left.parts : [left]).some(isBoth) && isTable(factor);
     const may = isBoth(factor) && factor.t[0].length === 1;
@@ -91,7 +92,7 @@ class Reader {
         const exponent = this.exponent();
         if (exponent !== 1) node = {is: "power", parts: [node], exponent};
       } else if (this.token.kind === "transpose") {
-        this.take();
+        if (this.take().text === "'" && !mayBeTable(node)) throw unreadable("a prime stands behind what is no vector or matrix");
         node = {is: "transposed", parts: [node]};
       } else if (this.token.kind === "degree") node = this.degrees(node);
       else return node;

@@ -57,7 +57,11 @@ class DerivativeParser(Parser):
             slope = self._along_motion if total else self._slope
             return slope(of, names[0], span)
         slopes = self._slopes(of, names, span)
-        return slopes if isinstance(of, Matrix) else Matrix(tuple(zip(*slopes.rows, strict=True)), span=span)
+        return (
+            slopes
+            if isinstance(of, Matrix)
+            else Matrix(tuple(zip(*slopes.rows, strict=True)), span=span)
+        )
 
     def _slopes(self, of: Expression, names: Sequence[str], span: Span) -> Matrix:
         """The derivatives of a vector or an expression, a row each."""
@@ -84,9 +88,7 @@ class DerivativeParser(Parser):
             self.source.fail("several coordinates move freely: write ∂ or the rates", span)
         rates = setting.symbols.rates
         above, below = pair(self.reader.quotient(of))
-        change = plus(
-            times(above.along(rates), below), negative(times(above, below.along(rates)))
-        )
+        change = plus(times(above.along(rates), below), negative(times(above, below.along(rates))))
         slope = times(change, inverted(times(times(below, below), rates[by])))
         return Named(self.source[span], slope, is_derivative=True, span=span)
 

@@ -32,7 +32,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.lexer import Token
 from freebody.derivations.grammar.parser import PI, around, product_of
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.grammar.tables.characters import RECIPROCALS
+from freebody.derivations.grammar.tables.characters import PRIME, RECIPROCALS
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 
@@ -91,6 +91,12 @@ class AnswerParser(DerivativeParser):
             if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
                 return True
         return False
+
+    def transposed(self, node: Expression) -> Expression:
+        """A vector or matrix only, where the mark is MATLAB's, that of derivatives elsewhere."""
+        if self.token.text == PRIME and not self._may_be_table(node):
+            self.source.fail("a prime stands behind what is no vector or matrix", self.token.span)
+        return super().transposed(node)
 
     def makes_table(self, function: Token) -> bool:
         return self._function(function) == "Matrix"
@@ -158,6 +164,10 @@ class AnswerParser(DerivativeParser):
         """A × between vectors is the cross product, and so that of an angular velocity and a
         vector in the plane; between a number and a vector it may be either."""
         left = product_of(factors)
+        if sign.written == "@" and not (self._may_be_table(left) and self._may_be_table(factor)):
+            self.source.fail(
+                "'@' has no meaning here: it stands between vectors and matrices", sign.span
+            )
         sides = [self._is_table(y) for y in (left, factor)]
         if self._is_dot(sign, left, factor):
             return [Dot(left, factor, span=around(left, factor))]

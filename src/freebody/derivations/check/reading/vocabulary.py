@@ -4,7 +4,7 @@ quantities."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
@@ -20,7 +20,7 @@ from freebody.derivations.grammar.atoms import atom
 from freebody.derivations.grammar.dotted_names import spellings
 from freebody.derivations.grammar.lexemes import Lexeme
 from freebody.derivations.grammar.source import Source
-from freebody.derivations.grammar.tables.characters import DOT, RECIPROCALS
+from freebody.derivations.grammar.tables.characters import DOT, PRIME, PRIMES, RECIPROCALS
 from freebody.derivations.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.derivations.quantities.links import COORDINATES, PARAMETERS
 from freebody.errors import likely
@@ -32,7 +32,8 @@ if TYPE_CHECKING:
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
-    "tan": "tan", "Tan": "tan", **{x: x for x in RECIPROCALS}, "cosec": "csc", "sgn": "sgn", "sign": "sgn",
+    "tan": "tan", "Tan": "tan", **{x: x for x in RECIPROCALS}, "cosec": "csc",
+    "sgn": "sgn", "sign": "sgn",
     "Derivative": "Derivative", "diff": "Derivative", "jacobian": "jacobian",
     "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",
@@ -180,7 +181,8 @@ class Vocabulary:
         if pieces is None:
             self._unknown(source, word)
         named = [(self.aliases.get(x, x), start, end) for x, start, end in pieces]
-        return words.Cut(named, word.power, word.at)
+        transposed = pieces[-1][2] < word.end
+        return words.Cut(named, word.power, word.at - transposed)
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
@@ -194,7 +196,7 @@ class Vocabulary:
             found = words.cut(source, word, self._inside_words | self.given, self.functions)
         if found is None and word.plain.startswith(VARIATION):
             found = self._varied(word)
-        return found
+        return _before_prime(source, word, self.alone) if found is None else found
 
     def _varied(self, word: words.Word) -> list[words.Piece] | None:
         """A virtual displacement δθ1 as the rate θ̇1: the coefficients of both are the same."""
@@ -384,3 +386,14 @@ def _joined(source: Source, word: words.Word) -> words.Word:
     behind = words.spell(source, word.at)
     plain = word.plain + behind.plain
     return words.Word(word.start, behind.at, behind.end, plain, power=behind.power)
+
+
+def _before_prime(
+    source: Source, word: words.Word, vectors: Collection[str]
+) -> list[words.Piece] | None:
+    """A vector or matrix with a prime behind it that marks its transpose, qd' of MATLAB, without
+    the prime."""
+    items, plain = source.lexemes.items, word.plain.removesuffix(PRIME)
+    if plain == word.plain or plain not in vectors or items[word.at - 1].text not in PRIMES:
+        return None
+    return [(plain, word.start, items[word.at - 2].end)]

@@ -28,7 +28,6 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("^ { %minus < T | \\top | 1 < \\top | T > > }", "⁻ ¹ ᵀ"),
     ("^ < T %ends | \\top | \\intercal | { < @roman_T | \\top | \\intercal > } >", "ᵀ"),
     # J.T @ F of NumPy, transpose(J).
-    ("--%term_end ~. ~T @", "ᵀ *"),
     ("--%term_end ~. ~T %ends", "ᵀ"),
     ("%fresh transpose ( of:%name{1,4} )", "( $of ) ᵀ"),
     # \\arctan2 and SymPy's \\operatorname{atan_{2}}.
