@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
@@ -29,11 +29,15 @@ from freebody.derivations.check.verdicts.verdict_at_states import ONE_ASSEMBLY
 from freebody.derivations.grammar.source import Span
 from freebody.derivations.notations.notation import BookNotation, notation_of
 from freebody.derivations.parameter_formulas import freed
-from freebody.errors import UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.formats import read_file
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 
+_ABSOLUTE = (
+    "This would be right if all angles were measured from the x axis; here each is measured from "
+    "the previous link. An answer with the first is read with absolute=True, --absolute."
+)
 MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""
 LARGEST_FILE = 4_000_000
@@ -101,8 +105,8 @@ def check(
     document = document_of(answer, form)
     formulas = document.lexemes
     written = as_written(freed(model, style.parameters), formulas, names or ())
-    loads = named_in(written, formulas)
-    where = in_notation(equations_of(written, loads), style, absolute)
+    equations = equations_of(written, named_in(written, formulas))
+    where = in_notation(equations, style, absolute)
     asked = _WholeAnswer(document, names or {}, style, at, tolerance)
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
@@ -111,6 +115,10 @@ def check(
             asked.needed(own), own.where.loads, own.righted(first)
         ):
             found = own.instead_of(first)
+    if found.is_unexplained and where.system is not None and not absolute:
+        with suppress(FreebodyError):  # no angles in a plane
+            turned = replace(in_notation(equations, style, True), opposed=found.where.opposed)
+            found = found.explained_by(asked.judged(turned), _ABSOLUTE)
     return found.verdict
 
 
@@ -195,11 +203,31 @@ class _Judged:
         rows = zip(self.claims, self.verdict.equations, before.verdict.equations, strict=False)
         return [claim for claim, own, other in rows if own.equal and not other.equal]
 
+    @property
+    def is_unexplained(self) -> bool:
+        """Whether something is wrong of which nothing is said."""
+        return any(map(_says_nothing, self.verdict.equations))
+
+    def explained_by(self, other: _Judged, cause: str) -> _Judged:
+        """The same, with a cause of what is wrong here without a word, and right there."""
+        rows = self.verdict.equations, other.verdict.equations
+        if len(rows[0]) != len(rows[1]):
+            return self
+        equations = (
+            replace(own, causes=(cause,)) if _says_nothing(own) and there.equal else own
+            for own, there in zip(*rows, strict=True)
+        )
+        return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
+
     def instead_of(self, before: _Judged) -> _Judged:
         """The same, with a note on what is right in the answer's own senses only."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
+
+
+def _says_nothing(x: EquationVerdict) -> bool:
+    return not (x.equal or x.findings or x.causes)
 
 
 @contextmanager
