@@ -7,23 +7,23 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.closed_chains.absolute import AbsoluteCoordinates
-from freebody.derivations.closed_chains.first_kind import FirstKind
-from freebody.derivations.closed_chains.loops import LoopEquations
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.derive import compare
-from freebody.derivations.expressions.expression import Equation, eq
-from freebody.derivations.methods.back_to_joints import BackToJoints
-from freebody.derivations.methods.cut_loops import Loops
-from freebody.derivations.methods.loop_forces import LoopReactions
-from freebody.derivations.methods.reactions import SolvedReactions
-from freebody.derivations.methods.setting import Setting
-from freebody.derivations.polynomials.symbols import symbols
+from freebody.expressions.expression import Equation, eq
+from freebody.expressions.polynomials.symbols import symbols
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.placement import shift, turn
+from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
+from freebody_textbook.closed_chains.first_kind import FirstKind
+from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.derivation import Derivation
+from freebody_textbook.derive import compare
+from freebody_textbook.methods.back_to_joints import BackToJoints
+from freebody_textbook.methods.cut_loops import Loops
+from freebody_textbook.methods.loop_forces import LoopReactions
+from freebody_textbook.methods.reactions import SolvedReactions
+from freebody_textbook.methods.setting import Setting
 from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values
 

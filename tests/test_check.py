@@ -13,7 +13,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.spelling.answer_text import AnswerError, AnswerText
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
 from support.extras import extra
 
 ARM = fb.planar("RR")

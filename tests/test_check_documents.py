@@ -11,7 +11,7 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.spelling.answer_text import AnswerError
+from freebody_textbook.check.spelling.answer_text import AnswerError
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 
 ARM = fb.planar("RR")

@@ -6,11 +6,11 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.spelling.answer_text import AnswerError
-from freebody.derivations.expressions.expression import Symbol
+from freebody.expressions.expression import Symbol
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import Inertia
+from freebody_textbook.check.spelling.answer_text import AnswerError
 
 QUADROTOR, GYRO = fb.load("quadrotor"), fb.load("gyro")
 GYROSCOPIC, WEIGHT = "The gyroscopic moment has the wrong sign", "weight has the wrong direction"

@@ -12,8 +12,8 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.asked.right_equations import setting
+from freebody_textbook.check.asked.joints import polynomial
+from freebody_textbook.check.asked.right_equations import setting
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named, rewritten
 

@@ -9,8 +9,8 @@ from collections import Counter
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.asked.right_equations import setting
+from freebody_textbook.check.asked.joints import polynomial
+from freebody_textbook.check.asked.right_equations import setting
 from support.answers import (
     KINDS,
     WORDS,

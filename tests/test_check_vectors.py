@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.spelling.answer_text import AnswerError
-from freebody.derivations.relations.quantities import Quantities
+from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.relations.quantities import Quantities
 
 ARM = fb.planar("RR")
 

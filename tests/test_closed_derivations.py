@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.closed_chains.first_kind import FirstKind, multiplier_names
-from freebody.derivations.closed_chains.linear import product
-from freebody.derivations.closed_chains.statics import LoopStatics
-from freebody.derivations.derive import compare
-from freebody.derivations.expressions.expression import eq
+from freebody.expressions.expression import eq
+from freebody_textbook.closed_chains.first_kind import FirstKind, multiplier_names
+from freebody_textbook.closed_chains.linear import product
+from freebody_textbook.closed_chains.statics import LoopStatics
+from freebody_textbook.derive import compare
 from support.printed_values import evaluate
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

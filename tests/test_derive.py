@@ -14,11 +14,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.derive import compare
-from freebody.derivations.expressions.expression import Equation, Symbol, nodes
-from freebody.derivations.render import page
-from freebody.derivations.render.equation_numbers import cited
+from freebody.expressions.expression import Equation, Symbol, nodes
 from freebody.model.model import Model
+from freebody_textbook.derive import compare
+from freebody_textbook.render import page
+from freebody_textbook.render.equation_numbers import cited
 from support.printed_values import evaluate
 from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
 

@@ -14,8 +14,8 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.notations.notation import PRESETS, BookNotation, preset
+from freebody.expressions.notations.notation import PRESETS, BookNotation, preset
+from freebody_textbook.derivation import Derivation
 
 ARM = fb.planar("RR")
 DERIVED = [

@@ -9,12 +9,12 @@ from collections import defaultdict
 import pytest
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation, Step
-from freebody.derivations.derive import undrawn_derivation
-from freebody.derivations.expressions.expression import Symbol, nodes
-from freebody.derivations.methods import METHODS
-from freebody.derivations.notations.notation import PRESETS
+from freebody.expressions.expression import Symbol, nodes
+from freebody.expressions.notations.notation import PRESETS
 from freebody.model.model import Model
+from freebody_textbook.derivation import Derivation, Step
+from freebody_textbook.derive import undrawn_derivation
+from freebody_textbook.methods import METHODS
 from support.own_lines import own_lines
 
 

@@ -10,13 +10,10 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.methods import METHODS
-from freebody.derivations.render.page import STYLE
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
-from freebody.figures.illustrate import illustrations
 from freebody.figures.label_placement import overlaps
 from freebody.figures.layers.geometry import common_normal
 from freebody.figures.snapshot import clear_pose, with_values
@@ -25,6 +22,9 @@ from freebody.model.loop_kinds import LOOP_KINDS
 from freebody_notes.figures.catalogue import FIGURES
 from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz
+from freebody_textbook.drawings.illustrate import illustrations
+from freebody_textbook.methods import METHODS
+from freebody_textbook.render.page import STYLE
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 

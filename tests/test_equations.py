@@ -19,15 +19,15 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.equations.equations import Equations
-from freebody.derivations.polynomials.symbols import RATE, SECOND
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.model.build import build_model
 from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter
 from freebody.model.placement import shift, turn
+from freebody_textbook.equations.equations import Equations
 from support.extras import extra
 from support.helpers import numbers
 from support.printed_values import evaluate

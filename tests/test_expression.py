@@ -10,9 +10,10 @@ from unicodedata import normalize
 import numpy as np
 import pytest
 
-from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.evaluate import NoValue
-from freebody.derivations.expressions.expression import (
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.expressions import expression as ex
+from freebody.expressions.evaluate import NoValue
+from freebody.expressions.expression import (
     add,
     cos,
     cross,
@@ -27,13 +28,12 @@ from freebody.derivations.expressions.expression import (
     sin,
     sub,
 )
-from freebody.derivations.expressions.nodes import nodes, replaced
-from freebody.derivations.expressions.printed_names import entry, sym, vec
-from freebody.derivations.relations.formula_values import value
-from freebody.derivations.render.lines import broken
-from freebody.derivations.render.sympy import to_sympy
-from freebody.derivations.render.text import TEXT
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.expressions.nodes import nodes, replaced
+from freebody.expressions.printed_names import entry, sym, vec
+from freebody.expressions.typesetting.lines import broken
+from freebody.expressions.typesetting.text import TEXT
+from freebody_textbook.relations.formula_values import value
+from freebody_textbook.render.sympy import to_sympy
 from support.extras import extra
 from support.printed_values import evaluate
 

@@ -13,7 +13,6 @@ import freebody as fb
 from freebody.cli.app import run
 from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, Turn
-from freebody.figures.illustrate import illustrations
 from freebody.figures.label_placement import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
 from freebody.figures.plots import Plot, plot, thin, ticks
@@ -25,6 +24,7 @@ from freebody.figures.text import plain
 from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
 from freebody.outputs.numbers import significant
+from freebody_textbook.drawings.illustrate import illustrations
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]
 ROBOTS = ("2R", "3R", "RP", "pendulum", "ur5e", "panda", "scara", "gyro", "quadrotor")

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.derive import compare
-from freebody.derivations.expressions.expression import Equation, Symbol, nodes
+from freebody.expressions.expression import Equation, Symbol, nodes
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.model import Model
+from freebody_textbook.derive import compare
 from support.printed_values import evaluate
 from support.symbolic import METHODS
 

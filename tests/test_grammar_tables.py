@@ -8,8 +8,8 @@ import time
 import pytest
 
 import freebody as fb
-from freebody.derivations.grammar.tables import characters, classes, spellings
 from freebody.errors import FreebodyError
+from freebody.expressions.grammar.tables import characters, classes, spellings
 
 ARM = fb.planar("RR")
 

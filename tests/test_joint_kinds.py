@@ -12,9 +12,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.derive import compare
-from freebody.derivations.equations.base_parameters import base_parameters
-from freebody.derivations.polynomials.symbols import symbols
+from freebody.expressions.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.inverse.solutions import turning_coordinates
 from freebody.model.build import build_model
@@ -25,6 +23,8 @@ from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.parameters import Parameter
 from freebody.model.placement import rpy, shift
+from freebody_textbook.derive import compare
+from freebody_textbook.equations.base_parameters import base_parameters
 from support import generate
 from support.extras import extra
 from support.helpers import close

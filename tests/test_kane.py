@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.expressions.expression import Equation, Symbol
+from freebody.expressions.expression import Equation, Symbol
 from freebody.figures.skeleton import skeleton
+from freebody_textbook.derivation import Derivation
 from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values
 

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.expressions.expression import Symbol, nodes
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.living.line_units import units_of_symbols
+from freebody.expressions.expression import Symbol, nodes
+from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Dimension
-from freebody.figures.illustrate import illustrations
 from freebody.figures.text import canonical, label
+from freebody_textbook.drawings.illustrate import illustrations
+from freebody_textbook.living.line_units import units_of_symbols
 from support.browser import browser
 from support.page_labels import measured
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.living.line_values import line_values
-from freebody.derivations.living.living import is_diagnosed
 from freebody_notes.contents import chapters, items
 from freebody_notes.page import pages
 from freebody_notes.run import run_all
+from freebody_textbook.living.line_values import line_values
+from freebody_textbook.living.living import is_diagnosed
 from support.browser import browser
 from support.symbolic import METHODS, coupled
 

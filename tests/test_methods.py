@@ -11,9 +11,9 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations import methods
-from freebody.derivations.methods import METHODS
-from freebody.derivations.methods.method import Method
+from freebody_textbook import methods
+from freebody_textbook.methods import METHODS
+from freebody_textbook.methods.method import Method
 from support.symbolic import spatial_arm
 
 SOURCE = Path(fb.__file__).parent

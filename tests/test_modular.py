@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.expressions import evaluate as walk
-from freebody.derivations.expressions.expression import Expression, Function, Symbol, Vector, nodes
+from freebody.expressions import evaluate as walk
+from freebody.expressions.expression import Expression, Function, Symbol, Vector, nodes
 from freebody.scalars.trig import Trig
+from freebody_textbook.derivation import Derivation
 from support.symbolic import spatial_arm
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

@@ -13,9 +13,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.render import literal
-from freebody.derivations.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from freebody.expressions.printed_names import sym
+from freebody.expressions.typesetting import literal
 from freebody.figures.plots import Plot, plot
 from freebody.figures.text import html, marked, plain, runs
 from freebody.model.build import build_model
@@ -23,6 +22,7 @@ from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.placement import shift
+from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 
 ROBOTS = sorted(Path(fb.__file__).parent.glob("robots/*.toml"))
 SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"

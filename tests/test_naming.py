@@ -10,21 +10,21 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.methods import METHODS
-from freebody.derivations.naming import Naming
 from freebody.errors import FreebodyError
-from freebody.figures import illustrate
+from freebody.expressions import expression as ex
+from freebody.expressions.naming import Naming
+from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn
-from freebody.figures.illustrate import illustrations
 from freebody.figures.text import canonical, label
 from freebody.model.build import build_model
 from freebody.model.description import Drive, Joint, Link, Mount, RobotDescription
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import Parameter
 from freebody.model.placement import Placement, shift
+from freebody_textbook.derivation import Derivation
+from freebody_textbook.drawings import illustrate
+from freebody_textbook.drawings.illustrate import illustrations
+from freebody_textbook.methods import METHODS
 from support.printed_values import evaluate
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

@@ -8,8 +8,8 @@ import pytest
 
 import freebody as fb
 from freebody.cli.app import run
-from freebody.derivations.check.spelling.answer_text import AnswerError
-from freebody.derivations.notations.notation import PRESETS, BookNotation, notation_of, preset
+from freebody.expressions.notations.notation import PRESETS, BookNotation, notation_of, preset
+from freebody_textbook.check.spelling.answer_text import AnswerError
 
 ARM = fb.planar("RR")
 OWN = """title = "Mine"

@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 
-from freebody.derivations.relations.formula import FormulaError
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
 from freebody_notes.run import NotesError, run
+from freebody_textbook.relations.formula import FormulaError
 from support.notes_verdicts import VERDICTS
 
 BY_ID = {x.id: x for x in items()}
@@ -182,7 +182,7 @@ def test_calls_shown_are_calls_that_run():
     ],
 )
 def test_formulas_are_read_and_never_run(form: str):
-    from freebody.derivations.relations.formula import parse
+    from freebody_textbook.relations.formula import parse
 
     with pytest.raises(FormulaError):
         parse(form)

@@ -17,7 +17,6 @@ from markupsafe import escape
 
 import freebody_notes
 from freebody.cli.app import run as program
-from freebody.derivations.relations.formula import as_printed
 from freebody.errors import UnknownNameError
 from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data
@@ -28,6 +27,7 @@ from freebody_notes.page import pages
 from freebody_notes.run import run, run_all
 from freebody_notes.steps import place_of
 from freebody_notes.text import item_text, shown
+from freebody_textbook.relations.formula import as_printed
 from support.formula_font import lacking
 from support.notes_verdicts import VERDICTS
 

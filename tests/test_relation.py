@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebody as fb
-from freebody.derivations.relations.formula import FormulaError, parse
-from freebody.derivations.relations.formula_values import Each, value
-from freebody.derivations.relations.quantities import of_link
-from freebody.derivations.relations.relation import agrees, printed_numbers
 from freebody.errors import FreebodyError, ModelError, ShapeError, UnknownNameError
+from freebody_textbook.relations.formula import FormulaError, parse
+from freebody_textbook.relations.formula_values import Each, value
+from freebody_textbook.relations.quantities import of_link
+from freebody_textbook.relations.relation import agrees, printed_numbers
 
 
 @pytest.fixture(scope="module")

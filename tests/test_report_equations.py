@@ -9,7 +9,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 import freebody as fb
-from freebody.report.equations import shown
+from freebody_textbook.in_studies import shown
 from support.symbolic import spatial_arm, with_values
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.equations.kinematics import kinematics
-from freebody.derivations.polynomials.factors import factored
+from freebody.expressions.kinematics import kinematics
+from freebody.expressions.polynomials.factors import factored
 from freebody.scalars.trig import TrigRing
 from support.arms import arm, skew
 from support.helpers import refused

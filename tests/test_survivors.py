@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.derivations.check.asked.right_equations import setting
-from freebody.derivations.check.verdicts.numeric_example import example
-from freebody.derivations.closed_chains.linear import product
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.render.latex import width_of
+from freebody.expressions.printed_names import sym
+from freebody.expressions.typesetting.latex import width_of
+from freebody_textbook.check.asked.right_equations import setting
+from freebody_textbook.check.verdicts.numeric_example import example
+from freebody_textbook.closed_chains.linear import product
 from support.printed_values import evaluate
 
 

@@ -11,11 +11,11 @@ from operator import add
 import pytest
 
 import freebody as fb
-from freebody.derivations.expressions.nodes import Negative, Sourced, Sum, nodes
-from freebody.derivations.methods.term_sources import KINETIC, POTENTIAL, SEVERAL, TIME
-from freebody.derivations.polynomials.symbols import RATE
-from freebody.derivations.relations.formula_values import value
-from freebody.derivations.render.term_sources import STYLE
+from freebody.expressions.nodes import Negative, Sourced, Sum, nodes
+from freebody.expressions.polynomials.symbols import RATE
+from freebody_textbook.methods.term_sources import KINETIC, POTENTIAL, SEVERAL, TIME
+from freebody_textbook.relations.formula_values import value
+from freebody_textbook.render.term_sources import STYLE
 
 SPRUNG = fb.planar("RP").with_drive("joint2", rotor=0.5, stiffness=3.0, viscous=0.25)
 MODELS = [*map(fb.planar, ("RR", "RP", "RRR")), SPRUNG, fb.load("furuta"), fb.load("polar_arm")]

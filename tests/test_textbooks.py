@@ -15,11 +15,11 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody.derivations.derive import compare
-from freebody.derivations.notations.notation import BookNotation
-from freebody.derivations.quantities.kinds import LETTERED
+from freebody.expressions.notations.notation import BookNotation
+from freebody.expressions.quantities.kinds import LETTERED
 from freebody.formats import toml
 from freebody.model.build import build_model
+from freebody_textbook.derive import compare
 
 FOLDER = Path(__file__).parent / "textbooks"
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.derivations.methods import METHODS
 from freebody.model.model import Model
+from freebody_textbook.methods import METHODS
 
 RR = {"l": ["l1", "l2"], "lc": ["l1", "l2"], "m": ["m1", "m2"]}
 TOML = """
@@ -93,7 +93,7 @@ def test_quantities_of_a_massless_body_are_zero():
 
 def test_methods_still_agree_and_code_has_no_ghost():
     model = fb.planar("RP", l=[0, 0.4], lc=[0.1, 0.2], m=[1.0, 2.0], I=[0, 0.1])
-    from freebody.derivations.derive import compare
+    from freebody_textbook.derive import compare
 
     assert compare(fb.derive(model, "lagrange"), fb.derive(model, "newton-euler"))
     source = fb.equations(model).python()

@@ -1,14 +1,14 @@
 """Written by tools/stub.py from the table in __init__.py: what type checkers read of it."""
 
 from . import math as math
-from freebody.derivations.check.check import check as check
-from freebody.derivations.closed_chains.loops import loop_equations as loop_equations
-from freebody.derivations.equations.equations import equations as equations
-from freebody.derivations.relations.functions import sampled_trajectory as sampled_trajectory
-from freebody.derivations.relations.functions import trajectory as trajectory
-from freebody.derivations.relations.functions import vector_function as vector_function
-from freebody.derivations.relations.quantities import quantities as quantities
-from freebody.derivations.relations.relation import relation as relation
+from freebody_textbook.check.check import check as check
+from freebody_textbook.closed_chains.loops import loop_equations as loop_equations
+from freebody_textbook.equations.equations import equations as equations
+from freebody_textbook.relations.functions import sampled_trajectory as sampled_trajectory
+from freebody_textbook.relations.functions import trajectory as trajectory
+from freebody_textbook.relations.functions import vector_function as vector_function
+from freebody_textbook.relations.quantities import quantities as quantities
+from freebody_textbook.relations.relation import relation as relation
 from freebody.errors import FreebodyError as FreebodyError
 from freebody.errors import FreebodyWarning as FreebodyWarning
 from freebody.errors import LoopError as LoopError
@@ -17,7 +17,7 @@ from freebody.errors import PassiveJointError as PassiveJointError
 from freebody.errors import PhysicalWarning as PhysicalWarning
 from freebody.figures.ellipsoid_diagram import ellipsoid_diagram as ellipsoid_diagram
 from freebody.figures.free_body import free_body_diagram as free_body_diagram
-from freebody.figures.illustrate import derive as derive
+from freebody_textbook.drawings.illustrate import derive as derive
 from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
 from freebody.figures.map_diagram import map_diagram as map_diagram

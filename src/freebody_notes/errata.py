@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.derivations.expressions.nodes import Words
-from freebody.derivations.render.prose import markdown_prose
+from freebody.expressions.nodes import Words
 from freebody_notes.item import SOURCE, ExecutedItem
 from freebody_notes.text import shown
+from freebody_textbook.render.prose import markdown_prose
 
 _WORDS = {
     "misprint": "A misprint",

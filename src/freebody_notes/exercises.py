@@ -9,18 +9,18 @@ import numpy as np
 from markupsafe import Markup, escape
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation
-from freebody.derivations.derive import compare
-from freebody.derivations.expressions.expression import eq
-from freebody.derivations.relations.formula import parse, symbol
-from freebody.derivations.relations.quantities import Quantities
-from freebody.derivations.render import page
+from freebody.expressions.expression import eq
 from freebody_notes.chapters.first_kind import pinned_bar
 from freebody_notes.chapters.five_bar import limbs, robot
 from freebody_notes.chapters.recursion import as_vectors
 from freebody_notes.checks import number
 from freebody_notes.data import data
 from freebody_notes.steps import ROWS
+from freebody_textbook.derivation import Derivation
+from freebody_textbook.derive import compare
+from freebody_textbook.relations.formula import parse, symbol
+from freebody_textbook.relations.quantities import Quantities
+from freebody_textbook.render import page
 
 
 @dataclass(frozen=True)

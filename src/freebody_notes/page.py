@@ -15,15 +15,8 @@ import jinja2
 from markupsafe import Markup
 
 import freebody
-from freebody.derivations.derivation import Step
-from freebody.derivations.expressions.nodes import Equation, Words
-from freebody.derivations.render import documents
-from freebody.derivations.render import page as formulas
-from freebody.derivations.render.living_parts import STYLE
-from freebody.derivations.render.mathml import lean, mathml
-from freebody.derivations.render.prose import web_prose
-from freebody.derivations.render.short_lines import LETTERS
-from freebody.derivations.render.small_screens import SCROLLED, TOUCHED
+from freebody.expressions.nodes import Equation, Words
+from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.figures import colours
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
@@ -35,6 +28,13 @@ from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import SOURCE, VERDICTS, ExecutedItem, Item
 from freebody_notes.steps import Place, live_derivation, place_of
 from freebody_notes.text import shown
+from freebody_textbook.derivation import Step
+from freebody_textbook.render import documents
+from freebody_textbook.render import page as formulas
+from freebody_textbook.render.living_parts import STYLE
+from freebody_textbook.render.prose import web_prose
+from freebody_textbook.render.short_lines import LETTERS
+from freebody_textbook.render.small_screens import SCROLLED, TOUCHED
 
 WORDS = {
     "holds": "holds as printed", "misprint": "misprint", "inconsistent": "inconsistent",

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation, Step
 from freebody_notes.item import Item
+from freebody_textbook.derivation import Derivation, Step
 
 
 @dataclass(frozen=True)

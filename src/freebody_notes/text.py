@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import textwrap
 
-from freebody.derivations.expressions.expression import Equation, Expression
-from freebody.derivations.relations.formula import as_printed
-from freebody.derivations.render import page
+from freebody.expressions.expression import Equation, Expression
 from freebody_notes.item import ExecutedItem, Item, parts
 from freebody_notes.steps import place_of
+from freebody_textbook.relations.formula import as_printed
+from freebody_textbook.render import page
 
 WIDTH = 100
 _INDENT = 12

@@ -13,19 +13,19 @@ from itertools import product as words_of
 
 import freebody as fb
 from freebody.algorithms.kinematics import jacobian
-from freebody.derivations.check.algebra.exact_polynomials import PolynomialReader
-from freebody.derivations.check.asked.joints import polynomial
-from freebody.derivations.check.asked.right_equations import RightEquations
-from freebody.derivations.check.reading.reading import AnswerParser
-from freebody.derivations.check.reading.vocabulary import Vocabulary
-from freebody.derivations.check.spelling.answer_text import AnswerText
-from freebody.derivations.check.verdict import Verdict
-from freebody.derivations.equations.equations import Equations
-from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Expression
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.grammar.lexer import tokens
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Expression
+from freebody.expressions.grammar.lexer import tokens
+from freebody.expressions.printed_names import sym
 from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.asked.joints import polynomial
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerText
+from freebody_textbook.check.verdict import Verdict
+from freebody_textbook.equations.equations import Equations
 
 WORDS = ["".join(word) for n in (1, 2, 3, 4) for word in words_of("RP", repeat=n)]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import accumulate, groupby
 
 import freebody as fb
-from freebody.derivations.derivation import Derivation
+from freebody_textbook.derivation import Derivation
 
 MOST = 80
 """Lines given at once: `check` reads a hundred."""

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations.expressions import evaluate as walk
-from freebody.derivations.expressions.expression import (
+from freebody.errors import UnknownNameError
+from freebody.expressions import evaluate as walk
+from freebody.expressions.expression import (
     Cross,
     Dot,
     Equation,
@@ -19,7 +20,6 @@ from freebody.derivations.expressions.expression import (
     Transposed,
     Vector,
 )
-from freebody.errors import UnknownNameError
 
 FUNCTIONS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
 

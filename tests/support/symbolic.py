@@ -8,9 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.methods import METHODS as TABLE
 from freebody.model.description import Mimic
 from freebody.model.model import Model
+from freebody_textbook.methods import METHODS as TABLE
 
 METHODS = list(TABLE)
 """Names of all methods of derivation."""

@@ -14,8 +14,6 @@ import typer
 from freebody import __version__
 from freebody.cli import (
     INTERRUPTED,
-    check,
-    derive,
     export,
     fbd,
     models,
@@ -28,6 +26,7 @@ from freebody.cli import (
 )
 from freebody.errors import FreebodyError, MissingPackageError
 from freebody.locks import imported
+from freebody_textbook.commands import check, derive
 
 _UNREAD = 141
 """128 and the number of SIGPIPE, as shells count: `| head` has read enough."""

@@ -15,9 +15,9 @@ import numpy as np
 
 from freebody.algorithms.rnea import Recursion, rnea
 from freebody.arrays import Array
-from freebody.derivations.expressions import expression as ex
-from freebody.derivations.expressions.expression import Expression
-from freebody.derivations.naming import Naming
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Expression
+from freebody.expressions.naming import Naming
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import label
 from freebody.model.joints import JointKind

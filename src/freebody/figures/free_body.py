@@ -8,8 +8,8 @@ from os import PathLike
 
 import numpy as np
 
-from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody.expressions.notations.notation import BookNotation
 from freebody.figures.body_loads import NOISE, BodyLoads
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale

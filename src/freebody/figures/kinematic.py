@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from functools import partial
 from os import PathLike
 
-from freebody.derivations.notations.notation import BookNotation
 from freebody.errors import FreebodyError
+from freebody.expressions.notations.notation import BookNotation
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
 from freebody.figures.layers import geometry, motion

@@ -9,10 +9,10 @@ from itertools import count, islice
 
 import numpy as np
 
-from freebody.derivations.expressions.expression import Symbol
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.naming import TIP, Naming
-from freebody.derivations.polynomials.symbols import RATE, SECOND
+from freebody.expressions.expression import Symbol
+from freebody.expressions.naming import TIP, Naming
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym
 from freebody.figures.body_loads import Load
 from freebody.figures.drawing import SAME
 from freebody.figures.skeleton import BodyPlace, End, Skeleton

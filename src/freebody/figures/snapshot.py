@@ -12,11 +12,11 @@ import numpy as np
 from scipy.optimize import root
 
 from freebody.arrays import Array
-from freebody.derivations.naming import Naming
-from freebody.derivations.notations.lettering import lettering_of
-from freebody.derivations.notations.notation import BookNotation, notation_of
-from freebody.derivations.polynomials.symbols import names_by_body
 from freebody.errors import warn
+from freebody.expressions.naming import Naming
+from freebody.expressions.notations.lettering import lettering_of
+from freebody.expressions.notations.notation import BookNotation, notation_of
+from freebody.expressions.polynomials.symbols import names_by_body
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
 from freebody.figures.names import Names

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from html import escape
 from itertools import groupby
 
-from freebody.derivations.expressions import expression as ex
+from freebody.expressions import expression as ex
 
 SIZE = 15.0
 """Height of the letters of formulas, pixels."""

@@ -11,15 +11,11 @@ import numpy as np
 from freebody.algorithms.kinematics import ancestors
 from freebody.algorithms.screws import arm_length
 from freebody.arrays import Array
-from freebody.derivations.equations.kinematics import Kinematics, kinematics
-from freebody.derivations.equations.singularities import (
-    Condition,
-    Determinant,
-    jacobian_determinant,
-)
-from freebody.derivations.expressions.expression import Expression
-from freebody.derivations.polynomials.determinant import columns_of
 from freebody.errors import FreebodyError
+from freebody.expressions.expression import Expression
+from freebody.expressions.kinematics import Kinematics, kinematics
+from freebody.expressions.polynomials.determinant import columns_of
+from freebody.expressions.singularities import Condition, Determinant, jacobian_determinant
 from freebody.inverse.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled

@@ -24,12 +24,12 @@ from freebody.outputs import files
 from freebody.outputs.numbers import significant
 from freebody.outputs.page import SHEETS, math_style, policy
 from freebody.outputs.text import legal
-from freebody.report import equations
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.load_case import load_case
 from freebody.report.summary import energy_text
 from freebody.report.tables import typeset
+from freebody_textbook import equations
 
 if TYPE_CHECKING:
     from freebody.report.study import Study

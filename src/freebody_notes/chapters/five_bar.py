@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.equations.kinematics import Kinematics
-from freebody.derivations.polynomials.textbook_form import Layout
-from freebody.derivations.relations.quantities import Quantities
+from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.polynomials.textbook_form import Layout
 from freebody_notes.checks import Related
+from freebody_textbook.relations.quantities import Quantities
 
 CRANKS = (2.0, 0.9)
 """θ₁ and θ₂, counted from x (rad)."""

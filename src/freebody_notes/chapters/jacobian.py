@@ -7,11 +7,11 @@ import re
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula import parse
-from freebody.derivations.relations.formula_values import value
 from freebody_notes.checks import ByFunction, Related, number
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import Outcome, parts
+from freebody_textbook.relations.formula import parse
+from freebody_textbook.relations.formula_values import value
 
 
 def a_map():

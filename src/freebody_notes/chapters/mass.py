@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula_values import Each
 from freebody.model.inertia import combined
 from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
+from freebody_textbook.relations.formula_values import Each
 
 
 def particles():

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula_values import Each
 from freebody.model.inertia import combined
 from freebody_notes.checks import ARM, Related
+from freebody_textbook.relations.formula_values import Each
 
 _MASSES, _POINTS = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.2]])
 

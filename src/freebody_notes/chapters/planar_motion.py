@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula import parse
-from freebody.derivations.relations.formula_values import value
-from freebody.derivations.relations.relation import printed_numbers
 from freebody_notes.checks import ByFunction, Related
 from freebody_notes.item import Outcome
+from freebody_textbook.relations.formula import parse
+from freebody_textbook.relations.formula_values import value
+from freebody_textbook.relations.relation import printed_numbers
 
 
 def round_trip():

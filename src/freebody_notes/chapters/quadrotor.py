@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula_values import Each
-from freebody.derivations.relations.relation import printed_numbers
 from freebody_notes.checks import ByFunction, Digits, Related, number
 from freebody_notes.item import Outcome
+from freebody_textbook.relations.formula_values import Each
+from freebody_textbook.relations.relation import printed_numbers
 
 
 def flight():

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula_values import Each
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.inertia import combined
 from freebody_notes.checks import Digits, Related
+from freebody_textbook.relations.formula_values import Each
 
 
 def thrown_body():

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.derivations.relations.formula import parse
-from freebody.derivations.relations.formula_values import value
-from freebody.derivations.relations.quantities import Quantities
 from freebody_notes.checks import ARM, Answer, ByFunction, Related, number
 from freebody_notes.item import Outcome, parts
+from freebody_textbook.relations.formula import parse
+from freebody_textbook.relations.formula_values import value
+from freebody_textbook.relations.quantities import Quantities
 
 
 def closed_form():

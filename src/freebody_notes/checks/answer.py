@@ -6,10 +6,10 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 import freebody as fb
-from freebody.derivations.check.spelling.answer_text import AnswerError
 from freebody_notes.checks.calls import ARM, made
 from freebody_notes.checks.evidence import sentence
 from freebody_notes.item import Outcome, parts
+from freebody_textbook.check.spelling.answer_text import AnswerError
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,14 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.derivations.relations.formula import as_printed, parse
-from freebody.derivations.relations.formula_values import value
-from freebody.derivations.relations.relation import agrees, relation
 from freebody.outputs.numbers import signed
 from freebody_notes.checks.calls import source
 from freebody_notes.checks.evidence import number
 from freebody_notes.checks.relation import vectors
 from freebody_notes.item import Outcome, parts
+from freebody_textbook.relations.formula import as_printed, parse
+from freebody_textbook.relations.formula_values import value
+from freebody_textbook.relations.relation import agrees, relation
 
 
 @dataclass(frozen=True)

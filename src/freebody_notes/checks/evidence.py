@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from freebody.derivations.expressions.printed_names import sym
-from freebody.derivations.relations.functions import printed
-from freebody.derivations.relations.quantities import Quantities
-from freebody.derivations.relations.relation import Relation
+from freebody.expressions.printed_names import sym
 from freebody.outputs.numbers import shortest
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
 from freebody_notes.item import Outcome
+from freebody_textbook.relations.functions import printed
+from freebody_textbook.relations.quantities import Quantities
+from freebody_textbook.relations.relation import Relation
 
 ROUNDING = 1e-12
 """Numbers below are shown as 0."""

@@ -7,15 +7,15 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.derivations.relations.formula import FormulaError, as_printed
-from freebody.derivations.relations.formula_values import Each, plain, rank
-from freebody.derivations.relations.quantities import Quantities, of_link
-from freebody.derivations.relations.relation import relation
 from freebody.errors import UnknownNameError
 from freebody.lazy import cached_property
 from freebody_notes.checks.calls import ARM, made, source
 from freebody_notes.checks.evidence import sentence, told
 from freebody_notes.item import Outcome, parts
+from freebody_textbook.relations.formula import FormulaError, as_printed
+from freebody_textbook.relations.formula_values import Each, plain, rank
+from freebody_textbook.relations.quantities import Quantities, of_link
+from freebody_textbook.relations.relation import relation
 
 SHORT = 70
 """Letters of an equation that stands before its evidence."""

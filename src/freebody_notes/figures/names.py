@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from freebody.derivations.expressions.printed_names import GREEK
+from freebody.expressions.printed_names import GREEK
 from freebody.figures.body_loads import Load
 from freebody.figures.names import Names
 from freebody.figures.skeleton import BodyPlace, End, Skeleton

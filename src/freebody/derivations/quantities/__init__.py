@@ -1,1 +1,0 @@
-"""Kinds of quantities with their letters, units and words, and the symbols of links."""

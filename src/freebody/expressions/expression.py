@@ -1,0 +1,225 @@
+"""Expressions as they are printed: a small immutable tree, and plain functions that build it.
+
+Nothing here simplifies; the exact mathematics is in `scalars.trig`. What the functions do is what a
+printed line needs: sums and products are flat, a sign stands in front, a number first, zeros and
+ones vanish.
+
+Wherever an expression is expected, a number or the name of a symbol will do:
+`eq("tau1", add(mul("I1", "omega1_d"), "tau2"))`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from fractions import Fraction
+from numbers import Rational
+
+from freebody.expressions.nodes import (
+    Arguments,
+    Cross,
+    Derivative,
+    Dot,
+    Equation,
+    Expression,
+    Function,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Symbol,
+    Transposed,
+    Vector,
+    Words,
+    nodes,
+)
+from freebody.expressions.printed_names import sym
+
+Like = Expression | Rational | int | str
+"""An expression, a number, or the name of a symbol."""
+
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+
+
+# ---------------------------------------------------------------- building
+def expr(x: Like) -> Expression:
+    """Numbers and names as expressions."""
+    if isinstance(x, Expression):
+        return x
+    if isinstance(x, str):
+        return sym(x)
+    return Number(Fraction(x))
+
+
+def num(value: Rational | int, decimal: bool = False) -> Expression:
+    """A number, its sign in front."""
+    exact = Fraction(value)
+    return Number(exact, decimal) if exact >= 0 else Negative(Number(-exact, decimal))
+
+
+def neg(x: Like) -> Expression:
+    """-x; of a negative its operand."""
+    x = expr(x)
+    if isinstance(x, Negative):
+        return x.operand
+    return num(-x.value, x.decimal) if isinstance(x, Number) else Negative(x)
+
+
+def add(*terms: Like) -> Expression:
+    """Sum, in the order given."""
+    flat: list[Expression] = []
+    for term in map(expr, terms):
+        flat += term.terms if isinstance(term, Sum) else (term,) if term != ZERO else ()
+    return ZERO if not flat else flat[0] if len(flat) == 1 else Sum(tuple(flat))
+
+
+def neg_each(x: Like) -> Expression:
+    """-x, of a sum term by term."""
+    x = expr(x)
+    return add(*map(neg, x.terms)) if isinstance(x, Sum) else neg(x)
+
+
+def sub(a: Like, b: Like) -> Expression:
+    """a - b; a sum b keeps its brackets."""
+    return add(a, neg(b)) if expr(b) != ZERO else expr(a)
+
+
+def mul(*factors: Like) -> Expression:
+    """Product: sign and number in front, then the factors in the order given."""
+    value, decimal = Fraction(1), False
+    rest: list[Expression] = []
+    for factor in _factors(map(expr, factors)):
+        if isinstance(factor, Number):
+            value, decimal = value * factor.value, decimal or factor.decimal
+        else:
+            rest.append(factor)
+    if value == 0:
+        return ZERO
+    number = Number(abs(value), decimal)
+    if rest and number.value == 1:
+        product = rest[0] if len(rest) == 1 else Product(tuple(rest))
+    else:
+        product = Product((number, *rest)) if rest else number
+    return product if value > 0 else Negative(product)
+
+
+def _factors(factors: Iterable[Expression]) -> Iterable[Expression]:
+    """Factors of products and signs, one by one."""
+    for factor in factors:
+        if isinstance(factor, Negative):
+            yield Number(Fraction(-1))
+            yield from _factors((factor.operand,))
+        elif isinstance(factor, Product):
+            yield from factor.factors
+        else:
+            yield factor
+
+
+def div(a: Like, b: Like) -> Expression:
+    """a / b as a fraction, the sign of a in front."""
+    a, b = expr(a), expr(b)
+    if isinstance(a, Negative):
+        return Negative(div(a.operand, b))
+    return a if b == ONE else Quotient(a, b)
+
+
+def power(base: Like, exponent: int) -> Expression:
+    """base ** exponent."""
+    return expr(base) if exponent == 1 else ONE if exponent == 0 else Power(expr(base), exponent)
+
+
+def sin(x: Like) -> Expression:
+    """Sine."""
+    return Function("sin", expr(x))
+
+
+def cos(x: Like) -> Expression:
+    """Cosine."""
+    return Function("cos", expr(x))
+
+
+def sgn(x: Like) -> Expression:
+    """Sign."""
+    return Function("sgn", expr(x))
+
+
+def d_dt(x: Like) -> Expression:
+    """Time derivative, written d/dt."""
+    return Derivative(expr(x), Symbol("t", "t"))
+
+
+def partial(of: Like, by: Like) -> Expression:
+    """Partial derivative ∂of/∂by."""
+    return Derivative(expr(of), expr(by), partial=True)
+
+
+def cross(a: Like, b: Like) -> Expression:
+    """a × b; 0 where one of them is."""
+    x, y = expr(a), expr(b)
+    return ZERO if ZERO in (x, y) else Cross(x, y)
+
+
+def dot(a: Like, b: Like) -> Expression:
+    """a · b; 0 where one of them is."""
+    x, y = expr(a), expr(b)
+    return ZERO if ZERO in (x, y) else Dot(x, y)
+
+
+def transposed(x: Like) -> Expression:
+    """xᵀ."""
+    return Transposed(expr(x))
+
+
+def vector(*entries: Like) -> Expression:
+    """A column."""
+    return Vector(tuple(map(expr, entries)))
+
+
+def matrix(rows: Iterable[Iterable[Like]]) -> Expression:
+    """A matrix from its rows."""
+    return Matrix(tuple(tuple(map(expr, row)) for row in rows))
+
+
+def words(text: str) -> Expression:
+    """Upright words."""
+    return Words(text)
+
+
+def arguments(*entries: Like) -> Expression:
+    """Several arguments of one function."""
+    return Arguments(tuple(map(expr, entries)))
+
+
+def eq(*sides: Like) -> Equation:
+    """side = side (= side …)."""
+    return Equation(tuple(map(expr, sides)))
+
+
+def chain(*sides: Like) -> Equation:
+    """side = side …, each side once: a rule that is its value is not repeated."""
+    return eq(*dict.fromkeys(map(expr, sides)))
+
+
+# ---------------------------------------------------------------- looking inside
+def size(x: Expression) -> int:
+    """How many numbers and symbols are read."""
+    return sum(isinstance(node, Number | Symbol) for node in nodes(x))
+
+
+def operations(x: Expression) -> dict[str, int]:
+    """How many additions, multiplications and functions it takes to compute what is printed."""
+    count = {"additions": 0, "multiplications": 0, "functions": 0}
+    for node in nodes(x):
+        if isinstance(node, Sum):
+            count["additions"] += len(node.terms) - 1
+        elif isinstance(node, Product):
+            count["multiplications"] += len(node.factors) - 1
+        elif isinstance(node, Power):
+            count["multiplications"] += abs(node.exponent) - 1
+        elif isinstance(node, Quotient):
+            count["multiplications"] += 1
+        elif isinstance(node, Function):
+            count["functions"] += 1
+    return count

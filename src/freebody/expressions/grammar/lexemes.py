@@ -1,0 +1,124 @@
+"""Characters into lexemes: a letter with its marks, a figure, a command, a sign. Blanks, comments
+and what says nothing are between them, and each lexeme knows whether such stood before it."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+from freebody.expressions.grammar.tables import characters as table
+from freebody.lazy import cached_property
+
+KINDS = (
+    "letter", "digit", "low", "high", "mark", "command", "begin", "end", "row", "line", "sign",
+    "frame", "determinant",
+)  # fmt: skip
+"""Kinds of lexemes; the last two are made of others, by the table of spellings."""
+
+
+class Lexeme(NamedTuple):
+    """A piece of a text, and where it stands."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+    apart: bool = False
+    """Whether a blank stands before it."""
+
+    @property
+    def command(self) -> str:
+        """The name of a command, else ""."""
+        return self.text[1:] if self.kind == "command" else ""
+
+
+_LOW, _HIGH = "".join(table.LOW), "".join(table.HIGH)
+_LEXEME = re.compile(
+    rf"(?P<letter>[^\W\d_{_LOW}{_HIGH}ᵀ{''.join(table.VULGAR_FRACTIONS)}][{table.ANY_MARK}]*)"
+    rf"|(?P<digit>[0-9])|(?P<blank>(?:[^\S\n]|[{table.SILENT}])+)"
+    r"|(?P<environment>\\(?:begin|end)\s*\{[A-Za-z]+\*?\}(?:\{[clr|\s]*\})?)"
+    r"|(?P<row>\\\\(?:\s*\[[^\]\n]{0,12}\])?)|(?P<command>\\(?:[A-Za-z]+|.|$))"
+    rf"|(?P<low>[{_LOW}])|(?P<high>[{_HIGH}])|(?P<mark>[{table.ANY_MARK}])|(?P<line>\n)"
+    rf"|(?P<comment>\#[^\n]*)|(?P<sign>{'|'.join(map(re.escape, table.SIGNS))}|.)",
+    re.DOTALL,
+)
+_SILENT = frozenset(f"\\{name}" for name in table.SILENT_COMMANDS)
+
+
+def scanned(text: str) -> list[Lexeme]:
+    """The lexemes of a text with accents decomposed."""
+    made: list[Lexeme] = []
+    apart = True
+    for match in _LEXEME.finditer(text):
+        kind, found = match.lastgroup or "", match[0]
+        if kind == "environment":
+            name = found[found.index("{") + 1 : found.index("}")]
+            kind = found[1:].partition("{")[0].strip() if name in table.MATRICES else "blank"
+            found = name
+        if kind in ("blank", "comment") or found in _SILENT:
+            apart = True
+        else:
+            made.append(Lexeme(kind, found, *match.span(), apart))
+            apart = kind == "line"
+    return made
+
+
+class Lexemes(Sequence[Lexeme]):
+    """The lexemes of a text, found by their kinds and texts, and by place."""
+
+    def __init__(self, items: Iterable[Lexeme]):
+        self.items = list(items)
+
+    @classmethod
+    def of(cls, text: str) -> Lexemes:
+        """Those of a text with accents decomposed."""
+        return cls(scanned(text))
+
+    def __len__(self) -> int:
+        return len(self.items)
+
+    def __getitem__(self, k):  # type: ignore[no-untyped-def]
+        return self.items[k]
+
+    def __iter__(self) -> Iterator[Lexeme]:
+        return iter(self.items)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [x.start for x in self.items]
+
+    @cached_property
+    def places(self) -> dict[str, list[int]]:
+        """Where lexemes of each text, and of each kind, are; a kind is written behind a %."""
+        found: dict[str, list[int]] = {}
+        for k, x in enumerate(self.items):
+            found.setdefault(x.text, []).append(k)
+            found.setdefault(f"%{x.kind}", []).append(k)
+        return found
+
+    def at(self, place: int) -> int:
+        """The first lexeme that begins there or later."""
+        return bisect_left(self._starts, place)
+
+    def between(self, start: int, end: int) -> range:
+        """Those that begin between two places of the text."""
+        return range(self.at(start), self.at(end))
+
+    def closing(self, k: int) -> int | None:
+        """The brace that closes the one at k."""
+        depth = 0
+        for j in range(k, len(self.items)):
+            depth += {"{": 1, "}": -1}.get(self.items[j].text, 0)
+            if depth == 0:
+                return j
+        return None
+
+
+NOTHING = Lexemes(())
+
+
+def plain(items: Iterable[Lexeme]) -> str:
+    """The texts of lexemes without blanks."""
+    return "".join(x.text for x in items)

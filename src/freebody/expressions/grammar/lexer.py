@@ -1,0 +1,159 @@
+"""Lexemes into tokens: names as the vocabulary knows them, numbers, operators, brackets."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Protocol
+
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.lexemes import Lexeme, plain
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.source import Source, Span
+from freebody.expressions.grammar.tables import characters as table
+
+
+@dataclass(frozen=True)
+class Token:
+    """kind: number name function power operator open close fraction partial transpose comma equals
+    line amp row begin end degree stop."""
+
+    kind: str
+    text: str
+    start: int
+    end: int
+    value: Fraction = Fraction(0)
+    written: str = ""
+    """Of an operator the sign that was written for it."""
+
+    @property
+    def span(self) -> Span:
+        """Where it stands."""
+        return self.start, self.end
+
+
+class Grammar(Protocol):
+    """What the lexer asks of a language."""
+
+    @property
+    def functions(self) -> Collection[str]:
+        """Words that are functions."""
+        ...
+
+    def begins(self, x: Lexeme) -> bool:
+        """Whether a word begins with a lexeme."""
+        ...
+
+    def word(self, source: Source, at: int) -> words.Cut:
+        """The word there; raises the error for one that is none."""
+        ...
+
+
+_NUMBER = LexemePattern("@number")
+_LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
+_CLOSING = frozenset(table.BRACKETS.values())
+MATRICES = frozenset(table.MATRICES)
+
+
+def tokens(source: Source, language: Grammar, piece: Span | None = None) -> list[Token]:
+    """All tokens of a text, or of a piece of it, the last of kind "stop"."""
+    found: list[Token] = []
+    lexemes = source.lexemes
+    inside = lexemes.between(*piece) if piece else range(len(lexemes))
+    k = inside.start
+    while k < inside.stop:
+        x = lexemes[k]
+        if language.begins(x):
+            cut = language.word(source, k)
+            found += _names(cut, language)
+            k = cut.stop
+        elif x.kind == "digit" or x.text == ".":
+            k = _number(source, k, found)
+        elif x.kind == "high":
+            k = _power(source, k, found)
+        else:
+            found.append(_mark(source, x, language))
+            k += 1
+    end = piece[1] if piece else len(source.text)
+    found.append(Token("stop", "", end, end))
+    return found
+
+
+def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
+    """The names that a word is made of, with the power that stood before its subscript."""
+    for name, start, end in cut.pieces:
+        if name.isdigit():
+            yield Token("number", name, start, end, Fraction(name))
+        else:
+            yield Token("function" if name in language.functions else "name", name, start, end)
+    if cut.power is not None:
+        end = cut.pieces[-1][2]
+        yield Token("power", str(cut.power), end, end, Fraction(cut.power))
+
+
+def _number(source: Source, k: int, found: list[Token]) -> int:
+    """A number, or a full stop; of the bare figures of \\frac12 only the first. It returns the next
+    lexeme."""
+    lexemes = source.lexemes
+    match = _NUMBER.at(lexemes, k)
+    if match is None:
+        if k + 1 >= len(lexemes) or lexemes[k + 1].apart or lexemes[k + 1].kind == "line":
+            return k + 1  # a full stop
+        source.fail("a decimal point without digits", (lexemes[k].start, lexemes[k].end))
+    stop = match.stop
+    kinds = [token.kind for token in found[-2:]]
+    if kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]:
+        figures = all(x.kind == "digit" for x in lexemes[k:stop])
+        stop = k + 1 if figures else stop
+    text, span = plain(lexemes[k:stop]), (lexemes[k].start, lexemes[stop - 1].end)
+    mantissa, _, exponent = text.lower().partition("e")
+    if len(mantissa) > _LONGEST_NUMBER or abs(int(exponent[:9] or 0)) > _LARGEST_EXPONENT:
+        source.fail("this number is too long or too large", span)
+    found.append(Token("number", text, *span, Fraction(text)))
+    return stop
+
+
+def _power(source: Source, k: int, found: list[Token]) -> int:
+    """Figures written high; it returns the next lexeme."""
+    lexemes, stop = source.lexemes, k + 1
+    while stop < len(lexemes) and lexemes[stop].kind == "high" and not lexemes[stop].apart:
+        stop += 1
+    digits = "".join(table.HIGH[x.text] for x in lexemes[k:stop])
+    if not digits.removeprefix("-").isdigit() or len(digits) > 9:
+        x = lexemes[k]
+        source.fail(f"{x.text!r} has no meaning here", (x.start, x.end))
+    text, span = plain(lexemes[k:stop]), (lexemes[k].start, lexemes[stop - 1].end)
+    found.append(Token("power", text, *span, Fraction(int(digits))))
+    return stop
+
+
+def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
+    """Operators, brackets, commands and the like."""
+    text, span = x.text, (x.start, x.end)
+    if text in table.OPERATORS:
+        return Token("operator", table.OPERATORS[text], *span, written=text)
+    if text in table.BRACKETS:
+        return Token("open", text[-1], *span)
+    if text in _CLOSING:
+        return Token("close", text[-1], *span)
+    if text in table.KINDS_OF_SIGNS:
+        return Token(table.KINDS_OF_SIGNS[text], text, *span)
+    if text in table.VULGAR_FRACTIONS:
+        return Token("number", text, *span, Fraction(*table.VULGAR_FRACTIONS[text]))
+    if x.kind in ("row", "begin", "end"):
+        return Token(x.kind, text, *span)
+    if text in table.FRACTIONS:
+        return Token("fraction", text, *span)
+    if x.command in table.FUNCTION_COMMANDS and x.command in language.functions:
+        return Token("function", x.command, *span)
+    if x.kind == "mark":
+        source.fail("a dot without a letter under it", span)
+    if text == "\\":
+        source.fail("a backslash alone", span)
+    if text == "\\prime":
+        source.fail("a prime is written ' here, such as \\theta_1'", span)
+    if x.kind == "command":
+        shown = text if len(text) <= 40 else f"{text[:40]}…"
+        source.fail(f"the command {shown} is not known here", span)
+    source.fail(f"{text[:1]!r} has no meaning here", span)

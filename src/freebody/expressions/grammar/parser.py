@@ -1,0 +1,360 @@
+"""Tokens into a tree, by recursive descent; nothing is run. A language is a subclass: what its
+names and functions are, and whether products may go without a sign, 2 l1 lc2 cos θ2."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from fractions import Fraction
+from typing import NoReturn
+
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.source import Source, Span
+from freebody.expressions.nodes import (
+    Expression,
+    Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Transposed,
+)
+
+DEEPEST = 100
+"""Brackets inside brackets."""
+
+_PAIR = {"(": ")", "[": "]", "{": "}"}
+PI = Fraction(repr(math.pi))
+_STARTS = ("name", "function", "open", "fraction", "partial")
+"""Tokens that begin a factor, numbers apart."""
+
+
+class Parser(ABC):
+    """Reads one side of an equation."""
+
+    implied_products = True
+    """Whether factors may stand side by side without a sign."""
+    tables_anywhere = False
+    """Whether vectors and matrices may stand inside an expression."""
+    largest_exponent = 12
+    negative_powers = ""
+    """Why there are none; empty where there are."""
+
+    def __init__(self, source: Source, tokens: Sequence[Token]):
+        self.source, self.tokens = source, tokens
+        self.at = 0
+        self.depth = 0
+        end = tokens[-1].end if tokens else 0
+        self.stop = Token("stop", "", end, end)
+
+    # ------------------------------------------------------------ tokens
+    @property
+    def token(self) -> Token:
+        """The next token."""
+        return self.tokens[self.at] if self.at < len(self.tokens) else self.stop
+
+    def ahead(self, k: int) -> Token:
+        """The k-th token after the next."""
+        return self.tokens[self.at + k] if self.at + k < len(self.tokens) else self.stop
+
+    def take(self) -> Token:
+        """The next token, which is used up."""
+        token = self.token
+        self.at += 1
+        return token
+
+    def since(self, start: int) -> Span:
+        """From there to the end of the last token that was used up."""
+        return start, self.tokens[self.at - 1].end
+
+    def is_operator(self, *texts: str) -> bool:
+        """Whether one of these operators comes next."""
+        return self.token.kind == "operator" and self.token.text in texts
+
+    def fail_here(self, expected: str) -> NoReturn:
+        """Raise the error that something else was expected."""
+        token = self.token
+        found = "the line ends" if token.kind == "stop" else f"there is {self.source[token.span]!r}"
+        self.source.fail(f"{found} where {expected} is expected", token.span)
+
+    # ------------------------------------------------------------ sides
+    def side(self) -> Expression:
+        """A whole side: an expression, or a vector or matrix of expressions."""
+        whole = not self.tables_anywhere and self._is_table()
+        node = self.table() if whole else self.expression()
+        if self.token.kind == "close":
+            self.source.fail(f"this {self.token.text!r} closes no bracket", self.token.span)
+        if self.token.kind != "stop":
+            self.fail_here("an operator or the end of the line")
+        return node
+
+    def makes_table(self, function: Token) -> bool:
+        """Whether a function is a name for a matrix, Matrix([[a, b], [c, d]])."""
+        return False
+
+    def _is_table(self) -> bool:
+        token = self.token
+        if token.kind == "begin" or (token.kind == "function" and self.makes_table(token)):
+            return True
+        if token.kind != "open" or token.text != "[":
+            return False
+        depth = 0
+        for k in range(len(self.tokens) - self.at):
+            following = self.ahead(k)
+            depth += {"open": 1, "close": -1}.get(following.kind, 0)
+            if depth == 0:
+                return self.ahead(k + 1).kind == "stop" and self.ahead(1).kind == "open"
+            if depth == 1 and following.kind in ("comma", "line"):
+                return True
+        return False
+
+    def table(self) -> Matrix:
+        """[[a, b], [c, d]], [a, b], Matrix(…), or a LaTeX matrix."""
+        first = self.take()
+        if first.kind == "begin":
+            rows = self._rows(("amp",), ("row",), "end")
+        elif first.kind == "function":
+            self.expect("open", "'('")
+            inner = self.table()
+            self.expect("close", "')'")
+            rows = inner.rows
+        elif self.token.kind == "open" and self.token.text == "[":
+            rows = self._nested()
+        else:
+            rows = self._rows(("comma",), ("line", "row"), "close")
+        return Matrix(tuple(map(tuple, rows)), span=self.since(first.start))
+
+    def _rows(
+        self, column: tuple[str, ...], row: tuple[str, ...], end: str
+    ) -> list[list[Expression]]:
+        rows: list[list[Expression]] = [[]]
+        while True:
+            rows[-1].append(self.expression())
+            token = self.take()
+            if token.kind in row and self.token.kind == end:
+                token = self.take()
+            if token.kind in row:
+                rows.append([])
+            elif token.kind == end:
+                return rows
+            elif token.kind not in column:
+                self.at -= 1
+                self.fail_here("the next entry of the matrix")
+
+    def _nested(self) -> list[list[Expression]]:
+        rows = []
+        while True:
+            self.expect("open", "'['")
+            rows += self._rows(("comma",), (), "close")
+            token = self.take()
+            if token.kind == "close":
+                return rows
+            if token.kind != "comma":
+                self.at -= 1
+                self.fail_here("the next row of the matrix")
+
+    def expect(self, kind: str, what: str) -> Token:
+        if self.token.kind != kind:
+            self.fail_here(what)
+        return self.take()
+
+    # ------------------------------------------------------------ expressions
+    def expression(self) -> Expression:
+        """term ± term …"""
+        terms = [self._signed(self.product)]
+        while self.is_operator("+", "-"):
+            terms.append(self._signed(self.product))
+        if len(terms) == 1:
+            return terms[0]
+        return Sum(tuple(terms), span=around(terms[0], terms[-1]))
+
+    def _signed(self, read: Callable[[], Expression]) -> Expression:
+        """What `read` reads, with the signs before it."""
+        start, negative = self.token.start, False
+        while self.is_operator("+", "-"):
+            negative ^= self.take().text == "-"
+        node = read()
+        return Negative(node, span=(start, node.span[1])) if negative else node
+
+    def product(self) -> Expression:
+        """Factors with * and / between them or nothing."""
+        node = self.factor()
+        factors = [node]
+        while True:
+            token = self.token
+            if self.is_operator("*"):
+                sign = self.take()
+                factors = self.multiplied(factors, sign, self.following(factors, sign))
+            elif self.is_operator("/"):
+                self.take()
+                above, below = product_of(factors), self._signed(self.factor)
+                factors = [self.quotient(above, below)]
+            elif not self.implied_products:
+                return product_of(factors)
+            elif (
+                token.kind in _STARTS
+                or (token.kind == "number" and "." in token.text and not self._is_behind_number())
+                or (token.kind == "begin" and self.tables_anywhere)
+            ):
+                factors.append(self.factor())
+            elif token.kind == "number":
+                self._number_behind(token)
+            else:
+                return product_of(factors)
+
+    def _is_behind_number(self) -> bool:
+        """Such as .5 in 2.0.5"""
+        return self.tokens[self.at - 1].kind == "number"
+
+    def _number_behind(self, token: Token) -> None:
+        before = self.source[self.tokens[self.at - 1].span]
+        self.source.fail(
+            f"the number {token.text} follows {before!r}: write {before}^{token.text} for a power, "
+            f"{before}*{token.text} for a product",
+            token.span,
+        )
+
+    def factor(self) -> Expression:
+        """A primary with its powers."""
+        node = self.primary()
+        while True:
+            if self.token.kind == "power" or self.is_operator("^"):
+                exponent = self.exponent()
+                span = self.since(node.span[0])
+                node = (
+                    replace(node, span=span) if exponent == 1 else Power(node, exponent, span=span)
+                )
+            elif self.token.kind == "transpose":
+                node = self.transposed(node)
+            elif self.token.kind == "degree":
+                node = self.degrees(node)
+            else:
+                return node
+
+    def transposed(self, node: Expression) -> Expression:
+        """What stands in front of the mark of a transpose."""
+        return Transposed(node, span=(node.span[0], self.take().end))
+
+    def degrees(self, node: Expression) -> Expression:
+        """A number in radians, where ° stands behind it."""
+        if self.token.kind != "degree":
+            return node
+        span = (node.span[0], self.take().end)
+        return Product((node, Number(PI / 180, span=span)), span=span)
+
+    def exponent(self) -> int:
+        """The number behind ^, or written as superscript."""
+        first = self.take()
+        token, value = first, first.value
+        if first.kind != "power":
+            bracket = self.take() if self.token.kind == "open" else None
+            sign = -1 if self.is_operator("-") and self.take() else 1
+            token = self.token
+            if token.kind == "name":
+                self.source.fail("a power must be a whole number", token.span)
+            value = self.expect("number", "a whole number as power").value * sign
+            if bracket is not None:
+                self.expect("close", f"{_PAIR[bracket.text]!r}")
+        if value < 0 and self.negative_powers:
+            self.source.fail(self.negative_powers, token.span)
+        if value.denominator != 1 or abs(value) > self.largest_exponent:
+            self.source.fail(
+                f"a power must be a whole number up to {self.largest_exponent}", token.span
+            )
+        if self.is_operator("^") or self.token.kind == "power":
+            self.source.fail("a power of a power needs brackets", self.token.span)
+        return int(value)
+
+    def primary(self) -> Expression:
+        """A number, name, function, fraction or bracket."""
+        token = self.token
+        if token.kind == "number":
+            self.take()
+            decimal = bool(set(token.text) & {".", "e", "E"})
+            return Number(token.value, decimal, span=token.span)
+        if token.kind == "name":
+            return self.name()
+        if self.tables_anywhere and (token.kind == "begin" or token.text == "["):
+            return self.table()
+        if token.kind == "open":
+            return self.bracket()
+        if token.kind in ("function", "fraction"):
+            return self._nested_call()
+        if token.kind == "begin":
+            self.source.fail("a matrix must be a whole side of the equation", token.span)
+        self.fail_here("a term")
+
+    def bracket(self) -> Expression:
+        """( … ), the node as wide as its brackets."""
+        token = self.take()
+        self._deeper(token)
+        node = self.expression()
+        self.depth -= 1
+        close = self.token
+        if close.kind != "close":
+            if close.kind == "stop":
+                self.source.fail(f"this {token.text!r} is not closed", token.span)
+            self.fail_here(f"{_PAIR[token.text]!r}")
+        if close.text != _PAIR[token.text]:
+            self.source.fail(f"{token.text!r} is closed by {close.text!r}", close.span)
+        self.take()
+        return replace(node, span=(token.start, close.end))
+
+    def _deeper(self, token: Token) -> None:
+        self.depth += 1
+        if self.depth > DEEPEST:
+            self.source.fail(f"more than {DEEPEST} brackets inside one another", token.span)
+
+    def _nested_call(self) -> Expression:
+        """A function or fraction; both may hold others."""
+        token = self.token
+        self._deeper(token)
+        node = self._fraction() if token.kind == "fraction" else self.call()
+        self.depth -= 1
+        return node
+
+    def _fraction(self) -> Expression:
+        """\\frac{above}{below}, \\frac12."""
+        start = self.take().start
+        above, below = (
+            self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2)
+        )
+        return replace(self.quotient(above, below), span=(start, below.span[1]))
+
+    # ------------------------------------------------------------ what a language says
+    @abstractmethod
+    def name(self) -> Expression:
+        """What the name that comes next stands for."""
+
+    @abstractmethod
+    def call(self) -> Expression:
+        """The function that comes next, with its argument."""
+
+    def following(self, factors: list[Expression], sign: Token) -> Expression:
+        """The factor behind the sign of a product."""
+        return self._signed(self.factor)
+
+    def multiplied(
+        self, factors: list[Expression], sign: Token, factor: Expression
+    ) -> list[Expression]:
+        """The factors of a product with one more behind its sign."""
+        return [*factors, factor]
+
+    def quotient(self, above: Expression, below: Expression) -> Expression:
+        """A fraction."""
+        return Quotient(above, below, span=around(above, below))
+
+
+def around(first: Expression, last: Expression) -> Span:
+    """From the start of one piece to the end of another."""
+    return first.span[0], last.span[1]
+
+
+def product_of(factors: list[Expression]) -> Expression:
+    if len(factors) == 1:
+        return factors[0]
+    return Product(tuple(factors), span=around(factors[0], factors[-1]))

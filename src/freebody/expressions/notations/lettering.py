@@ -1,0 +1,259 @@
+"""Printed equations in the letters of a notation: what `check` reads in it."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from string import ascii_lowercase
+from typing import Self
+
+from freebody.errors import FreebodyError, shown
+from freebody.expressions.grammar.atoms import atom, numbered
+from freebody.expressions.grammar.words import spelt
+from freebody.expressions.nodes import Equation, Expression, Function, Sum, Symbol, nodes
+from freebody.expressions.notations.notation import BookNotation, preset
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import DOTS, GREEK, sym
+from freebody.expressions.quantities.kinds import LETTERED
+from freebody.expressions.typesetting.literal import MARK, in_parts
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.values import ByValue
+
+KIND_OF = {letter: kind for kind in LETTERED for letter in kind.printed}
+"""The letters of derivations as they are made, and what they stand for."""
+
+_IN_WORDS = re.compile(
+    r"(?<![\w.])([A-Za-zα-ωΑ-Ω])([\u0307\u0308]?)([A-Za-z]{0,3})([₀-₉]+|_(?:\d|[a-z])(?!\w))"
+)
+"""A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
+
+
+_ANGLES = tuple(f"theta{k}" for k in range(10))
+_ANY = frozenset(ascii_lowercase)
+"""Indices for any number, l_i."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lettering(ByValue):
+    """Symbols of one model as a notation has them; `parameters` are the model's own names, which
+    are no letters of quantities."""
+
+    notation: BookNotation
+    parameters: frozenset[str] = frozenset()
+    coordinates: tuple[str, ...] = ()
+    kept: frozenset[str] = frozenset()
+    """Letters of `KIND_OF` that stay as they are."""
+
+    @cached_property
+    def taken(self) -> tuple[str, ...]:
+        """Names of the notation that the model has itself."""
+        stems = {numbered(name)[0] for name in self.parameters}
+        meanings = self.notation.names
+        return tuple(sorted((set(meanings) - set(meanings.values())) & stems))
+
+    @cached_property
+    def names(self) -> Mapping[str, str]:
+        """Parameters and coordinates that are called otherwise, and how; all or none, as a name
+        that the model has itself may stand for something else in the notation."""
+        found: dict[str, str] = {}
+        for name, meaning in () if self.taken else self.notation.names.items():
+            new = spelt(name)
+            if _is_printable(new):
+                for own, number in self._meant(meaning):
+                    if new + number not in self.alone:
+                        found.setdefault(own, new + number)
+        return found
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Letters of the energies: no name of a parameter is one of them."""
+        letters = self.notation.all_letters
+        return frozenset(
+            letter for kind in LETTERED if kind.is_energy for letter in letters[kind.name][:1]
+        )
+
+    def printable(self) -> Self:
+        """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
+        things."""
+        for name in self.notation.names:
+            if not _is_printable(spelt(name)):
+                raise FreebodyError(
+                    f"the notation {self.notation.name!r}: {shown(name)} cannot be "
+                    "printed; a name consists of letters and perhaps a number after them."
+                )
+        called: dict[str, str] = {}
+        for own in (*self.coordinates, *sorted(self.parameters)):
+            new = self.names.get(own, own)
+            other = called.setdefault(new, own)
+            if other != own:
+                raise FreebodyError(
+                    f"the notation {self.notation.name!r} calls both {other} and {own} "
+                    f"{new}; give one of them another name."
+                )
+        return self
+
+    def _meant(self, meaning: str) -> Iterator[tuple[str, str]]:
+        """The names that a meaning is one of, each with the number that it carries."""
+        for own in (*self.coordinates, *sorted(self.parameters)):
+            stem, number = numbered(own)
+            of_all = number and own in self.coordinates and meaning == "q"
+            if own == meaning or (number and stem == meaning) or of_all:
+                yield own, number if own != meaning else ""
+
+    @cached_property
+    def letters(self) -> Mapping[str, str]:
+        """By the letters of `KIND_OF` those of the notation."""
+        given, others = self.notation.letters, self.notation.all_letters
+        taken = {letter for letters in given.values() for letter in letters}
+        found = {}
+        for old, kind in KIND_OF.items():
+            stays = old not in taken and len(old) == 1
+            own = given.get(kind.name) or ((old,) if stays else others[kind.name])
+            found[old] = own[0] if own and old not in self.kept else old
+        return {old: new for old, new in found.items() if old != new}
+
+    @cached_property
+    def waves(self) -> Mapping[str, str]:
+        """Letters of sines and cosines, {"cos": "c"}."""
+        return {x: spelt(name) for name, x in self.notation.names.items() if x in ("sin", "cos")}
+
+    def __call__(self, x: Expression) -> Expression:
+        """An expression in these letters."""
+        if isinstance(x, Symbol):
+            return self.symbol(x)
+        if isinstance(x, Function) and x.name in self.waves and (k := self._numbers(x.argument)):
+            return Symbol(self.waves[x.name] + k, self.waves[x.name], (k,))
+        return x.mapped(self)
+
+    def line(self, line: Equation) -> Equation:
+        """An equation in these letters."""
+        return line.mapped(self)
+
+    def _numbers(self, angle: Expression) -> str:
+        """Of a sum of the model's angles their numbers, rising, of one digit each; else ""."""
+        terms = angle.terms if isinstance(angle, Sum) else (angle,)
+        names = [x.name if isinstance(x, Symbol) else "" for x in terms]
+        plain = all(x in _ANGLES and x in self.coordinates for x in names)
+        return "".join(x[-1] for x in sorted(set(names))) if plain else ""
+
+    def symbol(self, x: Symbol) -> Symbol:
+        """A symbol; vectors keep theirs."""
+        if x.bold:
+            return x
+        ending = next((e for e in reversed(DOTS) if x.name.endswith(e)), "")
+        stem = x.name.removesuffix(ending)
+        new = self.names.get(x.name) or self._of_all(x.name)
+        if new is None and ending and (new := self.names.get(stem) or self._of_all(stem)):
+            return _made(new, ending, x)
+        return x if new is None else _made(new, "", x)
+
+    def _of_all(self, name: str) -> str | None:
+        """The name of a quantity, such as T1 or T_i, or of any parameter, l_i."""
+        own = atom(name)
+        of_any = len(own.index) == 1 and own.index[0] in _ANY
+        is_name = own.letter and not own.dots and (own.is_figures or not own.index or of_any)
+        if not is_name or name in self.parameters or name in self.coordinates:
+            return None
+        letter, rest = own.letter, name.removeprefix(own.letter)
+        if letter in self.letters:
+            kind = KIND_OF[letter]
+            own = self.notation.letters.get(kind.name, ()) if kind.is_matrix else ()
+            large = next(filter(str.isupper, own), self.letters[letter])
+            return (self.letters[letter] if rest else large) + rest
+        if rest[:1] == "_":
+            like = next((x for x in self.names if numbered(x)[0] == letter), "")
+            return numbered(self.names[like])[0] + rest if like else None
+        return None
+
+    def sentence(self, text: str) -> str:
+        """A sentence; names from files stay as they are."""
+        plain = in_parts(text, self.words, lambda name: f"{MARK}{name}{MARK}")
+        return unicodedata.normalize("NFC", plain)
+
+    def words(self, text: str) -> str:
+        """Text without such names."""
+        return _IN_WORDS.sub(self._word, unicodedata.normalize("NFD", text))
+
+    def _word(self, match: re.Match[str]) -> str:
+        letter, dot, letters, low = match.groups()
+        number = unicodedata.normalize("NFKC", low).removeprefix("_")
+        ending = {"": "", "\u0307": RATE, "\u0308": SECOND}[dot]
+        name = spelt(letter + letters) + ("_" if number.isalpha() else "") + number
+        old = sym(name + ending)
+        if not isinstance(old, Symbol) or (new := self.symbol(old)) == old:
+            return match[0]
+        stem = atom(new.name).letter
+        return f"{GREEK.get(stem, stem)}{dot}{low}"
+
+
+def _is_printable(name: str) -> bool:
+    """Whether a plain name consists of letters and perhaps a number behind them."""
+    stem, _ = numbered(name)
+    return stem.isascii() and stem.isalpha()
+
+
+def _made(name: str, ending: str, old: Symbol) -> Symbol:
+    """The symbol of a plain name, its first letter with the rest as subscript."""
+    stem, parts = atom(name).letter, atom(name).index
+    if stem in GREEK:
+        letter, more = GREEK[stem], ""
+    else:
+        letter, more = stem[0], stem[1:]
+    low = (more + parts[0], *parts[1:]) if parts else (more,) if more else ()
+    return Symbol(name + ending, letter, low, old.dots, False, old.high)
+
+
+def lettering_of(notation: BookNotation, model: Model, coordinates: tuple[str, ...]) -> Lettering:
+    """The letters of a notation for what is printed about a model.
+
+    Raises FreebodyError for a notation that calls two things by one name.
+    """
+    own = notation.names, notation.letters, notation.absolute, notation.quarter_turns
+    if not any(own) and notation.terms == PLAIN.notation.terms:
+        return PLAIN
+    return Lettering(notation, frozenset(model.parameters), coordinates).printable()
+
+
+def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Lettering:
+    """The same for a document: without short sines and cosines where s_1 is something else, and the
+    reduced mass matrix H as it is where there is a larger M.
+
+    Raises FreebodyError where two symbols of it would be one.
+    """
+    symbols = dict.fromkeys(x for y in printed for x in nodes(y) if isinstance(x, Symbol))
+    stems = {x.letter for x in symbols if x.name not in lettering.parameters}
+    lettering = replace(lettering, kept=frozenset("H" if {"H", "M"} <= stems else ""))
+    called: dict[Symbol, Symbol] = {}
+    for old in symbols:
+        other = called.setdefault(lettering.symbol(old), old)
+        if other != old:
+            return lettered_for(_with_another(lettering, old, other), symbols)
+    letters = {x.letter for x in called if x.low and x.low[0].isdigit()}
+    names = lettering.notation.names
+    short = {x for x, y in names.items() if y in ("sin", "cos")}
+    if any(spelt(x) in letters for x in short):
+        kept = {x: y for x, y in names.items() if x not in short}
+        lettering = replace(lettering, notation=replace(lettering.notation, names=kept))
+    return lettering
+
+
+def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:
+    """The same with the next letter for one of two symbols that are called alike."""
+    notation = lettering.notation
+    for symbol in (one, other):
+        kind = KIND_OF.get(symbol.letter)
+        own = notation.letters.get(kind.name, ()) if kind else ()
+        if kind and symbol.name not in lettering.parameters and len(own) > 1:
+            letters = {**notation.letters, kind.name: own[1:]}
+            return replace(lettering, notation=replace(notation, letters=letters))
+    raise FreebodyError(
+        f"the notation {notation.name!r} calls both {other} and {one} {lettering.symbol(one)} "
+        "here; in one of your own give one of them another letter."
+    )
+
+
+PLAIN = Lettering(preset("notes"))
+"""The letters of the notes."""

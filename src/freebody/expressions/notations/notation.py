@@ -1,0 +1,178 @@
+"""A notation: which letters stand for what, from where angles are measured, and which parameters
+are given by formulas. The presets are TOML files beside this one, and so are a user's own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib import resources
+from os import PathLike, fspath
+from pathlib import Path
+
+from freebody.errors import FreebodyError, UnknownNameError, listed, shown
+from freebody.expressions.grammar.words import spelt
+from freebody.expressions.quantities.kinds import (
+    BIAS,
+    CORIOLIS,
+    GRAVITY,
+    LETTERED,
+    USUAL_LETTERS,
+    VELOCITY,
+)
+from freebody.formats import read_file
+from freebody.formats.toml import table_of
+from freebody.formats.toml_table import TomlTable
+from freebody.values import ByValue
+
+PRESETS = (
+    "notes", "craig", "spong", "siciliano", "murray-li-sastry", "lynch-park", "featherstone",
+)  # fmt: skip
+"""Names of the notations that come with freebody, each a file."""
+
+TERMS = ("coefficients", "vector", "matrix", "bias")
+"""How torques are written by terms without accelerations: by coefficients h of products of rates, a
+vector of velocity terms, the matrix C times the rates, or a vector with gravity in it."""
+
+_PRINTED = {
+    "vector": (VELOCITY, GRAVITY), "matrix": (CORIOLIS, GRAVITY), "bias": (BIAS,),
+}  # fmt: skip
+_KEYS = {kind.key: kind for kind in LETTERED}
+
+ZEROS = {"x axis": 0, "down": -1, "up": 1}
+"""The direction in which angles are 0, and by how many right angles it is turned from x."""
+
+LARGEST_FILE = 100_000
+
+
+@dataclass(frozen=True, eq=False)
+class BookNotation(ByValue):
+    """How somebody writes."""
+
+    name: str
+    title: str = ""
+    source: str = ""
+    absolute: bool = False
+    """Whether angles are those of the links themselves, all from one direction."""
+    zero: str = "x axis"
+    """A key of `ZEROS`."""
+    names: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What a name stands for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
+    parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
+    """Parameters given by formulas, {"lc": "l/2"} for all links or {"lc1": "l1/2"}."""
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
+    """Letters of quantities by the names of kinds; what is not given has the usual ones."""
+
+    terms: str = "coefficients"
+    """One of `TERMS`: how what is printed is sorted."""
+
+    def __post_init__(self) -> None:
+        """Refuse letters that are none: they are printed and read."""
+        for letter in (letter for letters in self.letters.values() for letter in letters):
+            if not (letter.isalpha() and spelt(letter)):
+                raise FreebodyError(
+                    f"the notation {self.name!r}: {shown(letter)} is not a letter; write Latin "
+                    "letters, or a Greek one by its name."
+                )
+        plain = {family: tuple(map(spelt, letters)) for family, letters in self.letters.items()}
+        object.__setattr__(self, "letters", plain)
+
+    @property
+    def all_letters(self) -> Mapping[str, tuple[str, ...]]:
+        """The letters of all kinds: those that are given to one are no other's."""
+        taken = {letter for letters in self.letters.values() for letter in letters}
+        usual = {
+            family: tuple(letter for letter in letters if letter not in taken)
+            for family, letters in USUAL_LETTERS.items()
+        }
+        return {**usual, **self.letters}
+
+    @property
+    def printed_kinds(self) -> tuple[str, ...]:
+        """The kinds without accelerations whose letters are printed, and so read as these."""
+        own = _PRINTED.get(self.terms, ())
+        return tuple(kind.name for kind in own if kind.name in self.letters)
+
+    @property
+    def quarter_turns(self) -> int:
+        """By how many right angles the direction of zero is turned from x."""
+        return ZEROS[self.zero]
+
+
+def read(file: str, text: str, name: str = "") -> BookNotation:
+    """The notation in a TOML text; raises FileError with the line."""
+    top = table_of(file, text)
+    top.only("title", "source", "angles", "zero", "names", "parameters", "letters", "terms")
+    letters: dict[str, tuple[str, ...]] = {}
+    if "letters" in top:
+        table = _part(top, "letters").only(*_KEYS)
+        given: dict[str, str] = {}
+        for key in table.data:
+            letters[_KEYS[key].name] = tuple(table.text(key).split())
+            for letter in letters[_KEYS[key].name]:
+                if given.setdefault(letter, key) != key:
+                    table.refuse(f"{letter} stands for {given[letter]} and {key}.", key)
+    return BookNotation(
+        name or Path(file).stem,
+        top.text("title", name or Path(file).stem),
+        top.text("source", ""),
+        top.choice("angles", ("relative", "absolute"), "relative") == "absolute",
+        top.choice("zero", tuple(ZEROS), "x axis"),
+        _texts(top, "names"),
+        _texts(top, "parameters"),
+        letters,
+        top.choice("terms", TERMS, "vector" if "c" in letters else "coefficients"),
+    )
+
+
+def _part(top: TomlTable, key: str) -> TomlTable:
+    found = top.data[key]
+    if not isinstance(found, dict):
+        top.refuse(f"{key} is a table, [{key}].", key)
+    return TomlTable(top.file, top.lines, (*top.path, key), found, f"[{key}]")
+
+
+def _texts(top: TomlTable, key: str) -> Mapping[str, str]:
+    if key not in top:
+        return {}
+    table = _part(top, key)
+    return {name: table.text(name) for name in table.data}
+
+
+@lru_cache(maxsize=32)
+def preset(name: str) -> BookNotation:
+    """The notation of that name; raises UnknownNameError."""
+    if name not in PRESETS:
+        raise UnknownNameError("notation", name, "the notations", PRESETS)
+    folder = resources.files("freebody").joinpath("derivations", "notations")
+    file = f"{name.replace('-', '_')}.toml"
+    return read(file, folder.joinpath(file).read_text(encoding="utf-8"), name)
+
+
+def notation_of(
+    given: str | PathLike[str] | BookNotation | None,
+    parameters: Mapping[str, str | float] | None = None,
+) -> BookNotation:
+    """A notation by name, a user's own by its file, or itself; None for that of the notes.
+    parameters: further ones that are given by formulas or numbers."""
+    if parameters is not None and not isinstance(parameters, Mapping):
+        raise FreebodyError(
+            f"parameters: {shown(parameters)} is no dict of names with formulas, "
+            'such as {"lc": "l/2"}.'
+        )
+    if parameters:
+        style = notation_of(given)
+        return replace(style, parameters={**style.parameters, **parameters})
+    if given is None:
+        return preset("notes")
+    if isinstance(given, BookNotation):
+        return given
+    if not isinstance(given, str | PathLike):
+        raise FreebodyError(
+            f"notation: {shown(given)} is none; give one of {listed(PRESETS)}, or a file's path."
+        )
+    path = fspath(given)
+    if isinstance(given, str) and not path.endswith(".toml"):
+        return preset(path)
+    data = read_file.read(path, LARGEST_FILE, "a notation")
+    return read(path, read_file.decoded(path, data))

@@ -1,0 +1,1 @@
+"""Kinds of quantities with their letters, units and words."""

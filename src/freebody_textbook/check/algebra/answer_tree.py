@@ -1,0 +1,31 @@
+"""What an answer says: a tree of `nodes`, and two leaves of its own. Each node knows the piece of
+the text that it stands for."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from freebody.expressions.nodes import Expression
+from freebody_textbook.check.algebra.quotients import Value
+
+Angle = tuple[tuple[str, int], ...]
+"""A sum of angles: names and whole factors."""
+
+
+class Named(Expression):
+    """A name and what it stands for."""
+
+    name: str
+    value: Value
+    is_derivative: bool = False
+    """Whether it is a derivative, named as it is written."""
+    is_generator: bool = False
+    """Whether the name is the ring's own for the value."""
+
+
+class Wave(Expression):
+    """sin or cos of a sum of angles and a constant."""
+
+    function: str
+    angle: Angle
+    turn: Fraction = Fraction(0)

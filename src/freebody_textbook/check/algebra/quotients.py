@@ -1,0 +1,80 @@
+"""Quotients of polynomials in answers: their arithmetic, and equality by multiplying crosswise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from freebody.errors import FreebodyError
+from freebody.scalars.trig import Trig
+from freebody_textbook.closed_chains.linear import Ratio
+
+Value = Trig | Ratio
+"""What an answer stands for: a polynomial, or a quotient that is none."""
+
+Times = Callable[[Trig, Trig], Trig]
+"""A product, within the limits of who multiplies."""
+
+
+def pair(x: Value) -> tuple[Trig, Trig]:
+    """Numerator and denominator."""
+    return (x.above, x.below) if isinstance(x, Ratio) else (x, _one(x))
+
+
+def over(above: Trig, below: Trig) -> Value:
+    """above / below, a polynomial where it is one; below is not 0."""
+    if above.is_zero:
+        return above
+    try:
+        return above / below
+    except FreebodyError:
+        return Ratio(above, below)
+
+
+def _multiplied(a: Trig, b: Trig) -> Trig:
+    found = a * b
+    return found if isinstance(found, Trig) else a - a
+
+
+def plus(a: Value, b: Value, times: Times = _multiplied) -> Value:
+    """a + b."""
+    if isinstance(a, Trig) and isinstance(b, Trig):
+        return a + b
+    (p, q), (r, s) = pair(a), pair(b)
+    return over(p + r, q) if q == s else over(times(p, s) + times(r, q), times(q, s))
+
+
+def times(a: Value, b: Value, product: Times = _multiplied) -> Value:
+    """a b."""
+    if isinstance(a, Trig) and isinstance(b, Trig):
+        return product(a, b)
+    (p, q), (r, s) = pair(a), pair(b)
+    return over(product(p, r), product(q, s))
+
+
+def negative(a: Value) -> Value:
+    """-a."""
+    return Ratio(-a.above, a.below) if isinstance(a, Ratio) else -a
+
+
+def inverted(a: Value) -> Value:
+    """1 / a, of what is not 0."""
+    above, below = pair(a)
+    return over(below, above)
+
+
+def difference(a: Value, b: Value) -> Trig:
+    """The numerator of a - b: 0 where they are equal."""
+    (p, q), (r, s) = pair(a), pair(b)
+    return p - r if q == s else _multiplied(p, s) - _multiplied(r, q)
+
+
+def _one(x: Trig) -> Trig:
+    return Trig(x.ring, x.ring.constant(1), 0)
+
+
+def generator(x: Value) -> str | None:
+    """The generator of the ring that a polynomial is, if it is one."""
+    terms = list(x.terms()) if isinstance(x, Trig) else []
+    if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
+        return None
+    return next(iter(terms[0][0]))

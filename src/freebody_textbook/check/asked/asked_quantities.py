@@ -1,0 +1,126 @@
+"""What can be asked of a model: all groups of quantities together, by name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.expressions.quantities.kinds import USUAL_LETTERS
+from freebody.lazy import cached_property
+from freebody_textbook.check.asked import load_names
+from freebody_textbook.check.asked.at_rest import BodiesAtRest
+from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
+from freebody_textbook.check.asked.centre_jacobians import CentreJacobians
+from freebody_textbook.check.asked.energies import EnergyQuantities
+from freebody_textbook.check.asked.formula_parameters import FormulaParameters
+from freebody_textbook.check.asked.frames import QuantitiesInFrames
+from freebody_textbook.check.asked.free_body import FreeBodyQuantities
+from freebody_textbook.check.asked.group import QuantityGroup
+from freebody_textbook.check.asked.joints import JointQuantities, VelocityCoefficients
+from freebody_textbook.check.asked.kane import KaneQuantities
+from freebody_textbook.check.asked.loops import LoopQuantities
+from freebody_textbook.check.asked.momenta import AngularMomenta
+from freebody_textbook.check.asked.parallel import ParallelQuantities
+from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.reduced import ReducedMass, ReducedQuantities
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.asked.tip import TipQuantities
+from freebody_textbook.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
+from freebody_textbook.methods.body_quantities import soft_names
+
+AMBIGUOUS = frozenset(("B", "D", "E", "b", "d", "f", "k", "phi", "v"))
+"""Letters that some books have for these quantities, and others for something else."""
+
+_GROUPS: tuple[type[QuantityGroup], ...] = (
+    LoopQuantities,
+    JointQuantities,
+    EnergyQuantities,
+    QuantitiesOfBodies,
+    BodiesOfTrees,
+    CentreJacobians,
+    TipQuantities,
+    ReducedQuantities,
+    FormulaParameters,
+)
+"""In this order: where two give a name to one number the first has it, of vectors and matrices the
+last."""
+
+_SPECIAL: tuple[type[QuantityGroup], ...] = (
+    KaneQuantities,
+    ParallelQuantities,
+    ReducedMass,
+    LoopForceSystem,
+    BodiesAtRest,
+    AngularMomenta,
+)
+"""Groups whose names mean other things in answers that are not about them."""
+
+
+@dataclass(frozen=True)
+class Targets:
+    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
+
+    setting: RightEquations
+    velocity: bool = False
+    letters: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: USUAL_LETTERS)
+    """Letters of the kinds, by their names."""
+    based: bool = False
+    """Whether the base is accelerated by -g, which then is in all accelerations."""
+    framed: bool = False
+    """Whether vectors are told in the axes of any body, {}^1v_2."""
+    formulas: Lexemes = NOTHING
+    """Those of the answer, which tell what it is about."""
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """All names, in plain spelling."""
+        return frozenset([*self.single, *self.tables])
+
+    @cached_property
+    def alone(self) -> frozenset[str]:
+        """Names that stand for vectors and matrices of bodies only."""
+        return frozenset(name for name in self.tables if name not in self.single)
+
+    @cached_property
+    def _groups(self) -> list[QuantityGroup]:
+        if self.setting.is_free_body:
+            return [FreeBodyQuantities(self.setting, self.letters, self.based)]
+        in_frames = [QuantitiesInFrames] * self.framed
+        kinds = (*_GROUPS, *in_frames, *[VelocityCoefficients] * self.velocity)
+        return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
+
+    @cached_property
+    def _special(self) -> list[QuantityGroup]:
+        """Those that the answer is about, which go before the others."""
+        kinds = [kind for kind in _SPECIAL if kind.is_told(self.formulas)]
+        kinds = [] if self.setting.is_free_body else kinds
+        return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
+
+    @cached_property
+    def single(self) -> dict[str, AskedQuantity]:
+        """Quantities that are one polynomial."""
+        found: dict[str, AskedQuantity] = {}
+        for group in (*self._special, *self._groups):
+            for names, target in group.single():
+                for name in names:
+                    found.setdefault(name, target)
+        return found
+
+    @cached_property
+    def tables(self) -> dict[str, Table]:
+        """Vectors (one column) and matrices of quantities."""
+        found: dict[str, Table] = {}
+        for group in (*self._groups, *self._special):
+            found |= group.tables(self.single)
+        return found
+
+    @cached_property
+    def passive(self) -> tuple[int, ...]:
+        """Joints that nothing drives, from 1."""
+        return self._groups[0].passive
+
+    @cached_property
+    def soft(self) -> frozenset[str]:
+        """Names of vectors of bodies that users often give to things of their own."""
+        return soft_names(len(self.setting.symbols.model.bodies)) | {*load_names.VECTORS, "W", "r"}

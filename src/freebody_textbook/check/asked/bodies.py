@@ -1,0 +1,252 @@
+"""Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.relations.quantities import QuantityValues, branches
+
+_WORLD = "This would be right in the world's axes; here the components are along those of body {}."
+
+_TRANSPOSED = "This is its transpose, which turns the other way."
+
+
+class QuantitiesOfBodies(QuantityGroup):
+    """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
+
+    records = tuple(x for x in BODY_QUANTITIES if x.kind is kinds.OF_BODY)
+
+    def single(self) -> Iterator[Named]:
+        yield from self.entries_of(self.vectors)
+        yield from self._rates_of_components()
+        yield from self._of_the_only_body()
+        yield from self._coordinates_of_centres()
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        return self.vectors
+
+    @cached_property
+    def _setting(self) -> Setting:
+        return Setting(self.setting.equations.symbols)
+
+    @cached_property
+    def _bodies(self) -> list[dict[str, Any]]:
+        """What `fb.quantities` tells of each body, in the order of their numbers."""
+        values = QuantityValues(self._setting, "base" if self.based else "explicit")
+        return [values.of_body(i) for i in self._setting.order]
+
+    @cached_property
+    def vectors(self) -> dict[str, Table]:
+        """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+        tree = self.setting.equations.symbols.tree
+        chain = not branches(tree) and self.setting.system is None
+        dim = self.setting.symbols.model.dim
+        records = [x for x in self.records if dim == 3 or not x.matrix]  # I_1 is a parameter there
+        found = {"gravity": self._constants("the gravitational acceleration", tree.gravity)}
+        found["z"] = self._constants("the world's z axis", (0.0, 0.0, 1.0))
+        for n in range(1, len(tree.bodies) + 1):
+            for record in records:
+                known = record.known.format(**numbers(n)) in self._bodies[n - 1]
+                if known and (chain or record.of_motion):
+                    table = self._table_of(record, n, dim)
+                    found |= dict.fromkeys(
+                        (name for name in record.spelt(n) if name not in found), table
+                    )
+        for n, i in enumerate(self._setting.order, 1):
+            found |= self._axis(found, i, n)
+            found |= {} if self.setting.is_planar else self._rates_in_world(found, n)
+        if self.setting.is_planar:
+            own = {name: name.replace("omega", "w") for name in found if "omega" in name}
+            found |= {new: found[name] for name, new in own.items()}
+        return found if self.setting.is_planar else self._turns(len(tree.bodies)) | found
+
+    def _rates_in_world(self, found: Mapping[str, Table], n: int) -> dict[str, Table]:
+        """ṙ_c2 and r̈_c2: derivatives of the world's components, or vectors along the body."""
+        rates: dict[str, Table] = {}
+        for dots, letter in ((1, "v"), (2, "a")):
+            column = [
+                [replace(x, compute=x.in_world, in_world=None, also=(("", x.compute),))]
+                for (x,) in found.get(f"{letter}c{n}", ())
+                if x.in_world is not None
+            ]
+            for place in ("rc", "rG"):
+                rates |= dict.fromkeys(spellings(place, str(n), dots), column) if column else {}
+        return rates
+
+    def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:
+        """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
+        space in the axes of body n, while z_n may also be the z axis of body n in the world's."""
+        s = self._setting
+        if s.turns(i) and s.planar:
+            return {}
+        letter, does = ("z", "turns about") if s.turns(i) else ("u", "slides along")
+        words, element = f"the axis that joint {n} {does}", self.setting.equations.symbols.element
+        own = [self.element(lambda x=x: element(x)) for x in s.axis(i)]
+        asked = AskedQuantity(kinds.OF_BODY, (n,), own[0], words=words)
+        table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
+        R, one = s.world[i][0], self.setting.equations.symbols
+        for k, (row, (told,)) in enumerate(zip(table, found.get(f"z{n}", ()), strict=False)):
+            turned = self.element(
+                lambda k=k: one.element(
+                    sum((x * y for x, y in zip(R[k], s.axis(i), strict=True)), one.zero())
+                )
+            )
+            note = f"It is read as {told.words} in the world's axes."
+            row[0] = replace(row[0], in_world=turned, also=((note, told.compute),))
+        return {f"{letter}{n}": table}
+
+    def _turns(self, count: int) -> dict[str, Table]:
+        """R_k^i between any two bodies, R_0^2 among them, which turns components in the axes of the
+        first to those of the second: named R20."""
+        bodies = [-1, *self._setting.order]
+        return {
+            f"R{b}{a}": self._turn(bodies[a], bodies[b], f"from body {a} to body {b}")
+            for a in range(count + 1)
+            for b in range(count + 1)
+            if a != b
+        }
+
+    def _turn(self, a: int, b: int, words: str) -> Table:
+        s = self._setting
+        eye = [[int(i == j) for j in range(3)] for i in range(3)]
+        of = [s.world[i][0] if i >= 0 else eye for i in (a, b)]
+
+        def entry(i: int, j: int) -> Callable[[], Trig]:
+            def value() -> Trig:
+                x = self.setting.equations.symbols
+                terms = (of[1][k][i] * of[0][k][j] for k in range(3))
+                return self.setting.element(x.element(sum(terms, x.zero())))
+
+            return value
+
+        return [
+            [
+                AskedQuantity(
+                    kinds.OF_BODY, (i + 1, j + 1), entry(i, j), words=f"the rotation {words}",
+                    thoughts=((_TRANSPOSED, entry(j, i)),),
+                )
+                for j in range(3)
+            ]
+            for i in range(3)
+        ]  # fmt: skip
+
+    def _constants(self, words: str, vector: Sequence[Any]) -> Table:
+        element = self.setting.equations.symbols.element
+        values = [self.element(lambda x=x: element(x)) for x in vector]
+        return [
+            [AskedQuantity(kinds.OF_BODY, (), value, axis=axis, words=words)]
+            for axis, value in zip("xyz", values, strict=False)
+        ]
+
+    def _table_of(self, record: BodyQuantity, n: int, dim: int) -> Table:
+        """The entries of one quantity of body n."""
+        known, words = record.known.format(**numbers(n)), record.told(n)
+
+        def entry(*at: int, axis: str = "") -> AskedQuantity:
+            index = (n,) if axis or not at else tuple(k + 1 for k in at)
+            own, thoughts, world = self._part(n, known, *at), [], None
+            if record.reaction:
+                text = record.reaction.format(**numbers(n))
+                thoughts.append((text, lambda: own() * -1))
+            if record.matrix == "rotation":
+                thoughts.append((_TRANSPOSED, self._part(n, known, *at[::-1])))
+            if record.matrix == "tensor":
+                world = self._inertia_in_world(n, *at)
+            if axis and record.own_axes and dim == 3:
+                world = self._in_world(n, known, at[0])
+                thoughts.append((_WORLD.format(n), world))
+            return AskedQuantity(
+                kinds.OF_BODY, index, own, axis=axis, in_world=world, words=words,
+                thoughts=tuple(thoughts),
+            )  # fmt: skip
+
+        if record.matrix:
+            return [[entry(i, j) for j in range(3)] for i in range(3)]
+        axes = record.axes(dim)
+        return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
+
+    def entries_of(self, vectors: Mapping[str, Table]) -> Iterator[Named]:
+        """Components: vc1x, and what is one number."""
+        for name, table in vectors.items():
+            for row in table:
+                for entry in row:
+                    if entry.axis or len(table) == 1:
+                        yield (name + entry.axis,), entry
+
+    def _rates_of_components(self) -> Iterator[Named]:
+        """v_c2x with dots behind the axis, vc2x_d."""
+        for n in range(1, len(self._bodies) + 1):
+            for record in (x for x in self.records if any(dots for _, dots in x.names)):
+                for (entry,) in self.vectors.get(next(record.spelt(n)), ()):
+                    yield tuple(record.spelt(n, entry.axis)), entry
+
+    def _of_the_only_body(self) -> Iterator[Named]:
+        """ω_x, ω̇_x and M_x of the one body in space that has mass, as of a gyro."""
+        tree = self.setting.equations.symbols.tree
+        heavy = [
+            n for n in range(1, len(tree.bodies) + 1) if tree.bodies[tree.body_of[n - 1]].masses
+        ]
+        if self.setting.is_planar or len(heavy) != 1:
+            return
+        (n,) = heavy
+        for name, letters, dots in (
+            ("omega", ("omega", "w"), 0),
+            ("omega", ("omega", "w"), 1),
+            ("nc", ("M", "n", "N"), 0),
+        ):
+            column = self.vectors.get(next(iter(spellings(name, str(n), dots))), ())
+            for (entry,) in column:
+                names = (spellings(letter, entry.axis, dots) for letter in letters)
+                yield tuple(itertools.chain.from_iterable(names)), entry
+
+    def _coordinates_of_centres(self) -> Iterator[Named]:
+        """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those
+        along the body, which are no rates of coordinates."""
+        of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"
+        for n in range(1, len(self._bodies) + 1):
+            for dots, letter in enumerate(of_rates):
+                for (entry,) in self.vectors.get(f"{letter}c{n}", ()):
+                    names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cGC")
+                    yield tuple(itertools.chain.from_iterable(names)), entry
+
+    def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
+        """A component in the world's axes of what is given in the body's."""
+
+        def value() -> Trig:
+            R = self._setting.world[self._setting.order[n - 1]][0]
+            s = self.setting.equations.symbols
+            terms = (x * y for x, y in zip(R[row], self._bodies[n - 1][name], strict=True))
+            return self.setting.element(s.element(sum(terms, s.zero())))
+
+        return value
+
+    def _inertia_in_world(self, n: int, i: int, j: int) -> Callable[[], Trig]:
+        """An entry of R I Rᵀ."""
+
+        def value() -> Trig:
+            s, at = self.setting.equations.symbols, range(3)
+            R, I = self._setting.world[self._setting.order[n - 1]][0], self._bodies[n - 1][f"I{n}"]
+            terms = (R[i][a] * I[a][b] * R[j][b] for a in at for b in at)
+            return self.setting.element(s.element(sum(terms, s.zero())))
+
+        return value
+
+    def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            found = self._bodies[n - 1][name]
+            for k in at:
+                found = found[k]
+            return self.setting.element(self.setting.equations.symbols.element(found))
+
+        return value

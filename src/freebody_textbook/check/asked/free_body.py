@@ -1,0 +1,94 @@
+"""A body that nothing holds: its vectors by components in its own axes, p and gravity in the
+world's, and its energies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from typing import Any
+
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.inverses import inverse
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.methods.free_body_steps import XYZ, FreeBody
+from freebody_textbook.methods.setting import Setting
+
+_VECTORS = (
+    ("v", ("v",), "the velocity of the body's origin"),
+    ("omega", ("omega", "w"), "the angular velocity of the body"),
+    ("f", ("f", "F"), "the force on the body besides its weight"),
+    ("n", ("n", "M", "tau", "N"), "the moment on the body"),
+)
+"""Letter of the symbols, letters in answers, and what it is."""
+
+
+class FreeBodyQuantities(QuantityGroup):
+    """v, ω, f, n, p, R, I, T, V, L."""
+
+    @cached_property
+    def _body(self) -> FreeBody:
+        symbols = self.setting.symbols
+        return FreeBody(Setting(symbols), symbols.given or symbols.model, 0)
+
+    def single(self) -> Iterator[Named]:
+        eq = self.setting.equations
+        yield self.letters["T"], AskedQuantity(kinds.KINETIC, (), self.entry("T"))
+        yield self.letters["V"], AskedQuantity(kinds.POTENTIAL, (), self.entry("V"))
+        yield (
+            self.letters["L"],
+            AskedQuantity(kinds.LAGRANGIAN, (), self.element(lambda: eq.T - eq.V)),
+        )
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        ring, body = self.setting.ring, self._body
+        found: dict[str, Table] = {}
+        for name, letters, words in _VECTORS:
+            for dots, ending in enumerate(("", RATE)):
+                if f"{name}_x{ending}" in ring.index:
+                    column = _column([ring[x] for x in body.components(name, ending)], words)
+                    for letter in letters:
+                        found |= dict.fromkeys(spellings(letter, "", dots), column)
+        places = body.coordinates[:3]
+        for dots, ending in enumerate(("", RATE, SECOND)):
+            column = _column([ring[x + ending] for x in places], "the position of the body")
+            for letter in ("p", "r"):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
+        s = body.s
+        found["gravity"] = _column(map(s.symbols.element, s.tree.gravity), "gravity")
+        inertia = _matrix(s.inertia(body.i), s.symbols.element, "the inertia of the body")
+        turned = _matrix(s.world[body.i][0], s.symbols.element, "the orientation of the body")
+        inverted = inverse(
+            self.setting, [[x.polynomial for x in row] for row in inertia], "the inertia"
+        )
+        names = (
+            ("I", inertia),
+            ("J", inertia),
+            (f"I{INVERSE}", inverted),
+            (f"J{INVERSE}", inverted),
+        )
+        return found | dict(names) | {"R": turned}
+
+
+def _column(values: Iterable[Trig], words: str) -> Table:
+    return [
+        [AskedQuantity(kinds.OF_BODY, (), _constant(x), axis=axis, words=words)]
+        for axis, x in zip(XYZ, values, strict=True)
+    ]
+
+
+def _matrix(rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str) -> Table:
+    return [
+        [
+            AskedQuantity(kinds.OF_BODY, (i, j), _constant(element(x)), words=words)
+            for j, x in enumerate(row, 1)
+        ]
+        for i, row in enumerate(rows, 1)
+    ]
+
+
+def _constant(x: Trig) -> Callable[[], Trig]:
+    return lambda: x

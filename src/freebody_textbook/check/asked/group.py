@@ -1,0 +1,82 @@
+"""What all groups of quantities have: the setting, the letters, values in the ring of answers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.right_equations import RightEquations
+
+Named = tuple[tuple[str, ...], AskedQuantity]
+"""A quantity with its names, in plain spelling."""
+
+
+class QuantityGroup:
+    """Some quantities of a model; `letters` are those of their kinds, `based` says that the base
+    is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
+
+    def __init__(
+        self,
+        setting: RightEquations,
+        letters: Mapping[str, tuple[str, ...]],
+        based: bool,
+        formulas: Lexemes = NOTHING,
+    ):
+        self.setting, self.letters, self.based = setting, letters, based
+        self.formulas = formulas
+
+    @classmethod
+    def is_told(cls, formulas: Lexemes) -> bool:
+        """Whether an answer is about a group whose names mean other things elsewhere."""
+        return bool(formulas)
+
+    def single(self) -> Iterator[Named]:
+        """Quantities that are one polynomial."""
+        yield from ()
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        """Vectors and matrices by name; single: the quantities of all groups."""
+        return {}
+
+    @property
+    def count(self) -> int:
+        """Number of coordinates."""
+        return len(self.setting.symbols.coordinates)
+
+    @property
+    def numbers(self) -> range:
+        """Those of the coordinates, from 1."""
+        return range(1, self.count + 1)
+
+    @property
+    def passive(self) -> tuple[int, ...]:
+        """Joints that nothing drives, from 1."""
+        return tuple(k + 1 for k in self.setting.symbols.model.passive)
+
+    def joint(self, i: int) -> str:
+        """That of coordinate i, in words: those that follow others have none of their own."""
+        bodies = enumerate(self.setting.equations.symbols.model.bodies, 1)
+        own = [n for n, body in bodies if body.joint.mimic is None]
+        return f"joint {own[i - 1]}"
+
+    def element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
+        """A value in the ring of answers."""
+        return lambda: self.setting.element(value())
+
+    def entry(self, name: str, *index: int) -> Callable[[], Trig]:
+        """An entry of what the equations have by that name."""
+
+        def value() -> Trig:
+            parts = ("c", "g", "drives") if name == "bias" else (name,)
+            return sum((part(x) for x in parts), self.setting.zero)
+
+        def part(name: str) -> Trig:
+            found: Any = self.setting.all_of(name)
+            for i in index:
+                found = found[i - 1]
+            return self.setting.element(found)
+
+        return value

@@ -1,0 +1,192 @@
+"""Torques, mass matrix, velocity terms and gravity: the equations of motion by their pieces."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from fractions import Fraction
+
+from freebody.expressions import expression as ex
+from freebody.expressions.evaluate import arithmetic, evaluate
+from freebody.expressions.expression import Expression
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.check.asked.right_equations import RightEquations
+
+_VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
+"""Of the terms of the equations of motion: where two have a letter the last has it."""
+_MATRICES = (kinds.CORIOLIS, kinds.MASS)
+_OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
+
+
+class JointQuantities(QuantityGroup):
+    """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
+
+    def single(self) -> Iterator[Named]:
+        yield from self._named
+
+    @cached_property
+    def _named(self) -> list[Named]:
+        """Made once: a quantity is the same in a vector and alone."""
+        return list(self._made())
+
+    def _made(self) -> Iterator[Named]:
+        alone = self.count == 1
+        for i in self.numbers:
+            yield (
+                self._torque_names(i),
+                AskedQuantity(
+                    kinds.TORQUE, (i,), self.entry("tau", i), i in self.passive, self.joint(i)
+                ),
+            )
+            for kind in _VECTORS:
+                letters = self.letters[kind.name]
+                names = [f"{x}{i}" for x in letters] + ([*letters] if alone else [])
+                yield (
+                    tuple(names),
+                    AskedQuantity(kind, (i,), self.entry(kind.name, i), False, self.joint(i)),
+                )
+            for j in self.numbers:
+                for kind in _MATRICES:
+                    names = [f"{x}{i}{j}" for x in self.letters[kind.name]]
+                    names += ["M", "H", "m", "D"] if alone and kind.is_symmetric else []
+                    yield tuple(names), AskedQuantity(kind, (i, j), self.entry(kind.name, i, j))
+                letters = filter(str.isupper, self.letters["M"])
+                rates = (x for letter in letters for x in spellings(letter, f"{i}{j}", 1))
+                yield tuple(rates), self._rate_of_mass(i, j)
+        yield from self._christoffel()
+        if 1 < self.count <= MOST_ROWS:
+            names = ("detM", "detH", "detD", "detB")
+            yield names, AskedQuantity(kinds.MASS_DETERMINANT, (), self._determinant)
+        for row in self._inverse:
+            for x in row:
+                i, j = x.index
+                yield tuple(f"{name}{i}{j}" for name in self._inverse_names), x
+
+    @cached_property
+    def _inverse(self) -> Table:
+        """The entries of M⁻¹ of a robot of few joints."""
+        if not 1 < self.count <= MOST_ROWS:
+            return []
+        rows = [[self.entry("M", i, j) for j in self.numbers] for i in self.numbers]
+        return inverse(self.setting, rows, "the mass matrix")
+
+    def _determinant(self) -> Trig:
+        """det M."""
+        rows = [[self.entry("M", i, j)() for j in self.numbers] for i in self.numbers]
+        return determinant(rows, self.setting.symbols)
+
+    @property
+    def _inverse_names(self) -> list[str]:
+        return [x + INVERSE for x in self.letters["M"] if x.isupper()]
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        asked = {(target.kind, target.index): target for _, target in self._named}
+        n = self.numbers
+        found: dict[str, Table] = {}
+        for kind in (kinds.TORQUE, *_VECTORS):
+            letters = self.letters[kind.name]
+            column = [[asked[kind, (i,)]] for i in n if letters]
+            names = [x for x in letters if self.setting.system is None or x != "c"]
+            found |= dict.fromkeys(names, column) if column else {}  # c of loops: Φ_q q̈ = c
+        if self.letters["c"] and n:
+            found["V"] = [
+                [asked[kinds.VELOCITY, (i,)]] for i in n
+            ]  # the potential energy is no vector
+        for kind in _MATRICES:
+            for letter in filter(str.isupper, self.letters[kind.name]):
+                found[letter] = [[asked[kind, (i, j)] for j in n] for i in n]
+        for letter in filter(str.isupper, self.letters["M"]):
+            rates = [[self._rate_of_mass(i, j) for j in n] for i in n]
+            found |= dict.fromkeys(spellings(letter, "", 1), rates)
+        if self._inverse:
+            found |= dict.fromkeys(self._inverse_names, self._inverse)
+        coordinates = self.setting.symbols.coordinates
+        for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
+            column = [[self._coordinate(x + ending, k)] for k, x in enumerate(coordinates, 1)]
+            for letter in ("q", "theta", "Theta"):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
+        return found
+
+    def _torque_names(self, i: int) -> tuple[str, ...]:
+        """τ_i; without number where it is the only one; F of a driven slide; u where there is one
+        joint, or some are passive."""
+        driven = [k for k in self.numbers if k not in self.passive]
+        own = self.setting.symbols.coordinates[i - 1]
+        others = [
+            *["F", "f"] * (own[0] in "dxyz" and i not in self.passive),
+            *["u"] * (self.setting.system is None and (bool(self.passive) or self.count == 1)),
+        ]
+        taken = {letter for letters in self.letters.values() for letter in letters}
+        letters = [*self.letters["tau"], *(letter for letter in others if letter not in taken)]
+        numbers = (str(i), "") if driven == [i] else (str(i),)
+        along = (f"F{own}", f"f{own}") if own in ("x", "y", "z") and i not in self.passive else ()
+        return (*(letter + number for number in numbers for letter in letters), *along)
+
+    def _rate_of_mass(self, i: int, j: int) -> AskedQuantity:
+        """An entry of Ṁ."""
+        entry, rates = self.entry("M", i, j), self.setting.symbols.rates
+        words = f"entry {i}, {j} of the rate of the mass matrix"
+        return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
+
+    def _christoffel(self) -> Iterator[Named]:
+        """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
+        Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
+        for i, j, k in itertools.product(self.numbers, repeat=3):
+            value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
+            target = AskedQuantity(kinds.CHRISTOFFEL, (k, j, i), value)
+            yield (f"c{i}{j}{k}", f"Gamma{k}{j}{i}"), target
+
+    def _symbol_of_christoffel(self, i: int, j: int, k: int) -> Callable[[], Trig]:
+        def value() -> Trig:
+            M, ring = self.setting.all_of("M"), self.setting.ring
+            q = self.setting.symbols.coordinates
+            m = {x: self.setting.element(M[x[0]][x[1]]) for x in ((k, j), (k, i), (i, j))}
+            half = ring.polynomial([({}, Fraction(1, 2))])
+            slopes = m[k, j].derivative(q[i]) + m[k, i].derivative(q[j]) - m[i, j].derivative(q[k])
+            return slopes * half
+
+        return value
+
+    def _coordinate(self, name: str, k: int) -> AskedQuantity:
+        """An entry of q, q̇ or q̈."""
+        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
+
+
+class VelocityCoefficients(QuantityGroup):
+    """h of (3.25), where other lines are written with it."""
+
+    def single(self) -> Iterator[Named]:
+        if not self.setting.equations.is_short:
+            return
+        for group in self.setting.equations.groups("named"):
+            for equation in group:
+                symbol = equation.lhs
+                if isinstance(symbol, ex.Symbol) and symbol.letter == "h":
+                    name = symbol.name.replace("_", "")
+                    yield (name,), self._coefficient(equation.rhs)
+
+    def _coefficient(self, printed: Expression) -> AskedQuantity:
+        """A coefficient, which some books have with the other sign."""
+
+        def value() -> Trig:
+            return polynomial(self.setting, printed)
+
+        return AskedQuantity(kinds.COEFFICIENT, (), value, also=((_OTHER_H, lambda: -value()),))
+
+
+def polynomial(setting: RightEquations, node: Expression) -> Trig:
+    """A printed expression as polynomial."""
+    rules = {
+        **arithmetic(lambda number: setting.zero + number),
+        ex.Symbol: lambda node, at: setting.image(node.name),
+        ex.Function: lambda node, at: getattr(at(node.argument), node.name)(),
+    }
+    return evaluate(node, rules)

@@ -1,0 +1,85 @@
+"""Letters for a model's numbers, as answers have them: g; m, I_x and l of a model with one body."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Any
+
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.model.bodies import Frame
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter
+from freebody.model.placement import AxisRotation, Placement, Shift
+from freebody_textbook.methods.free_body_steps import thrusts_of
+
+LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
+"""Of the entries of an inertia tensor, as it is stored."""
+MASS, ARM, GRAVITY = "m", "l", "g"
+
+
+_GRAVITY = LexemePattern(GRAVITY)
+_LETTERED = LexemePattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_letter >")
+
+
+def as_written(model: Model, formulas: Lexemes, own: Collection[str] = ()) -> Model:
+    """The model with letters for numbers where an answer has such letters; own: names to which the
+    answer gives a meaning of its own."""
+    lettered = model.dim == 3 and _LETTERED.found_in(formulas)
+    model = with_letters(model) if lettered else model
+    size, taken = model.gravity_size, {*model.parameters, *own}
+    if not isinstance(size, float) or GRAVITY in taken or not _GRAVITY.found_in(formulas):
+        return model
+    return replace(model, gravity_size=Parameter(GRAVITY, size))
+
+
+def with_letters(model: Model) -> Model:
+    """The model with m, Ix, Iy, Iz and l for the numbers of its one body with mass and for the one
+    distance of what pushes it, as answers have them; their values are kept."""
+    own = [k for k, body in enumerate(model.bodies) if body.inertias]
+    if len(own) != 1 or len(model.bodies[own[0]].inertias) != 1:
+        return model
+    taken = set(model.parameters)
+
+    def letter(name: str, x: Any) -> Any:
+        return Parameter(name, x) if isinstance(x, float) and x and name not in taken else x
+
+    body = model.bodies[own[0]]
+    (part,) = body.inertias
+    tensor = tuple(map(letter, LETTERS, part.inertia.tensor))
+    inertia = replace(part.inertia, mass=letter(MASS, part.inertia.mass), tensor=tensor)
+    bodies = list(model.bodies)
+    bodies[own[0]] = replace(body, inertias=(replace(part, inertia=inertia),))
+    return replace(model, bodies=tuple(bodies), frames=_with_one_arm(model, taken))
+
+
+def _with_one_arm(model: Model, taken: Collection[str]) -> tuple[Frame, ...]:
+    """The frames, with l for the one distance of those that are mounted along x or y."""
+    pushing = set(thrusts_of(model).values())
+    shifts = {frame: _shift_of(frame) for frame in pushing}
+    distances = {math.hypot(*by) for by in shifts.values() if by is not None}
+    if ARM in taken or None in shifts.values() or len(distances) != 1:
+        return model.frames
+    arm = Parameter(ARM, distances.pop())
+
+    def placed(frame: Frame) -> Frame:
+        by = shifts.get(frame)
+        if by is None:
+            return frame
+        angle = math.atan2(by[1], by[0])
+        steps = (AxisRotation("z", angle), Shift((arm, 0.0, 0.0)), AxisRotation("z", -angle))
+        return replace(frame, placement=Placement(steps))
+
+    return tuple(map(placed, model.frames))
+
+
+def _shift_of(frame: Frame) -> tuple[float, ...] | None:
+    """Where a frame is, along x or along y of its body; None of one elsewhere or turned."""
+    steps = frame.placement.steps
+    if len(steps) != 1 or not isinstance(steps[0], Shift):
+        return None
+    by = tuple(x for x in steps[0].by if isinstance(x, float))
+    along = len(by) == 3 and by[2] == 0.0 and (by[0] == 0.0) != (by[1] == 0.0)
+    return by if along else None

@@ -1,0 +1,309 @@
+"""What an answer is compared with: the model's equations in a ring wide enough for what users write
+by mistake."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from types import MappingProxyType
+from typing import Any
+
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.parser import PI
+from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.notations.angles import Weights, angles_of
+from freebody.expressions.notations.notation import BookNotation
+from freebody.expressions.polynomials.symbol_order import Order
+from freebody.expressions.polynomials.symbols import (
+    RATE,
+    SECOND,
+    Symbols,
+    names_by_formulas,
+    symbols,
+)
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.lazy import cached_property
+from freebody.model.model import Model
+from freebody.model.number_names import catalogue
+from freebody.scalars.trig import Trig, TrigRing
+from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.asked.letters_for_numbers import with_letters
+from freebody_textbook.check.asked.quantity import Acting
+from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER, FirstKind
+from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.derive import multipliers
+from freebody_textbook.equations.equations import Equations
+from freebody_textbook.methods.free_bodies import are_free, velocity_names
+from freebody_textbook.methods.free_body_steps import XYZ
+from freebody_textbook.methods.whole_bodies import symbols_of_bodies
+from freebody_textbook.parameter_formulas import formulas_of
+
+ALONG_SLIDE = "F"
+"""The symbol of a force along the one slide of a mechanism that nothing drives."""
+FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
+"""Force and moment on a free body."""
+
+
+@dataclass(frozen=True)
+class RightEquations:
+    """The equations, and their symbols over the wider ring."""
+
+    equations: Equations
+    symbols: Symbols
+    foreign: frozenset[str]
+    """Symbols of the notes that this model does not have, such as l2 of a link that slides."""
+    zeros: frozenset[str] = frozenset()
+    """Parameters of the model whose value is 0: an answer may name them."""
+    turned: Weights | None = None
+    """Of absolute angles: B of θ = B φ, where θ are the model's coordinates and φ the answer's, in
+    which all turns are measured from one direction. Torques and forces are then those of φ."""
+    quarters: tuple[int, ...] = ()
+    """Of angles that are not measured from the x axis: by how many right angles each coordinate of
+    the answer is 0 elsewhere."""
+    formulas: Mapping[str, str | float] = field(default_factory=lambda: MappingProxyType({}))
+    """Parameters that are given by formulas."""
+    opposed: frozenset[str] = frozenset()
+    """Loop equations, Phi1, and multipliers that have the other sign in the answer."""
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How polynomials are printed."""
+        return Layout(self.symbols)
+
+    @property
+    def order(self) -> Order:
+        """What the symbols are."""
+        return self.layout.order
+
+    @property
+    def ring(self) -> TrigRing:
+        """The ring of answers."""
+        return self.symbols.ring
+
+    @cached_property
+    def system(self) -> FirstKind | None:
+        """Of a closed chain its equations with multipliers; torques are those of them."""
+        symbols = self.equations.symbols
+        loops = LoopEquations(symbols) if symbols.model.loops else None
+        return loops and FirstKind(loops, self.equations)
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether the model moves in the plane."""
+        return self.symbols.model.dim == 2
+
+    @cached_property
+    def is_free_body(self) -> bool:
+        """Whether it is one body that nothing holds."""
+        symbols = self.equations.symbols
+        return _is_free_body(symbols.given or symbols.model)
+
+    @property
+    def loads(self) -> tuple[str, ...]:
+        """Symbols of a force and a moment at the tip, where an answer has them."""
+        symbols = self.equations.symbols
+        if self.is_free_body:
+            return ()
+        return tuple(x for x in symbols.extra if not x.startswith(MULTIPLIER))
+
+    def held(self, acting: Acting) -> list[Trig]:
+        """What drives and loops of a closed chain need, coordinate by coordinate, for a force that
+        its tip or its slide exerts, and for the weights and the motion where these are told."""
+        return [self._told(x, acting) + y for x, y in zip(self._all, self._by_load, strict=True)]
+
+    @cached_property
+    def _all(self) -> list[Trig]:
+        """The generalized forces without a load."""
+        return [self.element(x) for x in self.all_of("tau")]
+
+    def _told(self, force: Trig, acting: Acting) -> Trig:
+        """The terms of a force that count."""
+        still, weightless = acting in ("weight", "load"), acting == "load"
+
+        def counts(name: str) -> bool:
+            moves = name.endswith((RATE, SECOND)) or name.startswith("sgn_")
+            return not (still and moves) and not (weightless and name == self.order.gravity)
+
+        return self.ring.polynomial(
+            (powers, k) for powers, k in force.terms() if all(map(counts, powers))
+        )
+
+    @cached_property
+    def _by_load(self) -> list[Trig]:
+        """What the load needs."""
+        symbols, found = self.equations.symbols, [self.zero for _ in self.symbols.coordinates]
+        for name in self.loads:
+            force = self.image(name)
+            for k, x in enumerate(self._arms(name, symbols)):
+                found[k] = found[k] + self.element(x) * force
+        return found
+
+    def _arms(self, load: str, symbols: Symbols) -> list[Trig]:
+        """The generalized forces of a load of 1."""
+        if load == ALONG_SLIDE:
+            slides = slides_of(symbols.model)
+            return [symbols.element(float(k in slides)) for k in range(len(symbols.coordinates))]
+        return list(Kinematics(symbols, symbols.model.frame().name).J["xy".index(load[-1])])
+
+    @property
+    def joints(self) -> int:
+        """The highest number a joint's coordinate carries."""
+        return max((int(atom(x).figures or 0) for x in self.symbols.coordinates), default=0)
+
+    @property
+    def zero(self) -> Trig:
+        """0."""
+        return self.symbols.zero()
+
+    def element(self, x: Trig) -> Trig:
+        """A polynomial of the equations in the wider ring, and in the answer's coordinates."""
+        if not self._images:
+            return self.ring.polynomial(x.terms())
+        found = self.zero
+        for powers, coefficient in x.terms():
+            term = self.zero + coefficient
+            for name, power in powers.items():
+                term = term * self.image(name) ** power
+            found = found + term
+        return found
+
+    def image(self, name: str) -> Trig:
+        """What a symbol of the equations is in those of the answer."""
+        kept = self._images.get(name)
+        return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
+
+    @cached_property
+    def _images(self) -> dict[str, Trig]:
+        """What the model's coordinates and rates are in those of the answer."""
+        images = dict(self.given)
+        images |= {x: -self.ring[x] for x in self.opposed if x in self.ring.index}
+        names = self.symbols.coordinates
+        if self.turned is None and not any(self.quarters):
+            return images
+        unit = tuple(tuple(int(i == k) for k in range(len(names))) for i in range(len(names)))
+        for name, row in zip(names, self.turned or unit, strict=True):
+            for ending in ("", RATE, SECOND):
+                parts = (k * self.ring[x + ending] for x, k in zip(names, row, strict=True) if k)
+                images[name + ending] = sum(parts, self.zero)
+            quarters = sum(k * q for k, q in zip(row, self.quarters, strict=bool(self.quarters)))
+            images[name] = images[name] + self.zero + PI / 2 * quarters
+            if name in self.ring.angles:
+                images[f"sin_{name}"], images[f"cos_{name}"] = (
+                    images[name].sin(),
+                    images[name].cos(),
+                )
+        return images
+
+    @cached_property
+    def given(self) -> dict[str, Trig]:
+        """The values of parameters that are given by formulas."""
+        return self.symbols.followed(formulas_of("check", self.symbols, self.formulas))
+
+    def all_of(self, name: str) -> Any:
+        """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
+        coordinates."""
+        found: Any = self.system.forces if self.system and name == "tau" else None
+        if found is None:
+            found = getattr(self.equations, name)
+        if self.turned is None or isinstance(found, Trig):
+            return found
+        rows = self.forces(found)
+        if isinstance(rows[0], list):
+            columns = self.forces(list(zip(*rows, strict=True)))
+            return [list(row) for row in zip(*columns, strict=True)]
+        return rows
+
+    def forces(self, values: Sequence[Any]) -> list[Any]:
+        """Generalized forces of the model's coordinates as those of the answer's: Bᵀ τ. Of a
+        matrix's rows the same."""
+        if self.turned is None:
+            return list(values)
+        B, n = self.turned, range(len(values))
+        return [_combined([B[k][i] for k in n], values) for i in n]
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """Units of the model's parameters by their places in it."""
+        return {name: row.unit for name, row in catalogue(self.symbols.model).rows.items()}
+
+    def parameter(self, name: str) -> Trig | None:
+        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no
+        parameter."""
+        if name in self.zeros:
+            return self.zero
+        return self.ring[name] if name in self.ring.index else None
+
+    def form(self, x: Value) -> str:
+        """A polynomial, or a quotient of two, as one prints it."""
+        return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
+
+
+def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
+    """The sum of values, or of rows of them, each times its factor."""
+    if isinstance(values[0], list | tuple):
+        columns = zip(*values, strict=True)
+        return [_combined(factors, column) for column in columns]
+    return sum((x * k for x, k in zip(values, factors, strict=True) if k), values[0] * 0)
+
+
+def in_notation(
+    equations: Equations, notation: BookNotation, absolute: bool = False
+) -> RightEquations:
+    """The setting of a model's equations for answers in a notation."""
+    model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
+    following = names_by_formulas(model)
+    zeros = [x for x, value in given.parameters.items() if value == 0 and x not in following]
+    turned, quarters = angles_of("check", notation, model, absolute)
+    plain = setting(equations, zeros, turned)
+    return replace(plain, quarters=quarters, formulas=notation.parameters)
+
+
+def slides_of(model: Model) -> list[int]:
+    """The coordinates of slides that nothing drives."""
+    names = symbols(model, follows=False).coordinates
+    return [k for k in model.passive if names[k][0] in "dxyz"]
+
+
+def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
+    """The closed-form equations; of a closed chain those of the tree that is left when its loops
+    are cut, over a ring that holds the multipliers. loads: symbols of a load on the tip."""
+    if _is_free_body(model):
+        lettered = with_letters(model)
+        return Equations(
+            symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
+        )
+    extra = (*multipliers(model), *loads) if model.loops else loads
+    return Equations(symbols(model, extra=extra, follows=False))
+
+
+def _is_free_body(model: Model) -> bool:
+    """Whether it is one free body without a load: with one, answers are not read."""
+    return len(model.bodies) == 1 and are_free(model) and len(model.bodies[0].inertias) == 1
+
+
+def setting(
+    equations: Equations, zeros: Collection[str] = (), turned: Weights | None = None
+) -> RightEquations:
+    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them; turned:
+    see `RightEquations`."""
+    symbols = equations.symbols
+    ring = symbols.ring
+    foreign: list[str] = []
+    if symbols.model.dim == 2:
+        numbers = [atom(x).figures for x in symbols.coordinates]
+        listed = [f"{x.letter}{k}" for k in numbers for x in PARAMETERS]
+        moving = [f"{x}{k}" for k in numbers for x in COORDINATES]
+        still = set(ring.index) - set(symbols.coordinates)  # a length may be called d1
+        listed += [x + e for x in moving if x not in still for e in ("", RATE, SECOND)]
+        foreign = [
+            name for name in dict.fromkeys(listed) if name not in ring.index and name not in zeros
+        ]
+    angles = [x for x in foreign if atom(x).letter == "theta" and not atom(x).dots]
+    others = [name for name in foreign if name not in angles]
+    wide = TrigRing([*ring.angles, *angles], [*ring.names[len(ring.angles) :], *others])
+    return RightEquations(
+        equations, replace(symbols, ring=wide), frozenset(foreign), frozenset(zeros), turned
+    )

@@ -1,0 +1,211 @@
+"""The tip: its position, velocity and acceleration, and the Jacobian."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.words import DETERMINANT
+from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.polynomials.determinant import determinant
+from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody.spatial import sub, times, transposed
+from freebody_textbook.check.algebra.quotients import Value, plus
+from freebody_textbook.check.algebra.quotients import times as multiplied
+from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.loads import vectors
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+
+_TIP = {x: (x, *(x + end for end in ("P", "p", "E", "e", "tip")), f"p{x}", f"P{x}") for x in "xyz"}
+
+_MOTION = (
+    (kinds.TIP, "position"), (kinds.TIP_VELOCITY, "velocity"),
+    (kinds.TIP_ACCELERATION, "acceleration"),
+)  # fmt: skip
+
+
+class TipQuantities(QuantityGroup):
+    """x, y, r, J, J̇, det J."""
+
+    def single(self) -> Iterator[Named]:
+        if self._tip is not None:
+            yield from self._of_tip(self._tip)
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+        if self._tip is None:
+            return {}
+        J = [[single[f"J{i}{j}"] for j in self.numbers] for i in self._rows]
+        position = J[: self.setting.symbols.model.dim]
+        found = {"J": J, **self._tip_vectors(self._tip), "JP": position}
+        if not self.setting.is_planar:
+            found |= {"Js": self._of_twists(self._tip, "s"), "Jb": self._of_twists(self._tip, "b")}
+        names = (f"{name}{INVERSE}" for name in ("J", "JP"))
+        if self.setting.system is None:
+            loads = vectors(self.setting, single)
+            found |= {x: table for x, table in loads.items() if x not in single}
+        if not self._inverse:
+            return found
+        return found | dict.fromkeys(names, self._inverse) | {"Lambda": self._operational}
+
+    def _of_twists(self, tip: Kinematics, axes: str) -> Table:
+        """The space Jacobian J_s and the body Jacobian J_b of Lynch and Park (5.11), (5.18): above
+        the angular velocity, below the velocity of the body's point at the world's origin, in the
+        world's axes; or of the hand's origin, in its own."""
+
+        space = self.setting.equations.symbols.tree.space
+
+        @cache
+        def rows() -> list[tuple[Trig, ...]]:
+            columns = []
+            for column in zip(*tip.J, strict=True):
+                v, w = column[:3], column[3:]
+                if axes == "b":
+                    E = transposed(tuple(map(tuple, tip.rotation)))
+                    columns.append((*times(E, w), *times(E, v)))
+                else:
+                    columns.append((*w, *sub(v, space.cross(w, tuple(tip.position)))))
+            return list(zip(*columns, strict=True))
+
+        words = {"s": "the space Jacobian", "b": "the body Jacobian"}[axes]
+        return [
+            [
+                AskedQuantity(
+                    kinds.TWIST_JACOBIAN,
+                    (i + 1, j),
+                    self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j - 1]),
+                    words=f"entry {i + 1}, {j} of {words}",
+                )
+                for j in self.numbers
+            ]
+            for i in range(6)
+        ]
+
+    @cached_property
+    def _inverse(self) -> Table:
+        """The entries of J⁻¹ where a few of J's rows make it square."""
+        rows = self._square(self._tip) if self._tip is not None else None
+        if rows is None or len(rows) > MOST_ROWS:
+            return []
+        return inverse(
+            self.setting,
+            [[self._entry(i + 1, j) for j in self.numbers] for i in rows],
+            "the tip's Jacobian",
+        )
+
+    @cached_property
+    def _operational(self) -> Table:
+        """Λ = J⁻ᵀ M J⁻¹, the mass matrix at the tip."""
+        n = range(len(self._inverse))
+
+        def entry(i: int, j: int) -> AskedQuantity:
+            def value() -> Value:
+                total: Value = self.setting.zero
+                for k, m in itertools.product(n, repeat=2):
+                    left, right = self._inverse[k][i].compute(), self._inverse[m][j].compute()
+                    term = multiplied(multiplied(left, self.entry("M", k + 1, m + 1)()), right)
+                    total = plus(total, term)
+                return total
+
+            words = f"entry {i + 1}, {j + 1} of the mass matrix at the tip"
+            return AskedQuantity(kinds.INVERSE_ENTRY, (i + 1, j + 1), value, words=words)
+
+        return [[entry(i, j) for j in n] for i in n]
+
+    def _entry(self, i: int, j: int) -> Callable[[], Trig]:
+        """An entry of J."""
+        assert self._tip is not None
+        J = self._tip.J
+        return self.element(lambda: self.setting.forces(J[i - 1])[j - 1])
+
+    @cached_property
+    def _tip(self) -> Kinematics | None:
+        symbols = self.setting.equations.symbols
+        return None if symbols.model.tip is None else Kinematics(symbols, symbols.model.tip)
+
+    def _tip_vectors(self, tip: Kinematics) -> dict[str, Table]:
+        """r, ṙ, r̈ and J̇, whose rows are those of the position."""
+        dim = self.setting.symbols.model.dim
+        found: dict[str, Table] = {}
+        for dots, (kind, vector) in enumerate(_MOTION):
+            words = f"the {vector} of the tip"
+            column = []
+            for k in range(dim):
+                value = self.element(lambda k=k, x=vector: getattr(tip, x)[k])
+                column.append([AskedQuantity(kind, (), value, axis="xyz"[k], words=words)])
+            of_vector = [
+                x for x in ("x", "X") if dots and x not in self.setting.symbols.coordinates
+            ]
+            for letter in ("r", "rP", *of_vector):
+                found |= dict.fromkeys(spellings(letter, "", dots), column)
+            own = f"{'rva'[dots]}"
+            found |= {f"{own}{place}": column for place in ("P", "E", "tip")}
+            if dots == 2:
+                found |= dict.fromkeys(spellings("vP", "", 1), column)
+        rows = []
+        for i in range(dim):
+            row = []
+            for j in range(self.count):
+                value = self.element(lambda i=i, j=j: self.setting.forces(tip.J_dot[i])[j])
+                words = f"entry {i + 1}, {j + 1} of the rate of the tip's Jacobian"
+                row.append(AskedQuantity(kinds.JACOBIAN_RATE, (i + 1, j + 1), value, words=words))
+            rows.append(row)
+        return found | dict.fromkeys(spellings("J", "", 1), rows)
+
+    @property
+    def _rows(self) -> range:
+        """Of the Jacobian, from 1."""
+        return range(1, 4 if self.setting.is_planar else 7)
+
+    def _of_tip(self, tip: Kinematics) -> Iterator[Named]:
+        for i in self._rows:
+            for j in self.numbers:
+                yield (f"J{i}{j}",), AskedQuantity(kinds.JACOBIAN, (i, j), self._entry(i, j))
+        for row in self._inverse:
+            for x in row:
+                yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
+        for k in range(self.setting.symbols.model.dim):
+            own = self.setting.symbols.coordinates
+            taken = {*own, *(f"{p}{x}" for p in "pP" for x in own)}  # x of a cart, and its momentum
+            names = tuple(name for name in _TIP["xyz"[k]] if name not in taken)
+            yield names, AskedQuantity(kinds.TIP, (), self.element(lambda k=k: tip.position[k]))
+            for kind, vector in _MOTION[1:]:
+                dotted = tuple(s for name in names[:5] for s in spellings(name, "", kind.dots))
+                dotted += (" va"[kind.dots] + "xyz"[k],)
+                value = self.element(lambda k=k, vector=vector: getattr(tip, vector)[k])
+                yield dotted, AskedQuantity(kind, (), value)
+        yield from self._axes(tip)
+        rows = self._square(tip)
+        if rows is not None:
+            value = self.element(
+                lambda: determinant([tip.J[i] for i in rows], self.setting.equations.symbols)
+            )
+            yield ("detJ", f"J{DETERMINANT}"), AskedQuantity(kinds.DETERMINANT, (), value)
+
+    def _axes(self, tip: Kinematics) -> Iterator[Named]:
+        """n, o or s, and a: the axes of the hand, columns of its orientation; a_x is an
+        acceleration too."""
+        if self.setting.is_planar:
+            return
+        for j, letters in enumerate(("n", "os", ("approach",))):
+            for i, axis in enumerate("xyz"):
+                value = self.element(lambda i=i, j=j: tip.rotation[i][j])
+                words = f"component {axis} of the hand's {'xyz'[j]} axis"
+                names = tuple(letter + axis for letter in letters)
+                yield names, AskedQuantity(kinds.OF_BODY, (), value, words=words)
+
+    def _square(self, tip: Kinematics) -> range | None:
+        """The rows of the Jacobian that make it square: in space of three joints those of the
+        position, of a wrist those of the orientation."""
+        if self.setting.is_planar:
+            return range(self.count) if self.count in (2, 3) else None
+        if self.count == 6:
+            return range(6)
+        if self.count != 3:
+            return None
+        moves = any(not self.setting.element(x).is_zero for row in tip.J[:3] for x in row)
+        return range(3) if moves else range(3, 6)

@@ -1,0 +1,352 @@
+"""What the lines of an answer state: which quantity each is about, and the expression given for
+it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.nodes import Expression, Matrix, Number, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities import kinds
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
+from freebody_textbook.check.algebra.tables_in_formulas import Shape
+from freebody_textbook.check.asked.momenta import WHOLE
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
+from freebody_textbook.check.claims.formula_reader import all_right, entry_label
+from freebody_textbook.check.claims.own_definitions import OwnDefinitions
+from freebody_textbook.check.claims.unnamed_equations import UnnamedEquations
+from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.behind_names import power_behind, turn_behind
+from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.states.state_values import functions_of
+from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
+
+_EXACT = 1e-12
+"""The share by which floating point may be off."""
+_LOADED = "Write tau1 = …, with F_x and F_y at the tip, or F along the one slide."
+_ACROSS = "a component that a plane does not have"
+
+
+class ClaimReader(OwnDefinitions, UnnamedEquations):
+    """Lines into claims."""
+
+    def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """What one equation states, after others."""
+        found = self._claims(line, before)
+        by_loops = self.is_loaded and self.setting.system is not None
+        if by_loops and not all(claim.target.acting for claim in found):
+            span = (line[0][0].start, line[-1][-1].end)
+            self.source.fail("of closed chains only torques are read under a force", span, _LOADED)
+        return found
+
+    def _claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """The same, whatever acts."""
+        self.of_bodies = self.is_about_bodies(line)
+        self.begin(line)
+        self._refuse_motion(line)
+        if self._restates_a_parameter(line):
+            return []
+        if self.is_of_angles(line):
+            return [self.of_angles(line)]
+        if self.is_solved(line):
+            return [self.solved_for(line)]
+        subjects = [self._subject(side) for side in line]
+        named = [subject for subject in subjects if subject is not None]
+        if not named or len(line) < 2:
+            return self.unnamed(line, before)
+        if not self.setting.is_free_body and any(map(self._is_of_joints, named)):
+            self.of_bodies = False
+        other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
+        given = {x.text for side in other for x in side if x.kind == "name"}
+        for subject in named[1:]:  # F1 = τ1 + m1 g·v = τ1: given by τ1, not about it
+            if isinstance(subject, Token) and (
+                subject.text in given or self._has_own_axes(subject.text)
+            ):
+                named.remove(subject)
+                other.append((subject,))
+        if not other:
+            named, other = named[:1], list(line[1:])
+        found = []
+        for side in other:
+            if self._closes(named[0], side, len(other)):
+                continue
+            stated = partial(self._stated, named, side, any(map(self.is_matrix, other)))
+            whole = [*(x for x in named if isinstance(x, Token)), *side]
+            found += self.in_some_axes(whole, stated)
+        return found
+
+    def _refuse_motion(self, line: Line) -> None:
+        """Refuse what moves beside virtual displacements: read as rates, what does no work along
+        the motion would vanish."""
+        variations = self.vocabulary.variations
+        inside = [token for side in line for token in side if token.kind == "name"]
+        if variations.isdisjoint(token.start for token in inside):
+            return
+        for token in inside:
+            if token.start not in variations and self._is_moving(token):
+                self.source.fail(
+                    "beside virtual displacements stands what has rates in it, which is not read",
+                    token.span,
+                    "Write the equation of motion, or the power with rates, tau1*dtheta1 = dE/dt.",
+                )
+
+    def _is_moving(self, token: Token) -> bool:
+        """Whether rates or accelerations are in what a name stands for."""
+        node = self.parse((token,))
+        return any(self._moves(x.value) for x in nodes(node) if isinstance(x, Named))
+
+    def _restates_a_parameter(self, line: Line) -> bool:
+        """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
+        checked."""
+        own = [x.text for x in line[0]] if len(line) == 2 else []
+        name = generator(self.vocabulary.symbols.get(own[0], self.setting.zero)) if own else None
+        value = self.setting.symbols.model.parameters.get(name or "")
+        if len(own) != 1 or value is None or any(x.kind == "name" for x in line[1]):
+            return False
+        node = self.parse(line[1])
+        written = self.numbers.of(node.span)
+        if not isinstance(node, Number):
+            return False
+        factor = written.unit.factor if written is not None and written.unit else 1.0
+        half = half_a_unit(self.source.plain(node.span), node.value)
+        if abs(float(node.value) * factor - value) > float(half) * factor + _EXACT * abs(value):
+            return False
+        self.told.append(node.span)
+        return True
+
+    def _stated(
+        self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool
+    ) -> list[Claim]:
+        """What a side says of the quantities that it is equal to; as_vector: another side is one,
+        by its entries."""
+        node = self.parse(side, self._shape_of(named[0], as_vector))
+        return [claim for subject in named for claim in self._pairs(subject, node)]
+
+    def _has_own_axes(self, name: str) -> bool:
+        """Whether a name is that of a vector in the axes of its body: of ω3 = ω2 = [...] the
+        entries are those of ω3."""
+        table = self.targets.tables.get(name)
+        return table is not None and table[0][0].in_world is not None
+
+    def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
+        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
+        det J = … = 0, which says where the arm is singular."""
+        if not isinstance(subject, Token):
+            return False
+        table = self.targets.tables.get(subject.text, [[None]])
+        asked = self.targets.single.get(subject.text, table[0][0])
+        own = asked is not None and asked.kind.may_be_zero
+        return own and count > 1 and len(side) == 1 and side[0].text == "0"
+
+    def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
+        """Whether it is a whole vector or matrix of the equations of motion, in which g is too; in
+        what is said of g itself g is the gravitational acceleration."""
+        own = isinstance(subject, Token) and subject.text in self.vocabulary.told
+        if not isinstance(subject, Token) or subject.text in self.targets.single or own:
+            return False
+        kind = self.targets.tables[subject.text][0][0].kind
+        return kind.of == "joints" and kind.tells != "weight"
+
+    def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
+        """The shape of a vector or matrix, if it cannot be one number."""
+        if isinstance(subject, Matrix):
+            return len(subject.rows), len(subject.rows[0])
+        if isinstance(subject, Named) or (subject.text in self.targets.single and not as_vector):
+            return None
+        table = self.targets.tables.get(subject.text)
+        if (own := self.vocabulary.matrices.get(subject.text)) is not None:
+            return len(own.rows), len(own.rows[0])
+        return None if table is None else (len(table), len(table[0]))
+
+    def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
+        """The quantity, the derivative of one, or the vector or matrix of quantities that a side
+        is, if it is one alone."""
+        if len(side) == 1 and side[0].text in self.vocabulary.told:
+            return side[0]
+        if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
+            return None if self.is_own(side[0].text) else side[0]
+        first = side[0]
+        name = first.text + INVERSE
+        if name in self.targets.tables and power_behind(side[1:], -1) == len(side) - 1 > 0:
+            return replace(first, text=name, end=side[-1].end)
+        turn, behind = turn_behind(first.text, side[1:])
+        if turn in self.targets.tables and behind == len(side) - 1:
+            return replace(first, text=turn, end=side[-1].end)
+        if first.kind != "partial" and not self.is_matrix(side):
+            return None
+        node = self.parse(side)
+        if isinstance(node, Matrix):
+            return node if all(self._is_quantity(x) for row in node.rows for x in row) else None
+        return node if isinstance(node, Named) and self._is_quantity(node) else None
+
+    def _is_quantity(self, node: Expression) -> bool:
+        """Whether a node is a quantity by name, or a derivative."""
+        if not isinstance(node, Named):
+            return False
+        return node.is_derivative or (
+            node.name in self.targets.single and node.name not in self.vocabulary.symbols
+        )
+
+    def _pairs(self, name: Token | Named | Matrix, node: Expression) -> list[Claim]:
+        """The claims of name = node, entry by entry where it is a vector or matrix."""
+        label = self.source[name.span]
+        if isinstance(name, Matrix):
+            return self._entry_by_entry(name, node)
+        if isinstance(name, Named):
+            derivative = AskedQuantity(kinds.DERIVATIVE, (), lambda: name.value)
+            asked = derivative if name.is_derivative else self.targets.single[name.name]
+            return [self.claim(label, asked, node)]
+        if name.text in self.vocabulary.told:
+            return self._of_own_name(name, label, node)
+        single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
+        momentum = self._momentum(name.text, node)
+        if momentum is not None:
+            return [self.claim(label, momentum, node)]
+        if isinstance(node, Number) and table and self.may_be_vector(name.text, node):
+            zeros = tuple((replace(node),) for _ in table)
+            node = Matrix(zeros, span=node.span) if node.value == 0 else node
+        if table and [len(row) for row in table] == [1] and single is None:
+            node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
+        if not isinstance(node, Matrix):
+            if single is None:
+                self.source.fail(
+                    f"{label} is a vector or matrix: write it as [[…, …], […, …]]", name.span
+                )
+            return [self.claim(label, self._energy_or_power(name.text, single, node), node)]
+        if table is None and single is not None:
+            table = [[single]]
+        if self._is_gravity(name.text, node):
+            table = self.targets.tables["gravity"]
+        return self._entries(label, node, table or [])
+
+    def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
+        """What is said of a name of the user's own for an expression of quantities, by more than
+        these."""
+        matrix = self.vocabulary.matrices.get(name.text)
+        if matrix is None:
+            value = self.vocabulary.symbols[name.text]
+            found = [self.claim(label, _own(lambda: value), node)]
+        else:
+            node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
+            rows = [list(map(self.quotient, row)) for row in matrix.rows]
+            table = [
+                [_own(lambda x=x: x, *(i, j)[: 1 + (len(row) > 1)]) for j, x in enumerate(row, 1)]
+                for i, row in enumerate(rows, 1)
+            ]
+            found = self._entries(label, node, table)
+        used = {use.target for use in uses(node, self.targets.single, self.vocabulary)}
+        if used.issuperset(self.vocabulary.uses[name.text]) and all_right(found):
+            self.source.fail(f"this says only what {label} stands for", node.span)
+        return found
+
+    def _momentum(self, name: str, node: Expression) -> AskedQuantity | None:
+        """The angular momentum where an H or L is one, neither mass matrix nor Lagrangian: rates
+        stand in each of its terms to the first power."""
+        momentum = self.targets.single.get(WHOLE) if name in ("H", "L") else None
+        if momentum is None or isinstance(node, Matrix) or functions_of(node):
+            return None
+        value = self.quotient(node)
+        terms = [powers for powers, _ in value.terms()] if isinstance(value, Trig) else []
+        moving = ({x: k for x, k in p.items() if x.endswith((RATE, SECOND))} for p in terms)
+        is_linear = all(
+            sum(x.values()) == 1 and not any(n.endswith(SECOND) for n in x) for x in moving
+        )
+        return momentum if terms and is_linear else None
+
+    def _is_gravity(self, name: str, node: Matrix) -> bool:
+        """Whether g = [0; -g] tells the gravitational acceleration, not the terms of torques."""
+        table = self.targets.tables.get("gravity") if name == "g" else None
+        entries = [x for row in node.rows for x in row]
+        if table is None or len(entries) != len(table):
+            return False
+        rows = zip(entries, table, strict=True)
+        return all(difference(self.quotient(x), y.compute()).is_zero for x, (y,) in rows)
+
+    def _energy_or_power(self, name: str, single: AskedQuantity, node: Expression) -> AskedQuantity:
+        """What a P is that may be the potential energy or the power of the drives: of which it is
+        right, or has the units; with rates in it the power. What a_x is that may be an acceleration
+        or of an axis of the hand: with rates in it the first."""
+        if single.kind.dots == 2 and name[:-1] == "a":
+            axis = self.targets.single.get(name.replace("a", "approach"))
+            return axis if axis is not None and not self._moves(self.quotient(node)) else single
+        power = self.targets.single.get(name.replace("P", "power"))
+        if not name.startswith("P") or not single.kind.up_to_a_constant or power is None:
+            return single
+        value, written = self.quotient(node), self.numbers.of(node.span)
+        if written is not None and written.unit is not None:
+            needed = unit_of_quantity(self.setting, power, value)
+            return power if written.unit.dimension == needed else single
+        if difference(value, single.compute()).is_zero or not isinstance(value, Trig):
+            return single
+        return power if self._moves(value) else single
+
+    def _moves(self, value: Value) -> bool:
+        """Whether rates or accelerations are in it."""
+        terms = (powers for x in pair(value) for powers, _ in x.terms())
+        return any(x.endswith((RATE, SECOND)) for powers in terms for x in powers)
+
+    def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
+        """The claims of [τ1; τ2] = node."""
+        if not isinstance(node, Matrix) or [len(x) for x in node.rows] != [
+            len(x) for x in named.rows
+        ]:
+            self.source.fail(
+                "the sides of this equation have different numbers of entries", named.span
+            )
+        pairs = zip(named.rows, node.rows, strict=True)
+        return [
+            claim
+            for names, row in pairs
+            for name, x in zip(names, row, strict=True)
+            if isinstance(name, Named)
+            for claim in self._pairs(name, x)
+        ]
+
+    def _in_space(self, table: list[list[AskedQuantity]]) -> list[list[AskedQuantity]]:
+        """A vector of the plane, or a Jacobian of one, with the rows that are 0 there."""
+        none = AskedQuantity(kinds.OF_BODY, (), lambda: self.setting.zero, words=_ACROSS)
+        across = [none] * len(table[0])
+        rows = [*table, across] if len(table) == 2 else [across, across, *table]
+        if len(across) == 1:
+            return [[replace(x, axis=k)] for k, (x,) in zip("xyz", rows, strict=True)]
+        return [
+            [replace(x, index=(i, j)) for j, x in enumerate(row, 1)]
+            for i, row in enumerate(rows, 1)
+        ]
+
+    def _entries(self, label: str, node: Matrix, table: list[list[AskedQuantity]]) -> list[Claim]:
+        rows = [list(row) for row in node.rows]
+        if len(rows) == 1 and table and len(table[0]) == 1:
+            rows = [[entry] for entry in rows[0]]  # a vector written as a row
+        if self.setting.is_planar and len(rows) == 3 and _is_of_body(table):
+            table = self._in_space(table)
+        if label == "J" and len(rows) < len(table):
+            table = table[: len(rows)]
+        if [len(row) for row in table] == [1] and len(rows) * len(rows[0]) > 1:
+            self.source.fail(f"{label} is one number, not a vector or matrix", node.span)
+        if [len(r) for r in rows] != [len(r) for r in table]:
+            size = f"{len(table)} × {len(table[0])}"
+            self.source.fail(f"{label} has {size} entries here", node.span)
+        return [
+            self.claim(entry_label(label, target), self.in_axes(target), entry)
+            for row, targets in zip(rows, table, strict=True)
+            for entry, target in zip(row, targets, strict=True)
+        ]
+
+
+def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
+    """A name of the user's own, or an entry of it."""
+    return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
+
+
+def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
+    """Whether it is a vector in the plane or a Jacobian of one, or an angular one, which has one
+    row there."""
+    return len(table) < 3 and all(x.kind.of == "bodies" for row in table for x in row)

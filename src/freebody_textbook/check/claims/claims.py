@@ -1,0 +1,252 @@
+"""An answer's text as equations: which quantity each line is about, and the expression given for
+it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, NoReturn
+
+from freebody.errors import FreebodyError, listed
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.source import Source, Span
+from freebody.expressions.notations.notation import BookNotation
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.names_without_meaning import advice
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.claims import own_names
+from freebody_textbook.check.claims.claim_reader import ClaimReader
+from freebody_textbook.check.documents.answer_document import AnswerDocument
+from freebody_textbook.check.numbers.results import WrittenNumbers
+from freebody_textbook.check.numbers.states import StateReader
+from freebody_textbook.check.numbers.written_numbers import taken_from
+from freebody_textbook.check.reading import loaded_lines
+from freebody_textbook.check.reading.answer_lines import DocumentReader, Line
+from freebody_textbook.check.reading.circular_answers import refuse_circles
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.check.verdict import UnreadEquation
+from freebody_textbook.check.verdicts import singular_poses
+
+MOST_EQUATIONS = 100
+
+
+@dataclass(frozen=True)
+class Statements:
+    """What a document says: claims in its order, the names of its own that no statement uses as
+    they are written, and what was not read."""
+
+    claims: list[Claim]
+    unused: tuple[str, ...]
+    unread: tuple[UnreadEquation, ...] = ()
+    numbers: WrittenNumbers = WrittenNumbers()
+    told: tuple[Span, ...] = ()
+    """Where values of parameters are told."""
+
+
+def statements(
+    setting: RightEquations,
+    document: AnswerDocument,
+    names: Mapping[str, str],
+    notation: BookNotation,
+    at: Mapping[str, Any] | str | None = None,
+) -> Statements:
+    """All that an answer states; at: the state of its numbers."""
+    formulas = document.lexemes
+    coefficients = (
+        setting.turned is None
+        and not any("h" in letters for letters in notation.letters.values())
+        and any(_COEFFICIENTS.all(formulas))
+    )
+    framed = "%frame" in formulas.places
+    targets = Targets(
+        setting, bool(coefficients), notation.all_letters, framed=framed, formulas=formulas
+    )
+    vocabulary = Vocabulary(setting, targets.names, targets.alone)
+    for name, value in setting.given.items():
+        vocabulary.define(name, value)
+    own_names.of_notation(vocabulary, targets, notation)
+    own_names.of_user(vocabulary, targets, names)
+    states = StateReader(vocabulary, targets)
+    document, poses = singular_poses.taken_from(document, vocabulary, targets)
+    document, numbers = taken_from(document, states, states.given(at))
+    numbers.refuse_two_states()
+    reading = DocumentReader(document, vocabulary, targets.names)
+    source = reading.source
+    symbols = frozenset(vocabulary.symbols)
+    pending = set(_new_names(reading, vocabulary))
+    for name in pending:  # known as words; no line is read with one before it has its value
+        vocabulary.define(name, setting.zero)
+    lines = reading.lines()
+    if not lines and not reading.unread and not poses:
+        raise AnswerError(
+            "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
+            "+ I2"
+        )
+    if len(lines) > MOST_EQUATIONS:
+        raise AnswerError(
+            f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
+        )
+    claimed = ClaimReader(source, vocabulary, targets, numbers)
+    for line in lines:
+        with reading.passing_over(line):
+            if claimed.says_that_the_base_moves(line):
+                claimed.targets = replace(targets, based=True)
+    claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
+    claimed.load = loaded_lines.loads(lines, vocabulary, targets)
+    pending |= claimed.own_scalars(lines) | claimed.own_coordinates(lines)
+    pending |= claimed.own_coefficients(lines, pending)
+    own = _definitions(claimed, reading, lines, pending)
+    stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
+    by_line: dict[Line, list[Claim]] = {}
+    for line in (line for line in stated if len(line) > 1):
+        with reading.passing_over(line):
+            _refuse_names(source, line, pending)
+            before = [claim for claims in by_line.values() for claim in claims]
+            by_line[line] = claimed.claims(line, before)
+    unread_names = (_names_of(reading.failed) | reading.unread_names) - symbols
+    for line in list(by_line):
+        with reading.passing_over(line):
+            _refuse_names(source, line, unread_names)
+        if line in reading.failed:
+            del by_line[line]
+    found = [claim for claims in by_line.values() for claim in claims]
+    if not found and not poses:
+        _refuse_nothing(setting, source, own, reading.unread)
+    if document.strict:
+        refuse_circles(source, found)
+    else:
+        found = _without_circles(reading, found)
+    unread = sorted(reading.unread, key=lambda row: row.at)
+    unused, told = _unused(source, own, lines), tuple(claimed.told)
+    return Statements([*found, *poses], unused, tuple(unread), numbers, told)
+
+
+def _definitions(
+    claimed: ClaimReader, reading: DocumentReader, lines: Sequence[Line], pending: set[str]
+) -> list[Line]:
+    """The lines that introduce names, in whatever order they stand; `pending` loses the names that
+    get a value."""
+    own: list[Line] = []
+    waiting = [line for line in lines if line not in reading.failed]
+    while True:
+        ready = [line for line in waiting if not _written_with(line, pending)]
+        if not ready:
+            return own
+        for line in ready:
+            waiting.remove(line)
+            with reading.passing_over(line):
+                own += claimed.definitions(line, lines)
+        pending -= _names_of(own)
+
+
+def _names_of(lines: Sequence[Line]) -> set[str]:
+    """The names that are the whole left side of lines."""
+    sides = (line[0] for line in lines)
+    return {side[0].text for side in sides if len(side) == 1 and side[0].kind == "name"}
+
+
+def _written_with(line: Line, names: Collection[str]) -> list[Token]:
+    """Where a line is written with one of some names, not about it."""
+    sides = line if len(line[0]) > 1 else line[1:]
+    return [
+        token for side in sides for token in side if token.kind == "name" and token.text in names
+    ]
+
+
+def _refuse_names(source: Source, line: Line, without_value: Collection[str]) -> None:
+    """Refuse a line that is written with a name that no line gives, or none that can be read."""
+    for token in _written_with(line, without_value):
+        source.fail(f"{source[token.span]} is not defined by any line that can be read", token.span)
+
+
+def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:
+    """The claims of a document but for those given by themselves, which are told."""
+    kept: list[Claim] = []
+    for claim in found:
+        try:
+            refuse_circles(reading.source, [*kept, claim], [claim])
+            kept.append(claim)
+        except AnswerError as problem:
+            own_name = isinstance(claim.node, Named)  # Q = [τ1; τ2] only says another name
+            reading.pass_over(claim.node.span, problem.bare, not own_name)
+    return kept
+
+
+def _refuse_nothing(
+    setting: RightEquations,
+    source: Source,
+    own: Sequence[Line],
+    unread: Sequence[UnreadEquation],
+) -> NoReturn:
+    """Raise the error that nothing was found to be checked."""
+    if unread:
+        first = unread[0]
+        raise AnswerError(f"no equation could be read; {first.where}: {first.reason}")
+    if not own:
+        raise AnswerError(
+            "the answer only gives values of parameters; write the quantity to be checked, such as "
+            "tau1 = …"
+        )
+    names_given = dict.fromkeys(source[line[0][0].span] for line in own)
+    instead = (advice(setting.symbols.model, line[0][0].text) for line in own)
+    taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
+    raise AnswerError(
+        f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "
+        f"write the quantity to be checked, such as tau1 = …",
+        next(filter(None, instead), ""),
+    )
+
+
+def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple[str, ...]:
+    """The names that lines introduce and no other line uses."""
+    unused = []
+    for line in own:
+        used = {
+            token.text
+            for other in lines
+            if other is not line
+            for side in (other if other not in own else other[1:])
+            for token in side
+        }
+        if line[0][0].text not in used:
+            unused.append(source[line[0][0].span])
+    return tuple(dict.fromkeys(unused))
+
+
+def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
+    """Names before a = that mean nothing else: the user introduces them. Letters of vectors are
+    noted as given."""
+    source, lexemes = reading.source, reading.source.lexemes
+    places = {lexemes.at(piece.start) for piece in reading.pieces}
+    places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}
+    found, given = [], set[str]()
+    for k in sorted(places | {0}):
+        k = _ALIGNED.end(lexemes, k)
+        if k >= len(lexemes) or lexemes[k].text == "_" or not words.begins(lexemes[k]):
+            continue
+        try:
+            word = words.spell(source, k)
+        except FreebodyError:  # told where the line is read
+            continue
+        if k in reading.in_sums:
+            continue
+        if not _IS.at(lexemes, word.at):
+            continue
+        if vocabulary.cut(source, word) is None:
+            found.append(word.plain)
+        elif word.plain in vocabulary.alone and len(word.plain) == 1:
+            given.add(word.plain)
+    vocabulary.given |= given
+    return found
+
+
+_BEFORE_NAME = LexemePattern("%line | , | ; | %row")
+_ALIGNED = LexemePattern("&?")
+_IS = LexemePattern("&? =")
+_COEFFICIENTS = LexemePattern("!-%latin h !~%small_letter")
+"""h, h_112 of the notes' form."""

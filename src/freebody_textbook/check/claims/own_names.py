@@ -1,0 +1,191 @@
+"""Names of the user's own, or of a notation, and what they stand for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.atoms import atom, numbered
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.lexer import tokens
+from freebody.expressions.nodes import Matrix, Span
+from freebody.expressions.notations.lettering import Lettering
+from freebody.expressions.notations.notation import BookNotation
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.tables_in_formulas import worked_out
+from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS, Targets
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.claims.formula_reader import entry_label
+from freebody_textbook.check.link_symbols import LINK_SYMBOLS
+from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reading.vocabulary import FUNCTIONS, Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
+
+_NUMBERED = (*(x.letter for x in LINK_SYMBOLS), "q")
+"""What names of one's own may stand for, for all links or joints."""
+
+
+def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
+    """The names of a notation, all at once, as one may stand for what another is called here; none
+    where the model has such names itself."""
+    here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
+    symbols = vocabulary.setting.symbols
+    lettering = Lettering(notation, frozenset(symbols.model.parameters), symbols.coordinates)
+    if lettering.taken:
+        return
+    for name, meaning in notation.names.items():
+        if meaning not in _NUMBERED or (meaning in here.symbols and name not in lettering.alone):
+            _rename(vocabulary, targets, name, meaning, here)
+        for k in range(1, vocabulary.setting.joints + 1) if meaning in _NUMBERED else ():
+            if f"{meaning}{k}" in here.symbols:
+                _rename(vocabulary, targets, f"{name}{k}", f"{meaning}{k}", here)
+    for own, name in lettering.names.items():
+        _rename(vocabulary, targets, name, own, here)
+    vocabulary.no_waves(
+        name for name, x in targets.single.items() if _is_printed(name, x, notation)
+    )
+
+
+def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> bool:
+    """Whether a notation prints a quantity by that name."""
+    letters = notation.letters.get(target.kind.name, ())
+    printed = target.kind.name in notation.printed_kinds
+    return printed and name == f"{letters[0]}{atom(name).figures}" != letters[0]
+
+
+def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
+    """The user's names, all at once too; one may stand for what others do."""
+    here, waiting = vocabulary.copy(), _as_texts(names)
+    while waiting:
+        problem = None
+        for name, meaning in list(waiting.items()):
+            try:
+                if not _rename(vocabulary, targets, name, meaning, here):
+                    raise AnswerError(f"names: {name!r}: no {meaning!r} with a number is known")
+                del waiting[name]
+            except AnswerError as error:
+                problem = problem or error
+        if problem is not None and len(waiting) == len(names):
+            raise problem
+        here, names = vocabulary.copy(), dict(waiting)
+
+
+def _as_texts(names: object) -> dict[str, str]:
+    """Names and their meanings, of which a number is one too; raises AnswerError."""
+    if not isinstance(names, Mapping):
+        raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
+    for name, meaning in names.items():
+        if not (isinstance(name, str) and isinstance(meaning, str | int | float)):
+            raise AnswerError(f"names: {name!r}: {meaning!r} is no pair of texts as 'L1': 'l1'")
+    return {name: str(meaning) for name, meaning in names.items()}
+
+
+def _rename(
+    vocabulary: Vocabulary, targets: Targets, name: str, meaning: str, here: Vocabulary
+) -> bool:
+    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
+    expression, or a letter for the cosines and sines of all angles; whether there is such a thing.
+    here: what the meaning is written with."""
+    plain = _plain(name)
+    if plain in (*FUNCTIONS, "pi", "t"):
+        raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
+    is_name = all(c.isalnum() or c in "_\\{}'" for c in meaning) and not meaning.isdigit()
+    target = _plain(meaning) if is_name else ""
+    if target in _NUMBERED and target not in here.symbols:
+        numbers = [k for k in range(1, here.setting.joints + 1) if f"{target}{k}" in here.symbols]
+        for k in numbers:
+            _rename(vocabulary, targets, f"{plain}{k}", f"{target}{k}", here)
+        return bool(numbers)
+    if target in ("sin", "cos"):
+        if atom(plain).figures:
+            raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
+        vocabulary.also_wave(plain, target)
+        return True
+    if target in targets.names and target not in {*here.symbols, *here.waves, *AMBIGUOUS}:
+        _rename_quantity(vocabulary, targets, plain, target)
+        return True
+    _define(vocabulary, targets, plain, AnswerText.of(meaning), here)
+    return True
+
+
+def _define(
+    vocabulary: Vocabulary, targets: Targets, plain: str, meaning: AnswerText, here: Vocabulary
+) -> None:
+    """A name of the user's own for an expression and its rates, or for a vector or matrix and a
+    vector's components."""
+
+    def quantity(name: str) -> Trig | None:
+        return targets.single[name].polynomial() if name in targets.single else None
+
+    def table(name: str, span: Span) -> Matrix | None:
+        if name in here.matrices:
+            return replace(here.matrices[name], span=span)
+        asked = () if name in AMBIGUOUS else targets.tables.get(name, ())
+        rows = [
+            tuple(Named(entry_label(name, x), x.compute(), span=span) for x in row) for row in asked
+        ]
+        return Matrix(tuple(rows), span=span) if rows else None
+
+    written = tokens(meaning, here)[:-1]
+    parser = AnswerParser(meaning, written, here, quantity, targets.single, table)
+    node = worked_out(parser.side(), parser.others)
+    given = tuple(use.target for use in uses(node, targets.single, vocabulary))
+    reader = PolynomialReader(meaning, vocabulary.setting.ring)
+    vocabulary.told |= {plain} if given else set()
+    if isinstance(node, Matrix):
+        vocabulary.define_matrix(plain, node, given)
+        for k, row in enumerate(node.rows if len(node.rows[0]) == 1 else (), 1):
+            own = tuple(use.target for use in uses(row[0], targets.single, vocabulary))
+            vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), own)
+            vocabulary.told |= {f"{plain}{k}"} if own else set()
+        return
+    value = reader.quotient(node)
+    vocabulary.define(plain, value, given)
+    ring = vocabulary.setting.ring
+    for coordinate in vocabulary.setting.symbols.coordinates:
+        if value == ring[coordinate]:
+            for p in "pP":
+                vocabulary.define_alias(p + plain, p + coordinate)
+    letter, digits = numbered(plain)
+    for dots, rate in enumerate(_rates(vocabulary, value), 1):
+        for spelling in spellings(letter, digits, dots):
+            vocabulary.define(spelling, rate, given)
+
+
+def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target: str) -> None:
+    """A name of the user's own for a quantity, and for its rates."""
+    for dots in range(3):
+        theirs = next((x for x in spellings(target, "", dots) if x in targets.names), None)
+        for spelling in spellings(name, "", dots) if theirs else ():
+            vocabulary.define_alias(spelling, theirs or "")
+
+
+def _rates(vocabulary: Vocabulary, value: Value) -> Iterator[Trig]:
+    """The rates of a value, as far as it moves."""
+    ring = vocabulary.setting.ring
+    rates = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
+    rates |= vocabulary.setting.symbols.rates
+    for _ in (RATE, SECOND):
+        if not isinstance(value, Trig) or (value := value.along(rates)).is_zero:
+            return
+        yield value
+
+
+def _plain(name: str) -> str:
+    """The plain spelling of a name."""
+    source = AnswerText.of(name.strip())
+    items = source.lexemes.items
+    if not items or not (words.begins(items[0]) or items[0].kind == "command"):
+        raise AnswerError(f"names: {name!r} is not a name")
+    word = words.spell(source, 0)
+    if word.plain in words.COMMAND_NAMES:  # ell is \\ell
+        return words.COMMAND_NAMES[word.plain]
+    if word.at != len(items):
+        raise AnswerError(f"names: {name!r} is not a single name")
+    return word.plain

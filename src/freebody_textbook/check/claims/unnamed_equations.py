@@ -1,0 +1,391 @@
+"""Equations no side of which is a quantity: torques inside, loops, passive joints, identities."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence, Set
+from fractions import Fraction
+from itertools import product
+
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.parser import around
+from freebody.expressions.nodes import Expression, Matrix, Negative, Number, Sum, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities import kinds
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
+from freebody_textbook.check.algebra.quotients import (
+    Value,
+    difference,
+    inverted,
+    negative,
+    pair,
+    plus,
+    times,
+)
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.claims.formula_reader import FormulaReader, all_right, entries_of
+from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reasons import undriven_joints
+from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.check.states.state_values import functions_of
+from freebody_textbook.closed_chains.linear import Ratio
+
+_LONGEST_LABEL = 60
+_MOST_COORDINATES = 2
+
+
+class UnnamedEquations(FormulaReader):
+    """Reads what such an equation states."""
+
+    def unnamed(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
+        joint, or an equation between other quantities."""
+        span = (line[0][0].start, line[-1][-1].end)
+        if len(line) > 2:  # 0 = a = b
+            pairs = ((line[0], side) for side in line[1:])
+            return [claim for pair in pairs for claim in self.unnamed(pair, before)]
+        if any(functions_of(self.parse(side)) for side in line):
+            return self._identities(line)
+        if self._says_nothing(line):
+            self.source.fail(
+                "both sides are the same, whatever its quantities are: there is nothing to check",
+                span,
+            )
+        if self.setting.is_free_body:
+            return self._identities(line)
+        asked = self._asked(line)
+        torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
+        told = frozenset(asked.values()) | self._behind_own_names(line)
+        between = self._is_between(line, told, torques)
+        if not torques and (found := self._by_loops(line, between, bool(asked))):
+            return found
+        if not torques and not between and self.targets.passive:
+            return self._of_bodies(line) or [self._unpowered(line, before)]
+        if len(torques) != 1 and (self.of_bodies or between):
+            return self._of_passive(line, before) or self._identities(line)
+        return self._of_torque(line, {x: y for x, y in asked.items() if y in torques})
+
+    def _asked(self, line: Line) -> dict[str, AskedQuantity]:
+        """The quantities in a line, by name."""
+        taken = {*self.vocabulary.symbols, *self.vocabulary.waves}
+        names = sorted({t.text for side in line for t in side if t.kind == "name"} - taken)
+        return {x: self.targets.single[x] for x in names if x in self.targets.single}
+
+    def _behind_own_names(self, line: Line) -> frozenset[AskedQuantity]:
+        """The quantities by which names of the user's own in a line are given."""
+        names = {t.text for side in line for t in side if t.kind == "name"}
+        return frozenset(x for name in names for x in self.vocabulary.uses.get(name, ()))
+
+    def _is_between(
+        self, line: Line, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
+    ) -> bool:
+        """Whether a line is one between quantities or vectors, and no equation of motion; of
+        several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
+        if len(torques) > 1 and asked > torques:
+            return True
+        named = [token.text for token in sum(line, ()) if self._is_vector(token)]
+        vectors = self.setting.system is None and bool(named)
+        vectors = vectors and (
+            not self.targets.alone.isdisjoint(named)  # q̇ᵀ (Ṁ - 2 C) q̇ = 0
+            or all(isinstance(x, Matrix) for x in map(self.parse, line))
+        )
+        return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
+
+    def _by_loops(self, line: Line, between: bool, asked: bool) -> list[Claim]:
+        """What a line without torques says of a closed chain, if that is of its loops or between
+        quantities."""
+        if self.setting.system is None:
+            return []
+        if along := self._along_legs(line):
+            return along
+        waves = self.vocabulary.waves
+        vectors = any(self._is_vector(t) and t.text not in waves for t in sum(line, ()))
+        if between or vectors or (asked and self._is_reduced(line)):
+            return self._identities(line)
+        closing = self._closing(line)
+        return [] if closing is None else [closing]
+
+    def _of_torque(self, line: Line, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
+        """An equation solved for the one torque in it."""
+        span = (line[0][0].start, line[-1][-1].end)
+        if len(set(torques.values())) != 1:
+            self.source.fail(
+                "neither side is one of the quantities that are checked",
+                span,
+                "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
+            )
+        name, target = next(iter(torques.items()))
+        if any(isinstance(x, Matrix) for x in map(self.parse, line)):
+            return self._identities(line)
+        value = self._solved(line, target)
+        if value is None:
+            self.source.fail(f"this equation cannot be solved for {name}", span)
+        node = self._others(line, name) or Named(name, value, span=span)
+        sides = map(self.parse, line)
+        used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
+        used = [use for use in used if use.target != target]
+        return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
+
+    def _of_passive(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+        """What a line between quantities says, if that is the equation of a passive joint."""
+        if any(isinstance(x, Matrix) for x in map(self.parse, line)):
+            return []
+        value, single = self._difference(line)[1], self.targets.single
+        own = [single[f"tau{i}"].polynomial() for i in self.targets.passive]
+        same = (undriven_joints.is_same(self.setting, pair(value)[0], x) for x in own)
+        return [self._unpowered(line, before)] if any(same) else []
+
+    def _others(self, line: Line, name: str) -> Expression | None:
+        """What stands beside a torque in a sum of both sides, with the signs that it has when the
+        torque alone stands on the left; None where it has a factor."""
+        left, right = map(self.parse, line)
+        terms = [*_terms(left), *_terms(Negative(right, span=right.span))]
+        own = [x for x in terms if name in (getattr(y, "name", "") for y in nodes(x))]
+        if len(own) != 1:
+            return None
+        (torque,), is_less = own, isinstance(own[0], Negative)
+        if not isinstance(torque.operand if isinstance(torque, Negative) else torque, Named):
+            return None
+        others = [x if is_less else _turned(x) for x in terms if x is not torque]
+        return Sum(tuple(others), span=around(left, right))
+
+    def _is_reduced(self, line: Line) -> bool:
+        """Whether an equation of motion has quotients in it, as in independent coordinates."""
+        try:
+            return isinstance(self._difference(line)[1], Ratio)
+        except AnswerError:  # too long to be multiplied out
+            return True
+
+    def _says_nothing(self, line: Line) -> bool:
+        """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
+        sides = list(map(self.parse, line))
+        parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
+        if any(x.is_derivative for x in parts):
+            return False
+        inside = {
+            use.target for x in sides for use in uses(x, self.targets.single, self.vocabulary)
+        }
+        kept = self.vocabulary
+        try:
+            self.replaced = {
+                target: self.setting.zero + Fraction(1009 + 7 * k, 13 + k)
+                for k, target in enumerate(inside)
+            }
+            self.vocabulary = kept.copy()
+            for name, side in self.own_sides.items():
+                if inside.intersection(kept.uses[name]):
+                    self.define(name, self.parse(side), kept.uses[name])
+            left, right = map(entries_of, map(self.parse, line))
+            if len(left) != len(right):  # a vector may be equal to 0
+                left, right = sorted((left, right), key=len)
+                left = [*left] * len(right)
+            gaps = (
+                difference(self.quotient(x), self.quotient(y))
+                for x, y in zip(left, right, strict=True)
+            )
+            return all(gap.is_zero for gap in gaps)
+        finally:
+            self.replaced, self.vocabulary = {}, kept
+
+    def _is_vector(self, token: Token) -> bool:
+        """Whether it is the name of a vector or matrix, such as C in C q̇ = …"""
+        table = self.targets.tables.get(token.text)
+        if table is None or token.text in self.vocabulary.symbols:
+            return False
+        return token.kind == "name" and not table[0][0].kind.is_coordinate
+
+    def _tells_of_motion(self, line: Line) -> bool:
+        """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
+        motion."""
+        values = [
+            self.vocabulary.symbols.get(t.text) for side in line for t in side if t.kind == "name"
+        ]
+        return any(
+            name.endswith(SECOND) or name.startswith("lam")
+            for value in values
+            if isinstance(value, Trig)
+            for powers, _ in value.terms()
+            for name in powers
+        )
+
+    def _closing(self, line: Line) -> Claim | None:
+        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
+        derivative, times any number; None of an equation in which something presses."""
+        node, value = self._difference(line)
+        if isinstance(node, Wave):
+            self.source.fail(
+                "this tells a pose, such as a singular one, which is not read of closed chains",
+                node.span,
+            )
+        above, below = pair(value)
+        used = {name for powers, _ in above.terms() for name in powers}
+        if any(x.startswith("lam") for x in used) or (self.setting.order.gravity or "") in used:
+            return None
+        dots = 2 * any(x.endswith(SECOND) for x in used) or any(x.endswith(RATE) for x in used)
+        loops = {
+            x: x.polynomial()
+            for x in self.targets.single.values()
+            if x.kind.of_loops == "positions"
+        }
+        for _ in range(dots):
+            rates = self.setting.symbols.rates
+            loops = {x: Phi.along(rates) for x, Phi in loops.items()}
+        near = {x: undriven_joints.alike(self.setting, above, Phi) for x, Phi in loops.items()}
+        loop, right = min(near.items(), key=lambda row: len(difference(above, row[1])))
+        of_loop = ("", "the rate of ", "the second derivative of ")[dots] + loop.words
+        target = AskedQuantity(
+            kinds.LOOP_EQUATION, (), lambda: times(right, inverted(below)), words=of_loop
+        )
+        return self.claim(f"The loop equation {self.source[node.span]}", target, node)
+
+    def _along_legs(self, line: Line) -> list[Claim]:
+        """A relation of the tip that holds along one of the legs, such as
+        (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
+        single = self.targets.single
+        inside = {t.text for side in line for t in side if t.text in single}
+        tip = sorted(name for name in inside if single[name].kind.has_legs)[:_MOST_COORDINATES]
+        legs = [[single[name], *self.along_legs(single[name])] for name in tip]
+        ways = [[x.polynomial() for x in way] for way in product(*legs)]
+        anywhere = [x + k for k, x in enumerate(ways[0], 1)]
+        try:
+            if not tip or self._agrees(line, tip, anywhere):
+                return []
+            return next((self._identities(line) for w in ways if self._agrees(line, tip, w)), [])
+        finally:
+            self.replaced = {}
+
+    def _agrees(self, line: Line, names: Sequence[str], values: Sequence[Trig]) -> bool:
+        """Whether the sides are equal where quantities have such values."""
+        self.replaced = {
+            self.targets.single[name]: x for name, x in zip(names, values, strict=True)
+        }
+        return self._difference(line)[1].is_zero
+
+    def _difference(self, line: Line) -> tuple[Expression, Value]:
+        """Left less right; where one is 0 the other, with its own sign."""
+        left, right = map(self.parse, line)
+        values = self.quotient(left), self.quotient(right)
+        node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        for side, value in ((right, values[0]), (left, values[1])):
+            if value.is_zero:
+                node = side
+        return node, self.quotient(node)
+
+    def _of_bodies(self, line: Line) -> list[Claim]:
+        """What a line says of bodies, if it is between vectors or holds in any motion."""
+        stated = self._identities(line) if self.of_bodies else []
+        return stated if all_right(stated) or len(stated) > 1 else []
+
+    def _identities(self, line: Line) -> list[Claim]:
+        """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
+        whole = [token for side in line for token in side]
+        return self.in_some_axes(whole, lambda: self._between(line))
+
+    def _between(self, line: Line) -> list[Claim]:
+        """The same in given axes."""
+        left, right = self.parse(line[0]), self.parse(line[1])
+        if isinstance(left, Matrix) != isinstance(right, Matrix):
+            table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
+            assert isinstance(table, Matrix)
+            fitting = self.parse(line[k], (len(table.rows), len(table.rows[0])))
+            left, right = (left, fitting) if k else (fitting, right)
+        span = (line[0][0].start, line[-1][-1].end)
+        if len(line) != 2 or self.source[left.span] == self.source[right.span]:
+            self.source.fail("this must be an equation between two different sides", span)
+        pairs = zip(entries_of(left), entries_of(right), strict=False)
+        if len(entries_of(left)) != len(entries_of(right)):
+            self.source.fail("the sides have different numbers of entries", span)
+        label = self.source[span]
+        label = label if len(label) <= _LONGEST_LABEL else f"{label[:_LONGEST_LABEL]}…"
+        return [self._identity(label, x, y) for x, y in pairs]
+
+    def of_angles(self, line: Line) -> Claim:
+        """An identity of sines and cosines."""
+        left, right = map(self.parse, line)
+        value = self.quotient(left)
+        target = AskedQuantity(
+            kinds.IDENTITY, (), lambda: value, words="an identity of angles",
+            note="It claims nothing of the robot.",
+        )  # fmt: skip
+        label = self.source[line[0][0].start, line[-1][-1].end]
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
+
+    def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
+        """One entry: the side that says more is compared with the other."""
+        is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
+        if isinstance(right, Number) and not is_result:
+            left, right = right, left
+        whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
+        if functions_of(whole):
+            zero = self.setting.zero
+            return Claim(
+                label,
+                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
+                whole,
+                zero,
+                self.source,
+            )
+        try:
+            value, other = self.quotient(left), self.quotient(right)
+        except AnswerError:  # too long to be multiplied out
+            if self.setting.system is None:
+                raise
+            zero = self.setting.zero
+            return Claim(
+                label,
+                AskedQuantity(kinds.LONG_EQUATION, (), lambda: zero),
+                whole,
+                zero + 1,
+                self.source,
+            )
+        target = AskedQuantity(kinds.IDENTITY, (), lambda: value)
+        used = uses(left, self.targets.single, self.vocabulary)
+        known = any(isinstance(x, Named) for side in (left, right) for x in nodes(side))
+        if not known and not list(used):
+            self.source.fail("this says nothing about the robot", right.span)
+        return Claim(label, target, right, other, self.source, whole=whole)
+
+    def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
+        """An equation without torque: that of a joint which nothing drives."""
+        node, value = self._difference(line)
+        if self.setting.system is not None:  # one that is reduced by the loops is none of a joint
+            value = self.value(node)
+        above, below = pair(value)
+        taken = [
+            claim.target.index
+            for claim in before
+            if claim.target.kind.is_equation or claim.target.idle
+        ]
+        joint, right = undriven_joints.equation(self.targets, above, taken)
+        target = AskedQuantity(kinds.UNDRIVEN, joint, lambda: times(right, inverted(below)))
+        return self.claim(f"The equation of joint {joint[0]}", target, node)
+
+    def _solved(self, line: Line, target: AskedQuantity) -> Value | None:
+        """τ of a + k τ = 0; None where k is 0, or τ stands in other ways too."""
+        values: list[Value] = []
+        for k in range(3):
+            self.replaced = {target: self.setting.zero + k}
+            left, right = (self.quotient(self.parse(side)) for side in line)
+            values.append(plus(left, negative(right)))
+        self.replaced = {}
+        slope, second = (plus(values[k + 1], negative(values[k])) for k in range(2))
+        if slope.is_zero or not difference(slope, second).is_zero:
+            return None
+        return times(negative(values[0]), inverted(slope))
+
+
+def _terms(x: Expression) -> list[Expression]:
+    """The terms of a sum, of one that is subtracted with the other sign."""
+    if isinstance(x, Sum):
+        return [y for term in x.terms for y in _terms(term)]
+    if isinstance(x, Negative) and isinstance(x.operand, Sum | Negative):
+        return [_turned(y) for y in _terms(x.operand)]
+    return [] if isinstance(x, Number) and not x.value else [x]
+
+
+def _turned(x: Expression) -> Expression:
+    """A term with the other sign."""
+    return x.operand if isinstance(x, Negative) else Negative(x, span=x.span)

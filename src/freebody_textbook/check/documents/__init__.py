@@ -1,0 +1,23 @@
+"""Forms in which an answer may be written: a table of records, a file each."""
+
+from __future__ import annotations
+
+from freebody_textbook.check.documents import latex, markdown, notebook, plain, python_code
+from freebody_textbook.check.documents.answer_document import AnswerDocument, DocumentForm
+
+FORMS: dict[str, DocumentForm] = {
+    form.name: form
+    for form in (plain.FORM, markdown.FORM, latex.FORM, notebook.FORM, python_code.FORM)
+}
+"""By name."""
+
+
+def form_of(file_name: str) -> DocumentForm:
+    """The form of a file, by its suffix; of an unknown suffix plain text."""
+    for form in FORMS.values():
+        if file_name.lower().endswith(form.suffixes):
+            return form
+    return plain.FORM
+
+
+__all__ = ["FORMS", "AnswerDocument", "DocumentForm", "form_of"]

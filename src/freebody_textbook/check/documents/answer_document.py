@@ -1,0 +1,148 @@
+"""An answer as a document: which of its characters are formulas, each at its own place."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.source import Span, decomposed
+from freebody.lazy import cached_property
+from freebody_textbook.check.documents.macros import expanded
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
+
+LARGEST = 400_000
+"""Characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
+
+
+@dataclass(frozen=True)
+class FormulaPiece:
+    """A stretch of a document with formulas."""
+
+    start: int
+    end: int
+    lenient: bool = False
+    """Whether an equation in it that cannot be read is passed over and told, where it is not about
+    one of the robot's quantities."""
+
+
+@dataclass(frozen=True)
+class AnswerDocument:
+    """A text as it was written, and the same with blanks for all that is not formula."""
+
+    written: str
+    formulas: str
+    pieces: tuple[FormulaPiece, ...]
+    prose: tuple[Span, ...] = ()
+    """Lines in which formulas may stand between words."""
+    parts: tuple[tuple[str, int], ...] = ()
+    """Of a notebook the cells: what they are called and where they begin."""
+    said: str = ""
+    """What it says to its readers, formula or not, every character at its place: without comments,
+    headings and declarations."""
+    assigns: bool = False
+    """Whether each equals sign gives a name a value of its own, as in code: where that is not read,
+    nothing is taken for it."""
+    told: bool = False
+    """Whether it is a document, of which a verdict says the line of each equation."""
+    strict: bool = False
+    """Whether an equation about a quantity of the robot's that cannot be read raises an error;
+    else it is told, and the verdict is not true."""
+
+    @cached_property
+    def lexemes(self) -> Lexemes:
+        """Those of its formulas."""
+        return AnswerText(self.formulas).lexemes
+
+    @property
+    def tells_lines(self) -> bool:
+        """Whether a verdict says the line of each equation."""
+        return self.told and "\n" in self.written.strip()
+
+
+@dataclass(frozen=True)
+class DocumentForm:
+    """A way to write an answer."""
+
+    name: str
+    words: str
+    suffixes: tuple[str, ...]
+    read: Callable[[str], AnswerDocument]
+
+
+def plain_characters(text: str) -> str:
+    """A text with its own commands put in, accents decomposed, mathematical letters plain, the line
+    ends of any system as one character, = for all signs of definition, and blanks for the numbers
+    of equations and of questions; raises AnswerError where it is too long."""
+    if len(text) > LARGEST:
+        raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
+    plain = decomposed(expanded(text.replace("\r\n", "\n").replace("\r", "\n")))
+    plain = _DEFINED.sub(lambda sign: "=".rjust(len(sign[0])), plain)
+    for number in (_NUMBER, _LABEL):
+        plain = number.sub(lambda match: " " * len(match[0]), plain)
+    return plain
+
+
+_DEFINED = re.compile(
+    r":=|[≡≔≜]|\\(?:equiv|coloneqq|triangleq|doteq)(?![A-Za-z])"
+    r"|(?:[≈≃≅]|\\(?:approx|simeq|cong)(?![A-Za-z]))(?=\s?[-−]?\s?[0-9.])"
+)
+"""Signs of definition, and of an approximation by a number, which is read to its digits."""
+_NUMBER = re.compile(
+    r"(?:\\q?quad|\\hfill|\t|(?<=[ ]) )[ ]?\((?:\d{1,3}[.-]\d{1,3}[a-z]?|[A-Z]\.\d{1,3})\)"
+    r"(?=[ ]?(?:\\\\|\$|\\\]|\n|$))"
+)
+"""Of an equation, at the end of its line and apart from it: (3.2), (A.4)."""
+_LABEL = re.compile(
+    r"^[ \t]{0,12}(?:\(?(?:[a-z]|[ivx]{1,4}|\d{1,2}[a-z]?)\)|(?:\d{1,2}\.|[*•‣])(?=[ \t])"
+    r"|[^\W\d_]{1,12}\.?[ \t]?\(?\d{1,3}(?:\.\d{1,3})?[a-z]?\)?[ \t]?:)"
+    r"(?=[ \t]{1,4}(?:[^\W\d_]|\\[a-zA-Z])[^\s=+*/()]{0,30}(?:\([^()=\n]{0,30}\))?[ \t]?=)",
+    re.MULTILINE,
+)
+"""Of a question or an equation in front of it: 1) H22 = …, (a), ii), Eq. (3):, and bullets."""
+
+
+@dataclass
+class Blanks:
+    """A text that is changed character by character, its length kept."""
+
+    text: str
+    characters: list[str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.characters = list(self.text)
+
+    def __str__(self) -> str:
+        return "".join(self.characters)
+
+    def put(self, start: int, end: int, new: str = "") -> None:
+        """Something at least as short in place of a stretch, blanks behind it; line ends stay."""
+        for k in range(start, end):
+            if self.characters[k] != "\n":
+                self.characters[k] = " "
+        self.characters[start : start + len(new)] = new
+
+    def only(self, kept: list[Span]) -> None:
+        """Blanks everywhere else; `kept` in order."""
+        at = 0
+        for start, end in [*kept, (len(self.characters), len(self.characters))]:
+            self.put(at, max(at, start))
+            at = max(at, end)
+
+    def replaced(self, pattern: re.Pattern[str], new: str = "") -> None:
+        """The same in place of every match."""
+        for match in pattern.finditer(str(self)):
+            self.put(*match.span(), new)
+
+
+def between(text: str, opening: str, closing: str) -> list[Span]:
+    """What stands between pairs of two marks, without them, in time proportional to the text."""
+    found, at = [], 0
+    while (start := text.find(opening, at)) >= 0:
+        end = text.find(closing, start + len(opening))
+        if end < 0:
+            break
+        found.append((start + len(opening), end))
+        at = end + len(closing)
+    return found

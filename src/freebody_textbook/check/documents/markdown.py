@@ -1,0 +1,134 @@
+"""Markdown: formulas between dollar signs, in fences and on lines of their own."""
+
+from __future__ import annotations
+
+import re
+
+from freebody.expressions.grammar.source import Span
+from freebody_textbook.check.documents import latex, plain, python_code, tables
+from freebody_textbook.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    DocumentForm,
+    FormulaPiece,
+    between,
+    plain_characters,
+)
+
+_FENCE = re.compile(r"^[ ]{0,3}(```+|~~~+)[ ]*(\w*)[^\n]*$", re.MULTILINE)
+_HEADING = re.compile(
+    r"^[ \t]*#{1,6}[ \t]+(?!(?:[^=:\n]{1,40}:[ \t]*)?(?:\$|[^\s=]{1,20}[ \t]?=))[^\n]*",
+    re.MULTILINE,
+)
+"""Of words; one that is an equation states it."""
+_MARKS = re.compile(
+    rf"{_HEADING.pattern}|^[ \t]*(?:#{{1,6}}[ \t]|\|[ \t:|-]+$)"
+    r"|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{1,3}[.)][ \t]+|\|)"
+    r"|(?<!\S)\*\*(?=\S)|(?<=\S)\*\*(?!\S)|(?<=\s)_(?=\w)|\||`",
+    re.MULTILINE,
+)
+"""Marks of headings, lists, quotations, tables and emphasis; a heading with its words. A power
+lc2**2 is no emphasis."""
+_ROW = re.compile(r"[ \t]*\|")
+"""The begin of a table's row, whose cells are separate."""
+
+
+def read(text: str) -> AnswerDocument:
+    """Formulas are LaTeX; fences called python are code, other fences and lines are plain text."""
+    written = plain_characters(tables.in_lines(text))
+    whole, said, pieces, prose = parted(written)
+    return AnswerDocument(
+        written, str(whole), tuple(pieces), tuple(prose), said=str(said), told=True
+    )
+
+
+def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]]:
+    """The text without what is no formula, without what says nothing, its pieces, and its lines of
+    words."""
+    whole = Blanks(written)
+    for start, end in between(written, "<!--", "-->"):
+        whole.put(start - 4, end + 3)
+    text = str(whole)
+    said = Blanks(text)
+    said.replaced(_HEADING)
+    pieces: list[FormulaPiece] = []
+    prose: list[Span] = []
+    displays: list[Span] = []
+    at = 0
+    for start, end, name, inside in _fences(text):
+        displays += _lines(whole, text, (at, start), pieces, prose)
+        whole.put(start, inside[0])
+        whole.put(inside[1], end)
+        if name in ("math", "latex", "tex"):
+            displays.append(inside)
+        elif name in ("python", "py", "ipython"):
+            pieces += python_code.clean(whole, said, inside)
+        else:
+            prose += plain.lines(text, *inside)
+            pieces.append(FormulaPiece(*inside, lenient=True))
+        at = end
+    displays += _lines(whole, text, (at, len(text)), pieces, prose)
+    pieces += latex.clean(whole, displays)
+    return whole, said, sorted(pieces, key=lambda piece: piece.start), prose
+
+
+def _fences(text: str) -> list[tuple[int, int, str, Span]]:
+    """Start, end, language and inner span of each fenced block."""
+    found, opened = [], None
+    for match in _FENCE.finditer(text):
+        if opened is None:
+            opened = match
+        elif match[1][:3] == opened[1][:3]:
+            inside = (min(opened.end() + 1, match.start()), match.start())
+            found.append((opened.start(), match.end(), opened[2].lower(), inside))
+            opened = None
+    return found
+
+
+def _lines(
+    whole: Blanks, text: str, span: Span, pieces: list[FormulaPiece], prose: list[Span]
+) -> list[Span]:
+    """The formulas between dollar signs and in displays; of lines without any, that may hold
+    formulas among words, a paragraph is a piece."""
+    start = span[0]
+    formulas = [(start + a, start + b) for a, b in latex.formulas(text[slice(*span)])]
+    rest = Blanks(text[slice(*span)])
+    for a, b in formulas:
+        rest.put(a - start, b - start)
+    for match in _MARKS.finditer(str(rest)):
+        cell = match[0] == "|" and _ROW.match(text, text.rfind("\n", 0, start + match.start()) + 1)
+        whole.put(start + match.start(), start + match.end(), ";" if cell else "")
+    paragraph: list[Span] = []
+    k = 0
+    for line in [*plain.lines(text, *span), (span[1], span[1])]:
+        while k < len(formulas) and formulas[k][1] <= line[0]:
+            k += 1
+        holds = k < len(formulas) and formulas[k][0] < line[1]
+        if paragraph and (holds or not text[slice(*line)].strip()):
+            pieces.append(FormulaPiece(paragraph[0][0], paragraph[-1][1], lenient=True))
+            paragraph = []
+        if holds:
+            k = _keep(whole, line, formulas, k)
+        elif text[slice(*line)].strip():
+            prose.append(line)
+            paragraph.append(line)
+    return formulas
+
+
+def _keep(whole: Blanks, line: Span, formulas: list[Span], k: int) -> int:
+    """Blanks in a line but for its formulas, from the k-th on; the number of the last of them."""
+    at = line[0]
+    while k < len(formulas) and formulas[k][0] < line[1]:
+        start, end = formulas[k]
+        whole.put(at, max(at, start))
+        at = max(at, end)
+        if end > line[1]:
+            return k
+        k += 1
+    whole.put(at, max(at, line[1]))
+    return k
+
+
+FORM = DocumentForm(
+    "markdown", "Markdown with formulas between dollar signs", (".md", ".markdown", ".mdown"), read
+)

@@ -1,0 +1,123 @@
+"""Words between equations: found by what they are not, names of the robot's.
+
+Words are taken away only where no term can be lost: in front of an equation, or where a sentence
+holds no equals sign and does not begin with an operator, as what continues an equation would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from unicodedata import category
+
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.patterns import LexemePattern, Match
+from freebody.expressions.grammar.source import Span
+
+_WORDS = LexemePattern("@words")
+_EQUALS = LexemePattern("< = | == >")
+_OPERATORS = frozenset("+-−–*·×/=")
+_BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
+_IN_FORMULAS = LexemePattern("%in_formulas | %apart < %minus | – > %apart | -%name ~(")
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """A stretch between stops: where what is no words begins, and whether words stood before or
+    behind."""
+
+    start: int
+    kept: int
+    end: int
+    words_before: bool = False
+    words_behind: bool = False
+
+    @property
+    def is_empty(self) -> bool:
+        """Whether nothing but words stood there."""
+        return self.kept == self.end
+
+
+def sentences(
+    text: str, lexemes: Lexemes, line: Span, is_name: Callable[[range], bool]
+) -> Iterator[Sentence]:
+    """The stretches of a line that words stand in, without the words in front of equations."""
+    for within, start, end in _stretches(lexemes, line):
+        words = [
+            range(match.start, match.stop)
+            for match in _WORDS.all(lexemes, within.start, within.stop)
+            if _is_word(match) and not all(map(is_name, _parts(match)))
+        ]
+        if not words or "#" in text[line[0] : lexemes[words[0].start].start]:
+            continue
+        equals = next(_EQUALS.all(lexemes, within.start, within.stop), None)
+        if equals is None:
+            if lexemes[within.start].text not in _OPERATORS:
+                stop = end + (text[end : end + 1] in (".", ":"))
+                yield Sentence(start, stop, stop, True)
+            continue
+        before = [x.stop for x in words if x.start < _last_name(lexemes, within, equals.start)]
+        if before and _is_formula(lexemes, within.start, before[-1]):
+            before = []
+        behind = any(x.start > equals.start for x in words)
+        if before or behind:
+            kept = lexemes[before[-1] - 1].end if before else start
+            yield Sentence(start, kept, end, bool(before), behind)
+
+
+def _parts(match: Match) -> Iterator[range]:
+    """The words between hyphens."""
+    start = match.start
+    for k in range(match.start, match.stop):
+        if match.lexemes[k].text == "-":
+            yield range(start, k)
+            start = k + 1
+    yield range(start, match.stop)
+
+
+def _is_word(match: Match) -> bool:
+    """Whether it is made of letters alone: no superscripts, such as that of a transpose."""
+    items = match.lexemes[match.start : match.stop]
+    return all(category(x.text) != "Lm" for x in items if x.kind == "letter")
+
+
+def _last_name(lexemes: Lexemes, within: range, k: int) -> int:
+    """Where the name begins that stands right before a lexeme, or that lexeme."""
+    first = k
+    while first > within.start and (
+        lexemes[first - 1].kind in ("letter", "digit", "low", "command")
+        or lexemes[first - 1].text == "_"
+    ):
+        first -= 1
+        if lexemes[first].apart:
+            break
+    return first
+
+
+def _is_formula(lexemes: Lexemes, start: int, stop: int) -> bool:
+    """Whether an operator among or behind words tells that they are part of a formula."""
+    behind = stop
+    while behind < len(lexemes) and lexemes[behind].kind == "line":
+        behind += 1
+    among = next(_IN_FORMULAS.all(lexemes, start, stop), None)
+    return among is not None or (behind < len(lexemes) and lexemes[behind].text in _OPERATORS)
+
+
+def _stretches(lexemes: Lexemes, line: Span) -> Iterator[tuple[range, int, int]]:
+    """A line cut at commas, semicolons and stops outside of brackets: the lexemes of each piece,
+    and where it begins and ends."""
+    depth, start, within = 0, line[0], lexemes.between(*line)
+    first = within.start
+    for k in within:
+        x = lexemes[k]
+        if x.text in _BRACKETS:
+            depth += _BRACKETS[x.text]
+        elif depth <= 0 and (x.text in (",", ";") or (x.text in (".", ":") and _stops(lexemes, k))):
+            yield range(first, k), start, x.start
+            first, start = k + 1, x.end
+    yield range(first, within.stop), start, line[1]
+
+
+def _stops(lexemes: Lexemes, k: int) -> bool:
+    """Whether a blank or the end of the line follows."""
+    return k + 1 >= len(lexemes) or lexemes[k + 1].apart or lexemes[k + 1].kind == "line"

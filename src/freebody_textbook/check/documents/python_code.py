@@ -1,0 +1,199 @@
+"""Python as students write it with SymPy: assignments are equations. It is read, never run."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from freebody.expressions.grammar.source import Span
+from freebody.expressions.grammar.tables.characters import FILL
+from freebody_textbook.check.documents.answer_document import (
+    AnswerDocument,
+    Blanks,
+    DocumentForm,
+    FormulaPiece,
+    plain_characters,
+)
+
+_ASSIGNED = re.compile(
+    r"[ \t]{0,12}([A-Za-z_]\w{0,60}\x1f*)[ \t]*(?::[^=\n]{0,40})?([-+*/]{0,2}=)(?!=)"
+)
+_DECLARED = re.compile(
+    r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point)\b"
+)
+_EQUATION = re.compile(r"(?<![\w.])(?:\w{1,9}\.)?Eq\(\s*([A-Za-z_]\w{0,60})\s*(,)")
+_STRINGS = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
+_MODULES = re.compile(r"(?<![\w.])(?:sp|sympy|sm|smp|np|numpy|math|mp|me)\.(?=[A-Za-z])")
+_WRAPPERS = re.compile(
+    r"(?<![\w.])(?:simplify|trigsimp|expand|factor|expand_trig|together|cancel|nsimplify)(?=\s*\()"
+)
+_RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
+_RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\x1f*\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
+_OF_METHODS = (".diff(", ".jacobian(")
+_ENTRY = re.compile(r"(?<![\w.\])])([A-Za-z]+)\[\s?([0-7])\s?(?:(?:,|\]\[)\s?([0-7])\s?)?\]")
+"""M[0, 1], tau[0], counted from 0: M12, tau1."""
+_FUNCTION = re.compile(
+    r"^([ \t]*)(def[ \t]+([MHCG]|[A-Za-z]{1,4}_?\d{1,2})\([ \t]*(?:q|th|theta)\d?\b[^\n]*?:)"
+    r"(?:[ \t]*|[ \t]*(?:\n(?:\1[ \t]+\S[^\n]*|[ \t]*(?=\n)))*?\n[ \t]*)"
+    r"(return)[ \t](?![ \t]*\3[ \t]*$)",
+    re.M,
+)
+"""A function of the coordinates that has a quantity's name, and what it returns."""
+_SAME = (
+    r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
+    r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
+)
+"""What does not change a value."""
+_METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
+
+
+def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
+    """A piece for each assignment, `whole` changed in place: nothing else of the code is left. In
+    `said` all is left that states something."""
+    pieces = []
+    kept: list[Span] = []
+    for match in _ENTRY.finditer("".join(whole.characters[slice(*span)])):
+        name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
+        for text in (whole, said):
+            start, end = span[0] + match.start(), span[0] + match.end()
+            text.put(start, end, name.ljust(end - start, FILL))
+    for match in _FUNCTION.finditer("".join(whole.characters[slice(*span)])):
+        (head, behind), (start, end) = match.span(2), match.span(4)
+        for text in (whole, said):
+            text.put(span[0] + head, span[0] + behind)
+            text.put(span[0] + start, span[0] + end + 1, match[3].ljust(end - start, FILL) + "=")
+    code = "".join(whole.characters[slice(*span)])
+    stated: list[Span] = []
+    for a, b in _statements(code):
+        text, start, end = code[a:b], span[0] + a, span[0] + b
+        assigned = _ASSIGNED.match(text)
+        if not text.strip() or _DECLARED.search(text):
+            continue
+        behind = "".join(text[assigned.end() :].split()) if assigned else ""
+        if assigned and re.fullmatch(_SAME.format(assigned[1].rstrip(FILL)), behind):
+            continue  # tau = simplify(tau)
+        stated.append((start, end))
+        if assigned is None:
+            continue
+        kept.append((start, end))
+        pieces.append(FormulaPiece(start, end, lenient=True))
+        whole.put(start + assigned.end(1), start + assigned.start(2))
+    for text, spans in ((whole, kept), (said, stated)):
+        at = span[0]
+        for start, end in [*spans, (span[1], span[1])]:
+            text.put(at, start)
+            at = end
+    for start, end in stated:
+        _statement_alone(said, start, end)
+    for start, end in kept:
+        _plain(whole, start, end)
+    return pieces
+
+
+def _statement_alone(said: Blanks, start: int, end: int) -> None:
+    """A statement without what stands in brackets and strings, the arguments of functions, and
+    without questions, a == b; Eq(a, b) states that a = b."""
+    text = "".join(said.characters[start:end])
+    equations = list(_EQUATION.finditer(text))
+    for match in equations:
+        said.put(start + match.start(2), start + match.end(2), "=")
+    apart = {at for match in equations for at in range(*match.span())}
+    depth = 0
+    for at, c in enumerate(text):
+        depth -= c in ")]}"
+        inside = depth > 0 and at not in apart
+        depth += c in "([{"
+        if inside:
+            said.put(start + at, start + at + 1)
+    if not text.lstrip().startswith("assert"):
+        for match in re.finditer("==", text):
+            said.put(start + match.start(), start + match.end())
+    for match in _STRINGS.finditer(text):
+        said.put(start + match.start(), start + match.end())
+
+
+def _plain(whole: Blanks, start: int, end: int) -> None:
+    """What SymPy's functions mean in a formula."""
+    inside = "".join(whole.characters[start:end])
+    for match in _MODULES.finditer(inside):
+        whole.put(start + match.start(), start + match.end())
+    inside = "".join(whole.characters[start:end])
+    for pattern in (_WRAPPERS, _METHODS):
+        for match in pattern.finditer(inside):
+            whole.put(start + match.start(), start + match.end())
+    for match in _RATIONAL.finditer(inside):
+        new = f"({match[1]}/{match[2]})" if match[2] else match[1]
+        whole.put(start + match.start(), start + match.end(), new)
+    for match in _RATE.finditer(inside):
+        twice = "," in match[0] and match[2] != "1"
+        new = "d" * (1 + twice) + match[1]
+        whole.put(start + match.start(), start + match.end(), new)
+    _functions_for_methods(whole, start, end)
+
+
+def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
+    """diff(x, y) for each x.diff(y), and jacobian likewise."""
+    for method in _OF_METHODS:
+        while True:
+            inside = "".join(whole.characters[start:end])
+            at = inside.find(method)
+            if at < 0:
+                break
+            first, behind = _begun(inside, at), at + len(method)
+            whole.put(start + first, start + behind, f"{method[1:]}{inside[first:at]},")
+
+
+def _begun(text: str, end: int) -> int:
+    """Where the name or the call begins that ends there."""
+    at = end
+    while at and text[at - 1] == FILL:
+        at -= 1
+    if at and text[at - 1] == ")":
+        depth = 0
+        while at:
+            at -= 1
+            depth += {")": 1, "(": -1}.get(text[at], 0)
+            if depth == 0:
+                break
+    while at and (text[at - 1].isalnum() or text[at - 1] in "_" + FILL):
+        at -= 1
+    return at
+
+
+def _statements(code: str) -> Iterator[Span]:
+    """Lines, those inside brackets joined; without comments at their ends."""
+    depth, start, at = 0, 0, 0
+    while at < len(code):
+        c = code[at]
+        if c in "\"'":
+            match = _STRINGS.match(code, at)
+            at = match.end() - 1 if match else at
+        elif c in "([{":
+            depth += 1
+        elif c in ")]}":
+            depth = max(0, depth - 1)
+        elif c == "#":
+            stop = code.find("\n", at)
+            stop = len(code) if stop < 0 else stop
+            if depth == 0:
+                yield start, at
+                start = stop + 1
+            at = stop
+        elif c in "\n;" and depth == 0:
+            yield start, at
+            start = at + 1
+        at += 1
+    yield start, len(code)
+
+
+def read(text: str) -> AnswerDocument:
+    """All of it is code."""
+    written = plain_characters(text)
+    whole, said = Blanks(written), Blanks(written)
+    pieces = clean(whole, said, (0, len(written)))
+    return AnswerDocument(
+        written, str(whole), tuple(pieces), said=str(said), told=True, assigns=True
+    )
+
+
+FORM = DocumentForm("python", "Python code with SymPy", (".py",), read)

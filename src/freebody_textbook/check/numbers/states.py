@@ -1,0 +1,282 @@
+"""States at which answers in numbers hold: θ₁ = 30°, θ̇₁ = 2 rad/s, m₁ = 1.5 kg, as they are written
+or given by at=."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, TypeVar
+
+from freebody.errors import FreebodyError
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.lexer import tokens
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.source import Source, Span
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities.units import si_text
+from freebody.identifiers import word_set
+from freebody.model.parameter_formulas import inertial_names
+from freebody.outputs.display import counted
+from freebody.outputs.numbers import shortest
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.numbers.units import unit_of
+from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
+from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
+
+_VALUE = LexemePattern("@value")
+_BETWEEN = LexemePattern("< & | %line >*")
+_EQUALS = LexemePattern("< & | %line >* = < & | %line >*")
+_OPENING = LexemePattern("( | [ | %begin")
+_CLOSING = LexemePattern("< ) | ] | %end > ᵀ?")
+_SEPARATOR = LexemePattern("< %line | & | , | ; | %row >*")
+_GOES_ON = LexemePattern("~%name_or_power | ~( | ~_ | %joining | %minus ~")
+AT_REST = LexemePattern("@at_rest < ,? < at | with > &%apart >?")
+_COMMA = LexemePattern("~, ~%digit")
+_NEXT = LexemePattern("%line* < , | ; | and >? %line* and?")
+
+
+@dataclass(frozen=True)
+class GivenValue:
+    """The value of a symbol, in SI units and in those in which it is given."""
+
+    value: float
+    written: float
+    unit: WrittenUnit | None = None
+
+    @property
+    def is_converted(self) -> bool:
+        """Whether it is given in another unit than that of SI."""
+        return self.unit is not None and self.unit.factor != 1.0
+
+
+State = Mapping[str, GivenValue]
+"""By the names of generators."""
+NO_STATE = word_set(
+    "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
+)
+"""Words after which a value is not that of the coordinate that follows."""
+_Item = TypeVar("_Item")
+
+
+def in_words(state: State) -> str:
+    """θ₁ = 30°, θ̇₁ = 2 rad/s."""
+    return ", ".join(f"{sym(name)} = {_with_unit(x)}" for name, x in state.items())
+
+
+def _with_unit(given: GivenValue) -> str:
+    unit = given.unit.text if given.unit else ""
+    return shortest(given.written) + (" " * (unit != "°") + unit if unit else "")
+
+
+@dataclass(frozen=True)
+class StateReader:
+    """Reads assignments to the model's symbols."""
+
+    vocabulary: Vocabulary
+    targets: Targets
+
+    # ------------------------------------------------------------ at=
+    def given(self, at: Mapping[str, Any] | str | None) -> State:
+        """The state that at= says: text, or numbers and text by name; raises AnswerError."""
+        if at is None:
+            return {}
+        if isinstance(at, str):
+            return self._of_text(at)
+        if not isinstance(at, Mapping):
+            raise AnswerError(f"at: {at!r} is neither text nor a dict such as {{'theta1': 0.5}}")
+        found: dict[str, GivenValue] = {}
+        for name, value in at.items():
+            try:
+                text = value if isinstance(value, str) else repr(float(value))
+            except (TypeError, ValueError):
+                raise AnswerError(
+                    f"at: {name!r} is neither a number nor a text such as '30 deg'"
+                ) from None
+            _join(found, self._of_text(f"{name} = {text}"))
+        return found
+
+    def _of_text(self, text: str) -> State:
+        source = AnswerText.of(text)
+        found, end = self.list_at(source, 0)
+        rest = [
+            x for x in source.lexemes[end:] if x.kind != "line" and x.text not in (".", ",", ";")
+        ]
+        if not found or rest:
+            begun = source.text[rest[0].start :] if found else text
+            name = begun.partition("=")[0].strip(" ,;\n") or text
+            raise AnswerError(
+                f"at: {name[:40]!r} gives no symbol of {self._model.name!r} a value",
+                f"Write, for example, theta1 = 30 deg, theta1_d = 2 rad/s. Symbols: "
+                f"{', '.join(self.vocabulary.listed[:24])}.",
+            )
+        for name, given in found.items():
+            own = self._model.parameters.get(name)
+            if own is not None and abs(own - given.value) > 1e-9 * abs(own):
+                raise AnswerError(
+                    f"at: {name} = {shortest(given.value)}, and in {self._model.name!r} it is "
+                    f"{shortest(own)}"
+                )
+        return found
+
+    @property
+    def _model(self) -> Any:
+        return self.vocabulary.setting.symbols.model
+
+    # ------------------------------------------------------------ text
+    def list_at(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int]:
+        """The assignments that stand there, and the lexeme behind the last one; none: {} and
+        `at`."""
+        found: dict[str, GivenValue] = {}
+        end = at
+        while (one := self._one(source, at)) is not None:
+            values, end = one
+            _join(found, values)
+            at = _NEXT.end(source.lexemes, end)
+        return found, end
+
+    def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
+        """θ1 = θ2 = 30°, at rest, or in equilibrium, where nothing is accelerated either."""
+        lexemes = source.lexemes
+        rest = AT_REST.at(lexemes, _BETWEEN.end(lexemes, at))
+        if rest:
+            zero = (RATE, SECOND) if "still" in rest else (RATE,)
+            coordinates = self.vocabulary.setting.symbols.coordinates
+            moving = (x + dot for x in coordinates for dot in zero)
+            return dict.fromkeys(moving, GivenValue(0.0, 0.0)), rest.stop
+        names: list[list[str]] = []
+        while (named := self._named(source, _BETWEEN.end(lexemes, at))) is not None:
+            own, end = named
+            equals = _EQUALS.at(lexemes, end)
+            if equals is None:
+                break
+            names, at = [*names, own], equals.stop
+        found = self._values(source, at, max(map(len, names))) if names else None
+        if found is None:
+            return None
+        values, end = found
+        behind = self._names(source, _BETWEEN.end(lexemes, end))
+        if _GOES_ON.at(lexemes, end) or (behind and not _EQUALS.at(lexemes, behind[1])):
+            return None  # θ1 = 2 θ2
+        state = {x: given for own in names for x, given in zip(own, values, strict=False)}
+        span = _span(source, at, end)
+        for name, given in state.items():
+            self._refuse_unit(source, name, given, span)
+            if given.value < 0 and (what := inertial_names(self._model).get(name)):
+                source.fail(f"{sym(name)} is negative; a {what} is never negative", span)
+        return state, end
+
+    def _named(self, source: Source, at: int) -> tuple[list[str], int] | None:
+        """The generators that a name, or a list of names, stands for, and the lexeme behind it."""
+        several = _listed(source, at, lambda k: self._names(source, k))
+        if several is None:
+            return self._names(source, at)
+        return [name for own in several[0] for name in own], several[1]
+
+    def _values(self, source: Source, at: int, count: int) -> tuple[list[GivenValue], int] | None:
+        """A value for each of some symbols, or one for all, and the lexeme behind it: 30°,
+        [30, 45]°."""
+        several = _listed(source, at, lambda k: self._value(source, k))
+        if several is None:
+            number = _VALUE.at(source.lexemes, at)
+            if number and _COMMA.at(source.lexemes, number.stop):
+                source.fail("a decimal comma: write a point", _span(source, at, number.stop + 2))
+            one = self._value(source, at)
+            return one and ([one[0]] * count, one[1])
+        values, end = several
+        if len(values) != count:
+            given = counted(len(values), "value")
+            source.fail(f"{given} for {counted(count, 'symbol')}", _span(source, at, end))
+        unit = unit_at(source.lexemes, end)
+        if unit is None or any(x.unit for x in values):
+            return values, end
+        return [GivenValue(x.written * unit[0].factor, x.written, unit[0]) for x in values], unit[1]
+
+    def _value(self, source: Source, at: int) -> tuple[GivenValue, int] | None:
+        """A number with its unit, and the lexeme behind it."""
+        value = _VALUE.at(source.lexemes, at)
+        number = self._number(source, value.span) if value else None
+        if value is None or number is None:
+            return None
+        unit = unit_at(source.lexemes, value.stop)
+        given = GivenValue(number * (unit[0].factor if unit else 1.0), number, unit and unit[0])
+        return given, unit[1] if unit else value.stop
+
+    def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
+        """The generators that a name stands for, q̇ for all rates, and the lexeme behind it."""
+        lexemes = source.lexemes
+        if at >= len(lexemes) or not words.begins(x := lexemes[at]):
+            return None
+        if {x.command, x.command.lower()} & {*self.vocabulary.functions, *NO_STATE}:
+            return None  # \cos θ₂
+        try:
+            word = words.spell(source, at)
+        except FreebodyError:
+            return None
+        value = self.vocabulary.symbols.get(word.plain)
+        table = self.targets.tables.get(word.plain)
+        values = [value] if value is not None else []
+        if value is None and table is not None and table[0][0].kind.is_coordinate:
+            values = [row[0].compute() for row in table]
+        names = [generator(value) for value in values]
+        own = [name for name in names if name]
+        return (own, word.at) if own and len(own) == len(names) else None
+
+    def _number(self, source: Source, span: tuple[int, int]) -> float | None:
+        try:
+            parser = AnswerParser(
+                source, tokens(source, self.vocabulary, span)[:-1], self.vocabulary, lambda n: None
+            )
+            ring = self.vocabulary.setting.ring
+            return float(Fraction(PolynomialReader(source, ring).read(parser.side()).fraction))
+        except FreebodyError:
+            return None
+
+    def _refuse_unit(
+        self, source: Source, name: str, given: GivenValue, span: tuple[int, int]
+    ) -> None:
+        """Refuse a value in the unit of something else."""
+        needed = unit_of(self.vocabulary.setting, {name: 1})
+        if given.unit is not None and needed is not None and given.unit.dimension != needed:
+            angular = name.startswith("theta")
+            source.fail(
+                f"{sym(name)} is given in {given.unit.text}, and has the unit "
+                f"{si_text(needed, angular)}",
+                span,
+            )
+
+
+def _listed(
+    source: Source, at: int, read: Callable[[int], tuple[_Item, int] | None]
+) -> tuple[list[_Item], int] | None:
+    """What stands between brackets, piece by piece, and the lexeme behind it."""
+    lexemes = source.lexemes
+    opened = _OPENING.at(lexemes, at)
+    if opened is None:
+        return None
+    found, at = list[_Item](), opened.stop
+    while (one := read(_SEPARATOR.end(lexemes, at))) is not None:
+        found.append(one[0])
+        at = one[1]
+    closed = _CLOSING.at(lexemes, at)
+    return (found, closed.stop) if closed and found else None
+
+
+def _span(source: Source, start: int, stop: int) -> Span:
+    """Where some lexemes stand in the text."""
+    lexemes = source.lexemes
+    return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
+
+
+def _join(found: dict[str, GivenValue], values: State) -> None:
+    for name, given in values.items():
+        if name in found and found[name].value != given.value:
+            raise AnswerError(
+                f"{sym(name)} is given twice, {_with_unit(found[name])} and {_with_unit(given)}"
+            )
+        found[name] = given

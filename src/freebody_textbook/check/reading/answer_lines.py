@@ -1,0 +1,346 @@
+"""A document's formulas as equations: tokens by line, the words between them passed over."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+
+from freebody.errors import FreebodyError
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.source import Source, Span
+from freebody.identifiers import word_set
+from freebody.lazy import cached_property
+from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks, FormulaPiece
+from freebody_textbook.check.documents.plain import lines as plain_lines
+from freebody_textbook.check.documents.prose import sentences
+from freebody_textbook.check.reading.sums import sums, tokens_with_sums
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
+from freebody_textbook.check.spelling.equation_marks import asked_marks
+from freebody_textbook.check.verdict import UnreadEquation
+
+MOST_SIDES = 6
+MOST_OUTSIDE = 20
+"""Lines outside of formulas that are told."""
+_SHOWN = 60
+_AXES = ["x"], ["y"], ["z"]
+"""What a direction in a sentence is made of, $-y$."""
+_WHERE = LexemePattern(
+    "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
+)
+"""Between an equation and one that says what a letter in it stands for."""
+_TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
+
+_ALIGNING = word_set(
+    "begin end equation align aligned split gather gathered multline displaymath math flalign "
+    "eqnarray alignat alignedat quad qquad nonumber notag left right label eq tag displaystyle"
+)
+"""Words of LaTeX between the lines of one equation."""
+
+Line = tuple[tuple[Token, ...], ...]
+"""The sides of an equation."""
+
+
+class DocumentReader:
+    """The equations of a document; `unread` are those that were passed over."""
+
+    def __init__(
+        self, document: AnswerDocument, vocabulary: Vocabulary, quantities: Collection[str]
+    ):
+        self.document, self.vocabulary, self.quantities = document, vocabulary, quantities
+        self.unread: list[UnreadEquation] = []
+        self.failed: list[Line] = []
+        self.unread_names: set[str] = set()
+        """Names to which code gives something that is not read."""
+        self.source, self.pieces = self._without_words()
+        self._tell_what_no_formula_holds()
+
+    # ------------------------------------------------------------ words
+    def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
+        """The formulas, and the pieces that they are read in."""
+        document = self.document
+        blanks, apart = Blanks(document.formulas), list[Span]()
+        plain = AnswerText(document.formulas, document.written, document.parts)
+        for match in _WHERE.all(plain.lexemes):
+            blanks.put(*match.span, ";")
+        plain = AnswerText(str(blanks), document.written, document.parts)
+
+        in_sums = _in_sums(plain, self._bodies)
+
+        def is_name(word: range) -> bool:
+            return word.start in in_sums or self._is_name(plain, word)
+
+        for line in document.prose:
+            for sentence in sentences(plain.text, plain.lexemes, line, is_name):
+                span = (sentence.kept, sentence.end)
+                if sentence.words_behind and not self._is_asked(plain, span):
+                    self._pass_over(plain, span, "it stands among words")
+                    span = (span[1], span[1])
+                elif not sentence.is_empty and sentence.words_before:
+                    apart.append(span)
+                blanks.put(sentence.start, span[0])
+        text = AnswerText.of_formulas(str(blanks), document.written, document.parts)
+        return text, [part for piece in document.pieces for part in _parted(piece, apart)]
+
+    def _tell_what_no_formula_holds(self) -> None:
+        """Note what a document says of the robot's quantities outside of its formulas."""
+        said = self.document.said
+        plain = AnswerText(said, self.document.written, self.document.parts)
+        for line in plain_lines(said, 0, len(said)):
+            for x in asked_marks(plain, plain.lexemes.between(*line), self._is_quantity):
+                if self.document.formulas[x.at] != said[x.at]:
+                    self._pass_over(plain, (x.start, line[1]), "it stands outside of the formulas")
+                    break
+            if len(self.unread) >= MOST_OUTSIDE:
+                break
+
+    def _asks(self, source: Source, span: Span) -> bool:
+        """Whether one of the robot's quantities stands before a sign of equality there, as it is
+        written or as it is read."""
+        own = (source, source.lexemes.between(*span))
+        begun = self.document.written.rfind("\n", 0, span[0]) + 1
+        stretch = self.document.written[begun : span[1]]
+        texts = [own]
+        if stretch != source.text[begun : span[1]]:
+            written = AnswerText(stretch)
+            within = written.lexemes.between(span[0] - begun, len(written.text))
+            texts.append((written, within))
+        return any(True for x in texts for _ in asked_marks(*x, self._is_quantity))
+
+    def _is_quantity(self, name: str) -> bool:
+        """Whether a name is that of one of the robot's quantities, and no symbol too."""
+        return name in self.quantities and name not in self.vocabulary.symbols
+
+    def _is_name(self, source: Source, word: range) -> bool:
+        """Whether a word may be made of names of the robot's."""
+        if not words.begins(source.lexemes[word.start]):
+            return False
+        if self._text_of(source, word) in self._introduced:
+            return True
+        try:
+            spelt = words.spell(source, word.start)
+            pieces = self.vocabulary.cut(source, spelt)
+            return pieces is not None and pieces[-1][2] == source.lexemes[word.stop - 1].end
+        except FreebodyError:  # it may be read in two ways
+            return True
+
+    @cached_property
+    def in_sums(self) -> frozenset[int]:
+        """The lexemes of sums over bodies."""
+        return _in_sums(self.source, self._bodies)
+
+    @property
+    def _bodies(self) -> int:
+        """How many bodies sums go over."""
+        return len(self.vocabulary.setting.equations.symbols.model.bodies)
+
+    @staticmethod
+    def _text_of(source: Source, word: range) -> str:
+        return source.text[source.lexemes[word.start].start : source.lexemes[word.stop - 1].end]
+
+    @cached_property
+    def _introduced(self) -> frozenset[str]:
+        """Words that are the whole left side of an equation."""
+        stretches = self.document.formulas.replace(";", "\n").replace(",", "\n").split("\n")
+        return frozenset(
+            left.strip() for x in stretches for left, sign, _ in [x.partition("=")] if sign
+        )
+
+    def _is_asked(self, source: Source, span: Span) -> bool:
+        """Whether the left side of what stands there names one of the robot's quantities. A symbol
+        of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
+        within = source.lexemes.between(*span)
+        end = next((k for k in within if source.lexemes[k].text in ("=", "==")), None)
+        if end is None:
+            return False
+        is_table = _TABLE.at(source.lexemes, end) is not None
+        for plain in _names(source, range(within.start, end)):
+            if plain in self.quantities and (is_table or plain not in self.vocabulary.symbols):
+                return True
+        return False
+
+    # ------------------------------------------------------------ equations
+    def lines(self) -> list[Line]:
+        """The sides of each equation."""
+        found: list[Token] = []
+        for piece in self.pieces:
+            if not self._says_something(piece):
+                continue
+            with self._lenient(piece.lenient, (piece.start, piece.end)):
+                span = (piece.start, piece.end)
+                read = tokens_with_sums(self.source, self.vocabulary, span, self._bodies)
+                found += _without_time(read[:-1])
+                found.append(Token("line", "", piece.end, piece.end))
+        lines: list[Line] = []
+        for line in _lines(found, self.document.written):
+            span = (line[0].start, line[-1].end)
+            lenient = self._is_lenient(span[0])
+            if lenient and line[0].kind == "operator" and [x.text for x in line[1:]] in _AXES:
+                continue  # a direction, +z
+            with self._lenient(lenient, span):
+                lines.append(_sides(self.source, line))
+        return lines
+
+    def _says_something(self, piece: FormulaPiece) -> bool:
+        """Whether a piece holds an equation, or may continue one; of plain text all does."""
+        span = (piece.start, piece.end)
+        text = self.source.text[slice(*span)].strip()
+        may = not piece.lenient or "=" in text or text[:1] in [*"+-*/&"]
+        return bool(text) and (may or self._asks(self.source, span))
+
+    def _is_lenient(self, at: int) -> bool:
+        return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
+
+    @contextmanager
+    def passing_over(self, line: Line) -> Iterator[None]:
+        """Note an equation of a document that cannot be understood, and go on."""
+        span = (line[0][0].start, line[-1][-1].end)
+        count = len(self.unread)
+        with self._lenient(self._is_lenient(span[0]), span):
+            yield
+        if len(self.unread) > count:
+            self.failed.append(line)
+
+    @contextmanager
+    def _lenient(self, lenient: bool, span: Span) -> Iterator[None]:
+        try:
+            yield
+        except AnswerError as problem:
+            if not lenient or (self.document.strict and self._is_asked(self.source, span)):
+                raise
+            if self.source.text[slice(*span)].strip():
+                self._pass_over(self.source, span, problem.bare)
+
+    def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:
+        """Note a piece of the document that says nothing."""
+        self._pass_over(self.source, span, reason, is_asked)
+
+    def _pass_over(
+        self, source: AnswerText, span: Span, reason: str, is_asked: bool = False
+    ) -> None:
+        text = source[span]
+        text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+        first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
+        asked = is_asked or self._is_asked(source, span) or self._asks(source, span)
+        if self.document.assigns:
+            begun = self.document.written.rfind("\n", 0, span[0]) + 1
+            left, sign, _ = self.document.written[begun : span[1]].partition("=")
+            written = AnswerText(left)
+            within = written.lexemes.between(0, len(left))
+            self.unread_names.update(_names(written, within) if sign else ())
+        self.unread.append(
+            UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
+        )
+
+
+def _in_sums(source: Source, count: int) -> frozenset[int]:
+    """The lexemes of sums over so many bodies."""
+    found = sums(source.lexemes, range(len(source.lexemes)), count)
+    return frozenset(k for one in found for k in one.whole)
+
+
+def _names(source: Source, within: range) -> Iterator[str]:
+    """The plain spellings of the words in a stretch."""
+    k = within.start
+    while k < within.stop:
+        word = None
+        if words.begins(source.lexemes[k]):
+            try:
+                word = words.spell(source, k)
+                yield word.plain
+            except FreebodyError:  # it begins as a name does and is none
+                pass
+        k = max(word.at if word else 0, k + 1)
+
+
+def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:
+    """A piece cut at stretches that stand among words, which are lenient."""
+    at = piece.start
+    for start, end in apart:
+        if piece.start <= start < piece.end:
+            yield FormulaPiece(at, start, piece.lenient)
+            yield FormulaPiece(start, end, lenient=True)
+            at = end
+    yield FormulaPiece(at, piece.end, piece.lenient)
+
+
+def _without_time(found: Sequence[Token]) -> Iterator[Token]:
+    """Tokens without the arguments of functions of time: theta1(t) is theta1."""
+    k = 0
+    while k < len(found):
+        yield found[k]
+        behind = [x.text for x in found[k + 1 : k + 4]]
+        k += 4 if found[k].kind == "name" and behind == ["(", "t", ")"] else 1
+
+
+def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
+    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
+    one before, unless words stand between.
+
+    A minus may begin an equation of its own, -a = b.
+    """
+    pieces: list[list[Token]] = [[]]
+    depth = 0
+    for token in found:
+        depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+        if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
+            pieces.append([])
+        elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(token))):
+            pieces[-1].append(token)
+    lines: list[list[Token]] = []
+    for piece in pieces:
+        if not piece:
+            continue
+        own = piece[0].text == "-" and any(token.kind == "equals" for token in piece)
+        continues = (piece[0].kind in ("operator", "equals") and not own) or (
+            lines and _is_open(lines[-1])
+        )
+        if lines and continues and _goes_on(written[lines[-1][-1].end : piece[0].start]):
+            lines[-1] += piece
+        else:
+            lines.append(piece)
+    return lines
+
+
+def _goes_on(between: str) -> bool:
+    """Whether nothing but white space, alignment and signs of formulas stands in a text."""
+    lines = [line.partition("#")[0].partition("%")[0] for line in between.split("\n")]
+    letters = "".join(x if x.isalpha() else " " for x in " ".join(lines))
+    return set(letters.split()) <= _ALIGNING
+
+
+def _in_matrix(token: Token) -> bool:
+    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
+    break."""
+    return token.kind == "amp" or token.text == ";"
+
+
+def _is_open(line: list[Token]) -> bool:
+    """Whether a line ends where something must follow."""
+    return line[-1].kind in ("operator", "equals")
+
+
+def _sides(source: Source, line: list[Token]) -> Line:
+    sides: list[list[Token]] = [[]]
+    for token in line:
+        if token.kind == "equals":
+            sides.append([])
+        else:
+            sides[-1].append(token)
+    if len(sides) == 1:
+        source.fail(
+            "this line has no equals sign; write, for example, tau1 = … or H12 = …",
+            (line[0].start, line[-1].end),
+        )
+    if len(sides) > MOST_SIDES:
+        source.fail(
+            f"more than {MOST_SIDES} sides in one equation",
+            sides[MOST_SIDES][0].span if sides[MOST_SIDES] else line[-1].span,
+        )
+    for k, side in enumerate(sides):
+        if not side:
+            equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]
+            source.fail("one side of this = is empty", equals.span)
+    return tuple(map(tuple, sides))

@@ -1,0 +1,200 @@
+"""Sums over bodies, V = Σ m_i g y_ci: read as often as there are bodies, each time with another
+number in the index's place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import Any
+
+from freebody.expressions.grammar.lexemes import Lexeme, Lexemes
+from freebody.expressions.grammar.lexer import Grammar, Token, tokens
+from freebody.expressions.grammar.patterns import LexemePattern, Match
+from freebody.expressions.grammar.source import Span
+from freebody.expressions.grammar.tables.characters import LOW
+from freebody_textbook.check.spelling.answer_text import AnswerText
+
+MOST_SUMS = 200
+"""In one text."""
+MOST_TOKENS, DEEPEST = 10_000, 3
+"""Of a sum that is written out, and sums inside one another."""
+_LONGEST = 600
+"""Lexemes of what is summed."""
+_HEAD = LexemePattern("@sum_sign < below:@sum_below above:@sum_above? | above:@sum_above? >")
+_CALL = LexemePattern("@sum_sign ~(")
+_ARGUMENTS = LexemePattern("@sum_arguments )")
+_BOUNDS = LexemePattern("< @sum_index | @sum_index_low > < = first:%digit{1,2} >?")
+_NUMBER = LexemePattern("^ {? last:%digit{1,2}")
+_INDICES = ("i", "j", "k")
+_LOW_OF = {letter: low for low, letter in LOW.items() if letter.isalpha()}
+_ENDS = frozenset(("=", "==", ",", ";", "&"))
+_OPENING, _CLOSING = frozenset("([{"), frozenset(")]}")
+
+
+@dataclass(frozen=True)
+class WrittenSum:
+    """A sum: its lexemes, those of what is summed, the index and its values."""
+
+    whole: range
+    summand: range
+    index: str
+    values: range
+
+    def with_number(self, source: AnswerText, number: int) -> AnswerText:
+        """The text with a number in the index's place; every character keeps its own."""
+        places = set(_places_of(source.lexemes, self.summand, self.index))
+        items = [
+            _numbered(x, number) if k in places else x for k, x in enumerate(source.lexemes.items)
+        ]
+        return _with_lexemes(source, Lexemes(items))
+
+
+def sums(lexemes: Lexemes, within: range, count: int) -> Iterator[WrittenSum]:
+    """The outer sums of a stretch; count: over how many bodies those without bounds go."""
+    at = within.start
+    for match in islice(_HEAD.all(lexemes, within.start, within.stop), MOST_SUMS):
+        end = min(within.stop, match.stop + _LONGEST)
+        found = _sum(lexemes, match, end, count) if match.start >= at else None
+        if found is not None:
+            yield found
+            at = found.whole.stop
+
+
+def tokens_with_sums(
+    source: AnswerText, language: Grammar, piece: Span, count: int, depth: int = 0
+) -> list[Token]:
+    """All tokens of a piece of a text, its sums written out, the last of kind "stop"."""
+    lexemes, at, found = source.lexemes, piece[0], list[Token]()
+    for one in sums(lexemes, lexemes.between(*piece), count):
+        start, end = lexemes[one.whole.start].start, lexemes[one.whole.stop - 1].end
+        found += tokens(source, language, (at, start))[:-1]
+        inside = lexemes[one.summand.start].start, lexemes[one.summand.stop - 1].end
+        if depth == DEEPEST:
+            source.fail(f"more than {DEEPEST} sums inside one another", (start, end))
+        found.append(Token("open", "(", start, start))
+        for k, number in enumerate(one.values):
+            numbered = one.with_number(source, number)
+            found += [Token("operator", "+", start, start, written="+")] * bool(k)
+            found += tokens_with_sums(numbered, language, inside, count, depth + 1)[:-1]
+            if len(found) > MOST_TOKENS:
+                source.fail("this sum is too long to be written out", (start, end))
+        found.append(Token("close", ")", end, end))
+        at = end
+    return found + tokens(source, language, (at, piece[1]))
+
+
+def _sum(lexemes: Lexemes, head: Match, end: int, count: int) -> WrittenSum | None:
+    """The sum that begins with a head; None of what has no index."""
+    if (call := _CALL.at(lexemes, head.start, end)) is not None:
+        return _called(lexemes, call, end, count)
+    below = next(_BOUNDS.all(lexemes, *head.captures["below"]), None) if "below" in head else None
+    above = next(_NUMBER.all(lexemes, *head.captures["above"]), None) if "above" in head else None
+    values = _values(below["first"] if below else "", above["last"] if above else "", count)
+    for index in (LOW.get(below["index"], below["index"]),) if below else _INDICES:
+        stop = _end_of_summand(lexemes, head.stop, end, index)
+        found = _checked(lexemes, head.start, stop, range(head.stop, stop), index, values)
+        if found is not None:
+            return found
+    return None
+
+
+def _called(lexemes: Lexemes, call: Match, end: int, count: int) -> WrittenSum | None:
+    """sum(…), with its bounds behind a comma or without."""
+    close = _closing(lexemes, call.stop - 1, end)
+    for bounds in _ARGUMENTS.all(lexemes, call.stop, close + 1):
+        if bounds.stop == close + 1:
+            values = _values(bounds["first"], bounds["last"], count)
+            summand = range(call.stop, bounds.start)
+            return _checked(lexemes, call.start, close + 1, summand, bounds["index"], values)
+    values, summand = _values("", "", count), range(call.stop, close)
+    ways = (_checked(lexemes, call.start, close + 1, summand, x, values) for x in _INDICES)
+    return next((way for way in ways if way is not None), None)
+
+
+def _checked(
+    lexemes: Lexemes, start: int, stop: int, summand: range, index: str, values: range
+) -> WrittenSum | None:
+    """A sum whose index stands in what is summed."""
+    if not any(True for _ in _places_of(lexemes, summand, index)):
+        return None
+    return WrittenSum(range(start, stop), summand, index, values)
+
+
+def _values(first: str, last: str, count: int) -> range:
+    return range(int(first or 1), int(last or count) + 1)
+
+
+def _closing(lexemes: Lexemes, k: int, end: int) -> int:
+    """The bracket that closes the one at k, or the last lexeme."""
+    depth = 0
+    for j in range(k, end):
+        depth += (lexemes[j].text in _OPENING) - (lexemes[j].text in _CLOSING)
+        if depth == 0:
+            return j
+    return end - 1
+
+
+def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
+    """Where the terms end that have the index: behind + and - too, up to another sum."""
+    term, stop, depth = k, end, 0
+    for j in range(k, end):
+        x = lexemes[j]
+        depth += (x.text in _OPENING) - (x.text in _CLOSING)
+        if depth < 0 or (depth == 0 and (x.text in _ENDS or x.kind in ("line", "row", "end"))):
+            stop = j
+            break
+    for j in [j for j in _operators(lexemes, k, stop) if j > k] + [stop]:
+        has_index = any(True for _ in _places_of(lexemes, range(term, j), index))
+        begun = term + (lexemes[term].text in ("+", "-", "−")) if term < j else term
+        if term > k and (not has_index or _HEAD.at(lexemes, begun, stop)):
+            return term
+        term = j
+    return stop
+
+
+def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
+    """Where + and - stand outside of brackets and powers."""
+    depth = 0
+    for j in range(k, stop):
+        x = lexemes[j].text
+        depth += (x in _OPENING) - (x in _CLOSING)
+        if depth == 0 and x in ("+", "-", "−") and lexemes[j - 1].text != "^":
+            yield j
+
+
+def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
+    """Where the index stands: in a subscript, or as a factor of its own."""
+    inside, depth = False, 0
+    for k in within:
+        x, before = lexemes[k], lexemes[k - 1] if k > within.start else None
+        if depth:
+            depth += (x.text == "{") - (x.text == "}")
+        elif x.text == "{" and before is not None and before.text == "_":
+            depth = 1
+        elif x.text == "_":
+            inside = True
+        elif x.apart or x.kind not in ("letter", "digit", "low"):
+            inside = False
+        is_own = x.text == index and (inside or depth or _stands_alone(lexemes, k, within))
+        if is_own or x.text == _LOW_OF.get(index):
+            yield k
+
+
+def _stands_alone(lexemes: Lexemes, k: int, within: range) -> bool:
+    """Whether no letter is glued to one on either side."""
+    behind = lexemes[k + 1] if k + 1 < within.stop else None
+    glued = behind is not None and not behind.apart and behind.kind in ("letter", "digit", "low")
+    before = lexemes[k - 1] if k > within.start and not lexemes[k].apart else None
+    return not glued and not (before is not None and before.kind in ("letter", "command"))
+
+
+def _numbered(x: Lexeme, number: int) -> Lexeme:
+    return x._replace(kind="digit", text=str(number))
+
+
+def _with_lexemes(source: AnswerText, lexemes: Lexemes) -> AnswerText:
+    """A text that is read as other lexemes."""
+    made: Any = replace(source)
+    made.__dict__["lexemes"] = lexemes
+    return made

@@ -1,0 +1,105 @@
+"""Two polynomials term by term, in sines and cosines of sums of angles, where every difference
+shows once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from freebody.expressions.expression import Expression, mul
+from freebody.expressions.polynomials.angle_sums import Monomial, Terms, Wave, gathered, raw
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked.right_equations import RightEquations
+
+MOST_TERMS = 20_000
+
+Key = tuple[Monomial, Wave]
+"""A product of symbols, and a sine or cosine."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A term that has one number in the answer and another in the right one; `instead`: it stands
+    for that term."""
+
+    key: Key
+    yours: Fraction
+    right: Fraction
+    instead: Key | None = None
+
+
+def terms(setting: RightEquations, x: Trig) -> Terms:
+    """A polynomial term by term, powers of symbols in a fixed order."""
+    rows = gathered(raw(x), setting.ring.angles, setting.order.blocks)
+    return {(tuple(sorted(m)), w): c for (m, w), c in rows.items()}
+
+
+def is_too_long(x: Trig) -> bool:
+    """Whether a polynomial would have too many terms to be compared one by one."""
+    waves = [name for name in x.ring.index if name.startswith(("sin_", "cos_"))]
+    return (
+        sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms())
+        > MOST_TERMS
+    )
+
+
+def differences(setting: RightEquations, yours: Trig, right: Trig) -> list[Difference]:
+    """All terms that differ; one too many and one missing that differ in one symbol or in the angle
+    are paired."""
+    a, b = terms(setting, yours), terms(setting, right)
+    rows = [
+        Difference(key, a.get(key, Fraction(0)), b.get(key, Fraction(0)))
+        for key in dict.fromkeys((*b, *a))
+        if a.get(key, 0) != b.get(key, 0)
+    ]
+    return list(_paired(rows))
+
+
+def _paired(rows: list[Difference]) -> Iterator[Difference]:
+    extra = [row for row in rows if row.right == 0]
+    for row in rows:
+        if row.right == 0:
+            continue
+        partner = None
+        if row.yours == 0:
+            partner = next(
+                (x for x in extra if abs(x.yours) == abs(row.right) and _alike(x.key, row.key)),
+                None,
+            )
+        if partner is None:
+            yield row
+        else:
+            extra.remove(partner)
+            yield Difference(row.key, partner.yours, row.right, partner.key)
+    yield from extra
+
+
+def _alike(a: Key, b: Key) -> bool:
+    """Whether two terms differ in one symbol, or only in the sine or cosine."""
+    if a[0] == b[0]:
+        return True
+    first, second = _letters(a[0]), _letters(b[0])
+    for name in list(first):
+        if name in second:
+            first.remove(name)
+            second.remove(name)
+    return a[1] == b[1] and len(first) <= 1 and len(second) <= 1
+
+
+def _letters(monomial: Monomial) -> list[str]:
+    return [name for name, exponent in monomial for _ in range(exponent)]
+
+
+def printed(layout: Layout, setting: RightEquations, key: Key, value: Fraction) -> Expression:
+    """A term with its number."""
+    monomial, wave = key
+    x = setting.ring.polynomial([(dict(monomial), value)])
+    for function, argument, exponent in wave:
+        angle = sum((setting.ring[name] * k for name, k in argument), setting.zero)
+        factor = angle.sin() if function == "sin" else angle.cos()
+        for _ in range(exponent):
+            x = x * factor
+    return mul(layout.form(x))

@@ -1,0 +1,220 @@
+"""What a user may have thought: single misconceptions, each of which explains the whole
+difference. A new one is a row of a table: a sentence, and what the right answer becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from itertools import islice
+from typing import Any
+
+from freebody.expressions.grammar.tables.characters import DOT
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.reasons import changes as c
+from freebody_textbook.check.reasons.bodies_at_point import Belief
+from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
+
+_REST = "; everything else is right."
+
+
+def _told(x: Subject) -> Iterator[Changed]:
+    """What the quantity itself is often mistaken for."""
+    yield from (({"text": text}, x.point.of(value())) for text, value in x.target.thoughts)
+
+
+def _others(x: Subject) -> Iterator[Changed]:
+    """Another quantity of the same kind."""
+    for name, other in related(x.targets, x.target).items():
+        yield {"name": name.replace("tau", "τ")}, x.point.of(other)
+
+
+def _sum(a: Vector, b: Vector) -> Vector:
+    """a × b in the plane with a plus for its minus."""
+    return (a[0] * b[1] + a[1] * b[0],)
+
+
+def _along(a: Vector, b: Vector) -> Vector:
+    """a · b."""
+    return (a[0] * b[0] + a[1] * b[1],)
+
+
+def _across(a: Vector, b: Vector) -> Vector:
+    """a × b in the plane with the components of a swapped."""
+    return (a[1] * b[1] - a[0] * b[0],)
+
+
+THOUGHTS: Mapping[str, Change] = {
+    "{text}": _told,
+    "What you wrote is right for {name}, not for this one.": _others,
+    "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
+    "g_i = + ∂V/∂q_i.": c.gravity(-1),
+    f"Gravity is missing{_REST}": c.gravity(0),
+    "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as ij "
+    "and as ji), so Coriolis terms have a factor of 2.": c.parts(Fraction(1, 2), "coriolis"),
+    "The Coriolis terms, with products of two different rates, are missing.": c.parts(
+        0, "coriolis"
+    ),
+    "The centrifugal terms, with squares of rates, are missing.": c.parts(0, "centrifugal"),
+    f"The Coriolis and centrifugal terms are missing{_REST}": c.parts(0, *c.VELOCITY),
+    f"All Coriolis and centrifugal terms have the wrong sign{_REST}": c.parts(-1, *c.VELOCITY),
+    f"Friction is missing{_REST}": c.parts(0, "friction"),
+    f"All friction terms have the wrong sign: the drive must overcome friction{_REST}": c.parts(
+        -1, "friction"
+    ),
+    f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
+    "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
+    "right.": c.massless,
+    "The moments of inertia about the centres of mass are missing: this is right for point masses "
+    "only.": c.pointlike,
+    "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
+    "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
+    "θ̇ⱼ².": c.unmixed_rates,
+    "The mixed terms are missing: velocities add as vectors, so the square of their sum is "
+    "|a + b|² = a² + b² + 2 a · b.": c.unmixed_velocities,
+    "This is right for {wrong}. The rate of a joint is relative to the previous link: angular "
+    "velocities are sums, {right}.": c.alone(
+        Belief(spins_alone=True),
+        Belief(turns_alone=True),
+        Belief(spins_alone=True, turns_alone=True),
+    ),
+    "Angles and rates are in radians: a factor π/180 too many, or one too few.": c.degrees,
+    "You wrote {wrong}: masses and weights act at the centre of mass, {centres} from the joint, "
+    "not at the end of the link.": c.lengths(centre="l"),
+    "This is right only if the centre of mass is at the midpoint of the link, {half}.": c.lengths(
+        centre="half"
+    ),
+    "l and lc are swapped: {l} is the length of the link, {lc} the distance from its joint to the "
+    "centre of mass.": c.lengths("lc", "l"),
+    "You wrote {back}: the next body hangs at the end of the link, not at its centre of "
+    "mass.": c.lengths("lc"),
+    "The parallel-axis theorem is missing: this would be right for moments of inertia about the "
+    "joints; here {names} {are} about the centre of mass, and {lacking} must be added.": c.axes(-1),
+    "The parallel-axis term {lacking} is counted twice.": c.axes(1),
+    "This would be right if {names} were measured from {zero}; here {it} measured from "
+    "{own}.": c.turned,
+    "This would be right if {names} were measured from the x axis; here each angle is measured "
+    "from the previous link, so the direction of a link is a sum of angles.": c.absolute,
+    "This would be right with components {axes}; here they are {here}.": c.other_axes,
+}
+"""What is tried first, in this order."""
+
+OF_BODIES: Mapping[str, Change] = {
+    "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
+    "Newton's third law {opposite} acts on body {n}.": c.believed(
+        Belief(force=-1),
+        *(Belief(couple=k, arms=x) for k in (1, -1) for x in ((1, 0, 0, -1), (1, 0, 2, -1))),
+        *(Belief(force=-1, couple=k, arms=(1, 0, 0, -1)) for k in (1, -1)),
+        of_next=True,
+    ),
+    "The sign of the moment at joint {k} is wrong: what acts on body {k} there acts on body {n} in "
+    "the opposite direction.": c.believed(Belief(couple=-1), of_next=True),
+    "The reaction of body {k} on body {n} is missing.": c.believed(
+        Belief(force=0), Belief(force=0, couple=0, arms=(1, 0, 0, 0)), of_next=True
+    ),
+    "The moments r × f of the forces on body {n} are missing: I ω̇ alone is right only where no "
+    "force has an arm about the centre of mass.": c.arms(0, 0, 0, 0),
+    "This would be right if joint {n} did not accelerate: about a joint that does, s_c × m a of "
+    "the joint must be added to I ω̇.": c.believed(Belief(joint_is_fixed=True)),
+    "The moment of {opposite} on body {n} is missing.": c.arms(1, 0, 0, 0, of_next=True),
+    "The moment of joint {k} on body {n} is missing.": c.believed(Belief(couple=0), of_next=True),
+    "The moment s_c × m (v̇_c − g) of body {n} itself is missing.": c.arms(0, 0, 0, 1),
+    "The moment of {f} about the centre of mass of body {n} is missing.": c.arms(0, 0, -1, 1),
+    "m (v̇_c − g) of body {n} has the arm s_c to its centre of mass, not s to its end.": c.arms(
+        0, 1, 0, 1
+    ),
+    "{next} has a wrong arm or none: about joint {n} the arm is s, about the centre of mass of "
+    "body {n} that of {opposite} is s − s_c.": c.arms(1, 0, 1, 0, of_next=True),
+    "The arms are swapped: of body {n}, m (v̇_c − g) has the arm s_c to its centre of mass, {next} "
+    "the arm s to joint {k}.": c.arms(0, 1, 1, 0, of_next=True),
+    "The arms about the centre of mass of body {n} are swapped: that of {f} is −s_c, that of "
+    "{opposite} is s − s_c.": c.arms(-1, 1, 0, 1, of_next=True),
+    "The arm of {opposite} about the centre of mass of body {n} is s − s_c, not s.": c.arms(
+        1, 0, 1, 1, of_next=True
+    ),
+    "A cross product has the wrong sign: the arm comes first, r × f = −f × r, and from the centre "
+    "of mass of body {n} to its joint it is −s_c.": c.believed(
+        *(Belief(arms=x) for x in ((-1, 0, -2, 1), (-1, 0, 0, -1), (-1, 0, 0, 1)))
+    ),
+    "The cross product has a minus: r × f = r_x f_y − r_y f_x.": c.believed(Belief(product=_sum)),
+    "The arms of the components are mixed up: r × f = r_x f_y − r_y f_x, so f_x has the arm r_y "
+    "and f_y the arm r_x.": c.believed(Belief(product=_along), Belief(product=_across)),
+    "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": c.believed(
+        Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))
+    ),
+    "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.": c.believed(
+        Belief(gyroscopic=-1)
+    ),
+    "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.": c.believed(Belief(gyroscopic=0)),
+    "The forces of the loops are missing.": c.believed(Belief(loops_act=False)),
+}
+"""What is tried where none of these explains the difference, and of equations between quantities
+alone: other equations of the bodies."""
+
+
+TABLES = ((THOUGHTS, 2), (OF_BODIES, 1))
+"""The tables in the order in which they are tried, and how many thoughts of each are told."""
+
+
+def explaining(x: Subject, value: Any) -> list[str]:
+    """Sentences on the thoughts that turn the right answer into the user's: two at most, or one on
+    the equations of the bodies."""
+    if value == 0:  # of many parts it would be right that they are missing
+        return []
+    for (_, most), rows in zip(TABLES, values(x), strict=True):
+        agreeing = (next((said for said, y in row if x.point.agree(y, value)), "") for row in rows)
+        if told := list(islice(filter(None, agreeing), most)):
+            return told
+    return []
+
+
+def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
+    """All thoughts about a quantity, by table and row: sentences, and what the right answer would
+    be."""
+    yield from (_of(table, x) for table, _ in TABLES)
+
+
+def _of(table: Mapping[str, Change], x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
+    for text, change in table.items() if table is OF_BODIES or not x.is_equation else ():
+        yield _filled(text, change(x))
+
+
+def _filled(text: str, changed: Iterator[Changed]) -> Iterator[tuple[str, Any]]:
+    """A sentence with what it names, and what the right answer would be."""
+    yield from ((text.format(**said), value) for said, value in changed)
+
+
+def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
+    """The other entries of a quantity's kind, by name."""
+    letter = target.kind.usual
+    others = [
+        (name, other)
+        for name, other in targets.single.items()
+        if letter and other.kind is target.kind and other.index != target.index
+    ]
+    usual = [row for row in others if row[0].startswith(letter)]
+    found: dict[str, Trig] = {}
+    seen = set()
+    for name, other in usual or others:
+        if other.index not in seen:
+            seen.add(other.index)
+            found[name] = other.polynomial()
+    return found or _of_the_same_table(targets, target)
+
+
+def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
+    """The other entries of a matrix, such as an orientation."""
+    if len(target.index) != 2 or not target.words:
+        return {}
+    for name, table in targets.tables.items():
+        entries = {entry.index: entry for row in table for entry in row}
+        own = entries.get(target.index)
+        if own is not None and own.words == target.words:
+            bare = name.lstrip(DOT)
+            dots = "\u0307" * (len(name) - len(bare))
+            shown = bare[:1] + dots + bare[1:]
+            others = (entry for index, entry in entries.items() if index != target.index)
+            return {f"{shown} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
+    return {}

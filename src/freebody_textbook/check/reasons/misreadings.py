@@ -1,0 +1,188 @@
+"""Symbols that may be read in another way: an answer that is right in one of them is right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.words import spelt
+from freebody.expressions.nodes import Expression, Negative, Number, Sum
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
+from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reading.claim import Claim
+
+GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
+
+
+@dataclass(frozen=True)
+class Misreading:
+    """Nodes that may stand for something else, and how to say so of a wrong answer and of one that
+    is right with it."""
+
+    new: dict[Expression, Expression]
+    text: str
+    note: str
+    is_doubtful: bool = True
+    """Whether to say so also where it does not make the answer right."""
+    target: AskedQuantity | None = None
+    """What the answer is then about, where that is another quantity."""
+
+
+TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
+"""Names of the tip's coordinate x and of its rates."""
+
+
+def readings(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """Other readings of a claim's symbols, the likeliest first."""
+    yield from _links(setting, targets, claim, work)
+    yield from _velocity_terms(targets, claim, work)
+    yield from _cosines(setting, targets, claim, work)
+    yield from _slides(setting, targets, work)
+    yield from _numbers(setting, claim, work)
+
+
+def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: Workspace) -> str:
+    """What is to be said about a symbol of a wrong answer that may stand for something else."""
+    found = readings(setting, targets, claim, work)
+    return next((reading.text for reading in found if reading.is_doubtful), "")
+
+
+def _links(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """Bodies counted as the links of the robot's file, without those between the axes of a joint of
+    several coordinates."""
+    symbols = setting.equations.symbols
+    order = [body.name for body in symbols.model.bodies]
+    own = (symbols.given or symbols.model).bodies
+    numbers = {str(k): str(order.index(x.name) + 1) for k, x in enumerate(own, 1)}
+    if all(k == n for k, n in numbers.items()):
+        return
+
+    def of_link(target: AskedQuantity | None, name: str) -> AskedQuantity | None:
+        number = atom(name).figures
+        if target is None or not target.kind.of_one_body or number not in numbers:
+            return None
+        return targets.single.get(name.replace(number, numbers[number]))
+
+    what = _kind(claim.target)
+    name = next((x for x, target in targets.single.items() if _kind(target) == what), "")
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        own_target = targets.single.get(node.name) if isinstance(node, Named) else None
+        if isinstance(node, Named) and own_target and own_target.kind.of_one_body:
+            new = of_link(own_target, node.name)
+            if new is None:  # a number that no link has
+                return
+            found[node] = replace(node, value=new.compute())
+    target = of_link(claim.target, name)
+    if target is None and claim.target.kind.of_one_body:
+        return
+    if target is not None:
+        words = f"{claim.target.title}, counted as the links of the robot's file"
+        target = replace(target, words=words)
+    if found or target is not None:
+        text = "Bodies are counted as the links of the robot's file."
+        yield Misreading(found, text, text, False, target)
+
+
+def _kind(target: AskedQuantity) -> tuple[object, ...]:
+    """What tells a quantity from all others: its kind, indices, axis and words."""
+    return target.kind, target.index, target.axis, target.words
+
+
+def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
+    """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
+    if not claim.target.kind.has_velocity_terms:
+        return
+    names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
+    terms: dict[str, str] = {}
+    for name in names:
+        if targets.single[name].kind.is_velocity_term:
+            terms.setdefault(str(targets.single[name].index[0]), name)
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        wave = atom(spelt(claim.source[node.span]))
+        own = targets.single.get(node.name) if isinstance(node, Named) else None
+        k = wave.figures if wave.letter == "c" and isinstance(node, Wave) else ""
+        k = str(own.index[0]) if own is not None and own.index and own.kind.up_to_a_constant else k
+        if k in terms and isinstance(work.parents.get(node), Sum | Negative):
+            name = terms[k]
+            found[node] = Named(name, targets.single[name].compute(), span=node.span)
+    if found:
+        written, new = claim.source[next(iter(found)).span], next(iter(found.values()))
+        assert isinstance(new, Named)
+        said = "the velocity term may be meant"
+        said = said if new.name[0] == "c" else f"write {new.name} for the velocity term"
+        read = "a potential energy" if isinstance(next(iter(found)), Named) else "a cosine"
+        text = f"‘{written}’ on the right is read as {read}; {said}."
+        yield Misreading(found, text, f"‘{written}’ is read as the velocity term.")
+
+
+def _cosines(
+    setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
+) -> Iterator[Misreading]:
+    """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        if not isinstance(node, Named) or node.name not in targets.single:
+            continue
+        own = atom(node.name)
+        if not any(c.isdigit() for c in claim.source[node.span]):  # of the matrix C
+            continue
+        angle = tuple((f"theta{k}", 1) for k in own.figures) if own.letter == "C" else ()
+        if angle and all(x in setting.ring.angles for x, _ in angle):
+            found[node] = Wave("cos", angle, span=node.span)
+    if found:
+        node = next(iter(found))
+        assert isinstance(node, Named)
+        written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
+        title = targets.single[node.name].title
+        text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
+        yield Misreading(found, text, f"‘{written}’ is read as a cosine.")
+
+
+def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
+    """x of a cart: it is read as the tip's."""
+    slides = [x for x in setting.symbols.coordinates if x.startswith("d")]
+    if len(slides) != 1:
+        return
+    (slide,), found = slides, {}
+    for node in work.values:
+        target = targets.single.get(node.name) if isinstance(node, Named) else None
+        if target is not None and isinstance(node, Named) and node.name in TIPS:
+            name = slide + ("", RATE, SECOND)[target.kind.dots]
+            found[node] = Named(name, setting.ring[name], span=node.span)
+    if found:
+        text = (
+            f"x is read as the tip's coordinate; for the slide write {slide}, "
+            f"or say names={{'x': '{slide}'}}."
+        )
+        yield Misreading(found, text, f"x is read as the slide's coordinate {slide}.")
+
+
+def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
+    """9.81 for g, where that is its value."""
+    g = setting.order.gravity
+    value = setting.symbols.model.parameters.get(g or "")
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        written = claim.source[node.span]
+        if g and isinstance(node, Number) and written in GRAVITY:
+            found[node] = Named(g, setting.ring[g], span=node.span)
+    if not found:
+        return
+    written = claim.source[next(iter(found)).span]
+    text = f"‘{written}’ must be the symbol {g}: its value is not known here."
+    if value is None:
+        yield Misreading({}, text, "")
+    elif "." in written and round(value, len(written.partition(".")[2])) == float(written):
+        yield Misreading(found, text, f"‘{written}’ is read as {g}.", False)

@@ -1,0 +1,232 @@
+"""Small changes of an answer: a sign, a factor, a term too many or missing, sin for cos, an angle,
+a length, an index, a power. Each has a cost, small for what people get wrong often."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.nodes import Expression, Negative, Number, Power, Product, Sum
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
+from freebody_textbook.check.algebra.finite_field import PRIME, rational
+from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.asked.right_equations import RightEquations
+
+_FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
+
+Related = Callable[[str], Mapping[str, Trig]]
+"""Quantities that one may mix up with one: the other entries of its family."""
+
+
+@dataclass(frozen=True, eq=False)
+class Repair:
+    """Put `new` where `node` stands. `factor`: of a scaled term its factor."""
+
+    kind: str
+    cost: float
+    node: Expression
+    new: Expression
+    change: int = 0
+    factor: Fraction = Fraction(1)
+
+
+class SmallChanges:
+    """All small changes of a tree; `gap` is what must be added to its value."""
+
+    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: Related):
+        self.setting, self.work, self.related = setting, work, related
+        self.gap = (right - work.value) % PRIME
+
+    def scaled(self) -> Iterator[Repair]:
+        """Terms which a number would make right; the number is computed, not guessed."""
+        for node in self.work.addends():
+            slope = (self.work.slopes[node] or 0) * self.work.values[node] % PRIME
+            factor = rational(1 + self.gap * pow(slope, -1, PRIME)) if slope else None
+            if factor is not None:
+                yield _scaling(node, factor, self._depth(node))
+
+    def _depth(self, node: Expression) -> int:
+        """In how many brackets a term stands."""
+        depth = 0
+        while node is not self.work.root:
+            node = self.work.parents[node]
+            depth += isinstance(node, Sum)
+        return max(0, depth - 1)
+
+    def _factors(self) -> Iterator[Repair]:
+        """The usual factors, for pairs and below powers."""
+        for node in self.work.addends():
+            for factor in _FACTORS:
+                yield _scaling(node, Fraction(factor))
+
+    def discrete(self) -> Iterator[Repair]:
+        """All changes that can be listed."""
+        yield from self._factors()
+        yield from self._lacking()
+        for node in list(self.work.values):
+            match node:
+                case Wave():
+                    yield from self._waves(node)
+                case Named():
+                    yield from self._symbols(node)
+                case Power():
+                    yield from _powers(node)
+            yield from self._inserted(node)
+
+    @cached_property
+    def angles(self) -> list[Angle]:
+        """Sums of angles that may be meant."""
+        names = [x for x in self.setting.ring.angles if x not in self.setting.foreign][:6]
+        return [
+            tuple((x, 1) for x in subset)
+            for size in range(1, len(names) + 1)
+            for subset in combinations(names, size)
+        ]
+
+    def _waves(self, node: Wave) -> Iterator[Repair]:
+        """The other function, another angle."""
+        other = "sin" if node.function == "cos" else "cos"
+        span = node.span
+        yield Repair("function", 1.0, node, Wave(other, node.angle, node.turn, span=span))
+        for angle in self.angles:
+            if angle == node.angle:
+                continue
+            near = _is_chain(angle)
+            yield Repair(
+                "angle",
+                1.4 if near else 2.4,
+                node,
+                Wave(node.function, angle, node.turn, span=span),
+            )
+            yield Repair("angle", 3.5, node, Wave(other, angle, node.turn, span=span))
+        if len(node.angle) > 1:
+            for k in range(len(node.angle)):
+                flipped = tuple((x, -e if j == k else e) for j, (x, e) in enumerate(node.angle))
+                yield Repair("angle", 1.6, node, Wave(node.function, flipped, node.turn, span=span))
+        if node.turn:
+            yield Repair("angle", 1.5, node, Wave(node.function, node.angle, span=span))
+        yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=span))
+
+    def _symbols(self, node: Named) -> Iterator[Repair]:
+        """Another symbol in its place, its square, none."""
+        name = self._generator(node)
+        if name is None:
+            for other, value in self.related(node.name).items():
+                yield Repair("index", 1.0, node, Named(other, value, span=node.span))
+            return
+        for other in self._names:
+            if other != name:
+                kind, cost = _likeness(name, other)
+                yield Repair(kind, cost, node, self._symbol(node, other))
+        if atom(name).dots:
+            yield from self._rate_sums(node, name)
+        if not isinstance(self.work.parents.get(node), Power):
+            yield Repair("exponent", 2.0, node, Power(node, 2, span=node.span))
+        yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=node.span))
+
+    def _generator(self, node: Named) -> str | None:
+        """The generator that a symbol is."""
+        terms = list(node.value.terms()) if isinstance(node.value, Trig) else []
+        if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
+            return None
+        return next(iter(terms[0][0]))
+
+    def _symbol(self, place: Expression, name: str) -> Named:
+        """A generator at the place of a node."""
+        return Named(name, self._generators[name], is_generator=True, span=place.span)
+
+    @cached_property
+    def _generators(self) -> dict[str, Trig]:
+        return {name: self.setting.ring[name] for name in self._names}
+
+    @cached_property
+    def _names(self) -> list[str]:
+        """Generators that right answers are made of."""
+        ring = self.setting.ring
+        return [
+            x
+            for x in ring.names
+            if x not in ring.angles and x not in self.setting.foreign and not x.startswith("sgn_")
+        ]
+
+    def _rate_sums(self, node: Named, name: str) -> Iterator[Repair]:
+        """Sums of rates for a rate: the absolute angular velocity."""
+        ending = atom(name).ending
+        for angle in self.angles:
+            if len(angle) > 1 and _is_chain(angle):
+                rates = [x + ending for x, _ in angle]
+                terms = tuple(self._symbol(node, x) for x in rates)
+                yield Repair("rate", 2.0, node, Sum(terms, span=node.span))
+
+    def _lacking(self) -> Iterator[Repair]:
+        """Terms that lack a factor."""
+        for node in self.work.addends():
+            for name in self._names:
+                lacking = (node, self._symbol(node, name))
+                yield Repair("missing factor", 3.0, node, Product(lacking, span=node.span))
+            for angle in self.angles:
+                if _is_chain(angle):
+                    for function in ("sin", "cos"):
+                        wave = Wave(function, angle, span=node.span)
+                        yield Repair(
+                            "missing factor", 3.5, node, Product((node, wave), span=node.span)
+                        )
+
+    def _inserted(self, node: Expression) -> Iterator[Repair]:
+        """Brackets, and factors that may have been one, that lack a single symbol."""
+        parent = self.work.parents.get(node)
+        is_factor = isinstance(parent, Product | Power) and isinstance(node, Named)
+        if not (isinstance(node, Sum) and parent is not None) and not is_factor:
+            return
+        for name in self._names:
+            symbol = self._symbol(node, name)
+            yield Repair("missing", 2.5, node, Sum((node, symbol), span=node.span))
+            yield Repair(
+                "missing", 2.6, node, Sum((node, Negative(symbol, span=node.span)), span=node.span)
+            )
+
+
+def _scaling(node: Expression, factor: Fraction, depth: int = 0) -> Repair:
+    """A term times a number; times 0 it goes. Terms inside brackets cost a little more."""
+    new = Product((Number(factor, span=node.span), node), span=node.span)
+    size = max(abs(factor.numerator), factor.denominator)
+    if factor == 0:
+        return Repair("extra", 1.1 + depth / 10, node, new, factor=factor)
+    if factor == -1:
+        cost = 1.0 if isinstance(node, Negative) else 1.01  # of x² - y² rather the minus
+        return Repair("sign", cost + depth / 10, node, new, factor=factor)
+    cost = 1.2 if factor in (2, Fraction(1, 2)) else 2.0 + size / 20
+    return Repair("factor", cost + depth / 10, node, new, factor=factor)
+
+
+def _powers(node: Power) -> Iterator[Repair]:
+    """A power one higher or lower."""
+    for exponent in (node.exponent - 1, node.exponent + 1):
+        new = node.base if exponent == 1 else Power(node.base, exponent, span=node.span)
+        if exponent > 0:  # of x⁰ none is lower
+            yield Repair("exponent", 1.8, node, new)
+
+
+def _is_chain(angle: Angle) -> bool:
+    """Whether the angles are those of neighbouring joints."""
+    numbers = [int(atom(x).figures or 0) for x, _ in angle]
+    return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
+
+
+def _likeness(name: str, other: str) -> tuple[str, float]:
+    """The kind of mistake that writing one name for another is, and its cost."""
+    a, b = atom(name), atom(other)
+    if not (a.is_numbered and b.is_numbered):
+        return "symbol", 4.0
+    if (a.letter, a.dots) == (b.letter, b.dots):
+        return "index", 1.0
+    if {a.letter, b.letter} == {"l", "lc"}:
+        return "length", 1.0 if a.index == b.index else 2.0
+    if a.dots and b.dots:
+        return "rate", 1.5 if a.index == b.index else 2.2
+    return "symbol", 3.0 if a.index == b.index else 4.0

@@ -1,0 +1,181 @@
+"""What a thought is: a sentence, and what the right answer would be; and what thoughts are made
+of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, times, transposed
+from freebody_textbook.check.algebra.finite_field import PRIME, Point, Turn, random_point
+from freebody_textbook.check.algebra.real_point import RealPoint
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint, Key, State
+
+Part = Callable[[Mapping[str, int]], bool]
+"""Which terms are meant, by their powers."""
+Changed = tuple[Mapping[str, object], Any]
+"""What a sentence names, and the right answer under the thought."""
+
+
+@dataclass(frozen=True)
+class Component:
+    """One entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
+
+    key: Key
+    entry: int
+    axes: int = -1
+
+    def of(
+        self, bodies: BodiesAtPoint, found: Mapping[Key, Vector], axes: int | None = None
+    ) -> Any:
+        """Its value among vectors along the world's axes; axes: along those of another body."""
+        axes, v = self.axes if axes is None else axes, found[self.key]
+        return (v if axes < 0 else times(transposed(bodies.bodies[axes].R), v))[self.entry]
+
+
+@dataclass(frozen=True)
+class Subject:
+    """The quantity that thoughts are about, at a point."""
+
+    bodies: BodiesAtPoint
+    """Those of the mechanism, at the point."""
+    targets: Targets
+    target: AskedQuantity
+    right: Trig
+    terms: frozenset[int] | None = None
+    """Of an equation between quantities, of which the right answer is one side, their values."""
+
+    @property
+    def setting(self) -> RightEquations:
+        """What an answer is compared with."""
+        return self.bodies.setting
+
+    @property
+    def point(self) -> Point:
+        """The point at which thoughts are tried."""
+        return self.bodies.point
+
+    @property
+    def is_equation(self) -> bool:
+        """Whether the right answer is a side of the user's own equation."""
+        return self.terms is not None
+
+    @cached_property
+    def value(self) -> Any:
+        """The right answer at the point."""
+        return self.point.of(self.right)
+
+    @cached_property
+    def rows(self) -> list[tuple[Mapping[str, int], Any]]:
+        """The terms of the right answer: powers, and the value at the point."""
+        return [(powers, self.point.term(powers, k)) for powers, k in self.right.terms()]
+
+    @cached_property
+    def names(self) -> set[str]:
+        """The generators in the right answer."""
+        return {name for powers, _ in self.rows for name in powers}
+
+    def scaled(self, factor: int | Fraction, meant: Part) -> Any:
+        """The right answer with a factor at some of its terms."""
+        k = self.point.number(factor)
+        other = sum(value for powers, value in self.rows if not meant(powers))
+        return other + k * sum(value for powers, value in self.rows if k and meant(powers))
+
+    def at(
+        self, values: Mapping[str, Any] | None = None, turns: Mapping[str, Turn] | None = None
+    ) -> Any:
+        """The right answer with other values or angles."""
+        return self.point.changed(values, turns).of(self.right)
+
+    # ------------------------------------------------------------ what it is
+    @cached_property
+    def reference(self) -> tuple[BodiesAtPoint, Any]:
+        """Bodies and the right answer's value at a point where no other quantity has it."""
+        if not isinstance(self.point, RealPoint):
+            return self.bodies, self.value
+        b = BodiesAtPoint(self.setting, random_point(self.setting.ring))
+        return b, b.point.of(self.right)
+
+    @cached_property
+    def torque(self) -> tuple[str, State, int] | None:
+        """Of a torque, or a part of one: its name in the equations, the state that needs it,
+        and the body; None of other quantities."""
+        if self.is_equation or not self.bodies.is_told:
+            return None
+        b, value = self.reference
+        return next(
+            (
+                (name, self.bodies.states(j)[name], i)
+                for i, body in enumerate(b.bodies)
+                if self.target.index[:1] == (body.place + 1,)
+                for j in ([k - 1 for k in self.target.index[1:2]] or [-1])
+                for name, state in b.states(j).items()
+                if b.point.agree(b.acting(state)["tau", i][0] + b.driven(i, state), value)
+            ),
+            None,
+        )
+
+    @cached_property
+    def components(self) -> list[Component]:
+        """Entries of vectors, or kinetic energies, of bodies that have the quantity's value."""
+        if not self.bodies.is_told or self.right.is_zero or self.torque is not None:
+            return []
+        bodies, value = self.reference
+        known = {**bodies.moved(), **bodies.acting(bodies.moving)}
+        every = [
+            Component(key, k, axes)
+            for key, v in known.items()
+            if key[0] != "tau"
+            for axes in (-1, *[key[1]] * (len(v) == 3))
+            for k in range(len(v))
+        ]
+        if self.terms is not None:
+            own = [x for x in every if x.key[0] in "fn"]
+            return [x for x in own if x.of(bodies, known) % PRIME in self.terms]
+        return [x for x in every if bodies.point.agree(x.of(bodies, known), value)]
+
+    @cached_property
+    def about(self) -> list[int]:
+        """The bodies to which the quantity belongs."""
+        b = self.bodies
+        if not b.is_told:
+            return []
+        if self.torque is None:
+            return sorted({x.key[1] for x in self.components} - {-1}) or [0] * bool(self.components)
+        return [self.torque[2]]
+
+    @cached_property
+    def is_energy(self) -> bool:
+        """Whether its terms with rates are a kinetic energy."""
+        if (
+            not self.bodies.is_told
+            or self.is_equation
+            or any(x.endswith(SECOND) for x in self.names)
+        ):
+            return False
+        moving = sum(value for powers, value in self.rows if any(x.endswith(RATE) for x in powers))
+        return self._is("T") or self.point.agree(moving, self.bodies.moved()["T", -1][0])
+
+    @cached_property
+    def accelerates(self) -> bool:
+        """Whether the quantity is a torque, a force or an acceleration."""
+        if not self.bodies.is_told:
+            return any(x.endswith(SECOND) for x in self.names)
+        if self.torque is not None:
+            return self.torque[0] in ("tau", "c")
+        return any(self._is(x) for x in ("f", "n", "fc", "nc", "wd", "vd", "vcd", "vd tip"))
+
+    def _is(self, letter: str) -> bool:
+        return not self.is_equation and any(x.key[0] == letter for x in self.components)
+
+
+Change = Callable[[Subject], Iterator[Changed]]
+"""The right answer under a thought, once for each thing of which it can be thought."""

@@ -1,0 +1,78 @@
+"""The text of an answer, and the error for one that cannot be read."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Self
+
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.source import Source, Span, UnreadableError
+from freebody.expressions.grammar.spellings import in_one_spelling
+from freebody.expressions.grammar.tables.characters import FILL
+from freebody.lazy import cached_property
+
+
+class AnswerError(UnreadableError):
+    """An answer that cannot be read: what is wrong, where, and the line with a caret under the
+    place."""
+
+    asked_by = "check: "
+
+
+@dataclass(frozen=True)
+class AnswerText(Source):
+    """An answer's text, every character at its place; what says nothing to check is blank."""
+
+    written: str = ""
+    """As the user wrote it, character by character; "" where that is `text`."""
+    parts: tuple[tuple[str, int], ...] = ()
+    """Of a notebook the cells, and where they begin."""
+
+    what, error = "answer", AnswerError
+
+    @classmethod
+    def of(cls, text: str) -> Self:
+        plain = super().of(text)
+        return cls.of_formulas(plain.text)
+
+    @classmethod
+    def of_formulas(cls, text: str, written: str = "", parts: tuple = ()) -> Self:
+        """Text with accents decomposed, and as it was written before words were taken away."""
+        size = len("".join(text.split()))
+        if size > cls.longest:
+            raise AnswerError(f"the answer has {size} characters; at most {cls.longest} are read")
+        return cls(text, written, parts)
+
+    @property
+    def shown(self) -> str:
+        return self.written or self.text
+
+    @cached_property
+    def lexemes(self) -> Lexemes:
+        """Its letters, figures, commands and signs, in one spelling."""
+        return in_one_spelling(self.text)
+
+    def __getitem__(self, span: Span) -> str:
+        return super().__getitem__(self._with_padding(span))
+
+    def caret(self, span: Span) -> str:
+        """The line, and carets below the piece as it was written."""
+        return super().caret(self._with_padding(span))
+
+    def _with_padding(self, span: Span) -> Span:
+        """A piece with the blanks behind what is shorter here than it was written."""
+        end = span[1]
+        while self.text[end : end + 1] == FILL:
+            end += 1
+        return span[0], end
+
+    def part(self, at: int) -> tuple[str, int]:
+        k = bisect_right(self.parts, at, key=lambda part: part[1])
+        return self.parts[k - 1] if k else ("", 0)
+
+    def where(self, at: int) -> str:
+        """The line of a place, in words."""
+        part, _ = self.part(at)
+        line = f"line {self.place(at)[0]}"
+        return f"{part}, {line}" if part else line

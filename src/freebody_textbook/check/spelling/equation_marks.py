@@ -1,0 +1,107 @@
+"""Where a text says that one of the robot's quantities is equal to something, whether the reader of
+answers understands the rest or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import dataclass
+
+from freebody.errors import FreebodyError
+from freebody.expressions.grammar import words
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.source import Source
+from freebody.expressions.grammar.tables.characters import PRIMES, STARS
+
+_MARK = LexemePattern("%equality")
+_FRESH = LexemePattern("%fresh")
+_BEHIND_NAME = LexemePattern(
+    "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
+    " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
+)
+"""What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset."""
+_LONGEST_LEFT = 60
+
+
+@dataclass(frozen=True)
+class AskedMark:
+    """A sign of equality with a name left of it."""
+
+    name: str
+    start: int
+    """Where the name begins in the text."""
+    at: int
+    """Where the sign stands."""
+    lexeme: int
+    """Which lexeme it is."""
+
+
+def asked_marks(
+    source: Source, within: range, is_quantity: Callable[[str], bool]
+) -> Iterator[AskedMark]:
+    """In a stretch of lexemes the signs of equality with a quantity left of them."""
+    lexemes = source.lexemes
+    for match in _MARK.all(lexemes, within.start, within.stop):
+        k = match.start
+        name = quantity_before(source, k, is_quantity)
+        if name is not None:
+            yield AskedMark(name.plain, name.start, lexemes[k].start, k)
+
+
+def quantity_before(
+    source: Source, k: int, is_quantity: Callable[[str], bool]
+) -> words.Word | None:
+    """The name of a quantity that stands before a lexeme on its line, apart from what may stand
+    behind it."""
+    items = source.lexemes.items
+    first = k
+    while first > 0 and items[first - 1].kind != "line":
+        if items[first - 1].start < items[k].start - _LONGEST_LEFT:
+            break
+        first -= 1
+    return _last_quantity(source, first, k, is_quantity)
+
+
+def _last_quantity(
+    source: Source, first: int, end: int, is_quantity: Callable[[str], bool]
+) -> words.Word | None:
+    """The last name if it is a quantity's, apart from what may stand behind it."""
+    while end > first:
+        for word in _last_names(source, first, end):
+            if is_quantity(word.plain):
+                return word
+        shorter = (
+            k
+            for k in range(end - 1, first - 1, -1)
+            if _BEHIND_NAME.at(source.lexemes, k, end) is not None
+        )
+        found = next(shorter, None)
+        if found is None:
+            return None
+        end = found
+    return None
+
+
+def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
+    """The names with which a stretch may end."""
+    lexemes = source.lexemes
+    last = lexemes[end - 1]
+    if last.kind in ("sign", "line", "row") and last.text not in _LAST:
+        return
+    for k in range(first, end):
+        word = _spelt(source, k)
+        if word is not None and word.at == end:
+            yield word
+
+
+def _spelt(source: Source, k: int) -> words.Word | None:
+    """The word that begins there, which several marks may ask for."""
+    if k not in source.words:
+        x, source.words[k] = source.lexemes[k], None
+        if (words.begins(x) or x.kind == "command") and _FRESH.at(source.lexemes, k):
+            with suppress(FreebodyError):  # it begins as a name does and is none
+                source.words[k] = words.spell(source, k)
+    return source.words[k]
+
+
+_LAST = frozenset((*PRIMES, *STARS, "}", "_"))

@@ -1,0 +1,168 @@
+"""Whether two sides agree at all states: as they stand, on another branch of their functions, in
+one assembly of a closed chain, or up to a constant."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+
+import numpy as np
+
+from freebody.expressions.nodes import Expression
+from freebody.lazy import cached_property
+from freebody_textbook.check.asked.quantity import Acting
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
+from freebody_textbook.check.states.running import Array, Running
+from freebody_textbook.check.states.state_values import Known, choices, second_values
+
+_Drawn = tuple[bool, bool, frozenset[tuple[str, float]], Acting]
+
+
+@dataclass(frozen=True, eq=False)
+class Equal:
+    """In which sense two sides are to be equal."""
+
+    as_angles: bool = False
+    """Up to whole turns."""
+    to_a_constant: bool = False
+    """Up to a number for each set of parameters."""
+
+    def reduced(self, gap: Running, states: AdmissibleStates) -> Running:
+        """What is left of a difference in this sense."""
+        if self.as_angles:
+            return replace(gap, value=gap.value - 2 * np.pi * np.round(gap.value / (2 * np.pi)))
+        if self.to_a_constant:
+            level = np.zeros(states.count)
+            for k in np.unique(states.parameters):
+                own = states.parameters == k
+                level[own] = gap.value[own][0]
+            return replace(gap, value=gap.value - level)
+        return gap
+
+
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """At which states two sides are equal as they stand, and on some branch of their functions;
+    others: the functions that need their second value somewhere."""
+
+    states: AdmissibleStates
+    right: Array
+    possible: Array
+    others: tuple[str, ...]
+    gap: Running
+    """What is left of the difference as it stands."""
+
+    @property
+    def is_everywhere(self) -> bool:
+        """Whether they are equal at all states as they stand."""
+        return bool(self.right.all())
+
+    @property
+    def is_with_branches(self) -> bool:
+        """Whether a function's second value makes them equal where they are not, and they are equal
+        as they stand on the home's branch, or somewhere where there is none."""
+        home = self.states.is_home
+        own = self.right[home] if home.any() else self.right
+        return bool(self.others and self.possible.all() and own.any())
+
+    @property
+    def is_in_one_assembly(self) -> bool:
+        """Whether they are equal all along the home's branch; where no regular position belongs to
+        it along some branch with each set of parameters."""
+        states, home = self.states, self.states.is_home
+        if home.any():
+            return bool(self.right[home].all())
+        return all(
+            any(self.right[(states.parameters == k) & (states.branch == b)].all() for b in branches)
+            for k, branches in self._branches
+        )
+
+    @property
+    def is_in_another_assembly(self) -> bool:
+        """Whether they are equal along some branch with each set of parameters, but not that of the
+        home."""
+        states = self.states
+        return all(
+            any(
+                self.right[(states.parameters == k) & (states.branch == b)].all()
+                for b in branches
+                if b
+            )
+            for k, branches in self._branches
+        )
+
+    @property
+    def _branches(self) -> list[tuple[int, list[int]]]:
+        states = self.states
+        return [
+            (int(k), [int(b) for b in np.unique(states.branch[states.parameters == k])])
+            for k in np.unique(states.parameters)
+        ]
+
+    @property
+    def worst(self) -> int:
+        """The state at which they differ most."""
+        return self.gap.worst
+
+
+def agreement(
+    states: AdmissibleStates,
+    yours: Expression,
+    right: Running,
+    equal: Equal | None = None,
+    known: Known | None = None,
+) -> Agreement:
+    """A tree compared with values; known: those of pieces of the tree."""
+    equal, first = equal or Equal(), None
+    fits, every = np.zeros(states.count, bool), choices(yours)
+    others: dict[str, None] = {}
+    for choice in every:
+        with np.errstate(all="ignore"):
+            gap = equal.reduced(states.at(yours, choice, known) - right, states)
+        holds = gap.vanishes
+        first = first or gap
+        if (holds & ~fits).any():
+            others |= dict.fromkeys(second_values(choice))
+        fits |= holds
+        if fits.all():
+            break
+    assert first is not None  # there is one choice at least
+    return Agreement(states, first.vanishes, fits, tuple(others), first)
+
+
+@dataclass(frozen=True)
+class StatesOfModel:
+    """The states of a model, drawn once."""
+
+    setting: RightEquations
+
+    def of(
+        self,
+        own_values: bool = False,
+        still: bool = False,
+        given: Mapping[str, float] = MappingProxyType({}),
+        acting: Acting = "",
+    ) -> AdmissibleStates | None:
+        """States with the model's own values, or with others near them; moving, or held; given:
+        values of some names at all of them; acting: see `StateSampler`."""
+        key = own_values, still, frozenset(given.items()), acting
+        if key not in self._drawn:
+            drawing = StateSampler(self.setting, own_values, still, given, acting)
+            self._drawn[key] = drawing.states()
+        return self._drawn[key]
+
+    @cached_property
+    def _drawn(self) -> dict[_Drawn, AdmissibleStates | None]:
+        return {}
+
+
+def few(states: AdmissibleStates) -> AdmissibleStates:
+    """One state of each set of parameters, on the branch of the home where there is one: enough to
+    pass over most of what is wrong."""
+    chosen: list[int] = []
+    for k in np.unique(states.parameters):
+        own = np.flatnonzero(states.parameters == k)
+        chosen.append(int(own[np.argmin(states.branch[own])]))
+    return states.chosen(np.array(chosen))

@@ -1,0 +1,221 @@
+"""The values of polynomials and of answers' trees at many states, all at once."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from freebody.expressions.evaluate import Rules, arithmetic, evaluate
+from freebody.expressions.nodes import Arguments, Expression, Function, nodes
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
+from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.states.running import Array, Running
+from freebody_textbook.closed_chains.linear import Ratio
+
+SIGN = "sgn_"
+"""What generators for signs of rates begin with."""
+MOST_BRANCHES = 5
+"""Functions of several values in one answer."""
+_AT_ONCE = 2000
+"""Terms of a polynomial that are multiplied at once."""
+
+Choice = Mapping[Expression, int]
+"""Of the functions that have two values those whose second one is taken."""
+Known = Mapping[Expression, Running]
+"""Values that need not be worked out."""
+
+
+def _principal_sqrt(x: Running) -> Running:
+    root = np.sqrt(x.value)
+    return x.by(root, 0.5 / root)
+
+
+def _arccos(x: Running) -> Running:
+    return x.by(np.arccos(x.value), 1 / np.sqrt(1 - x.value**2))
+
+
+def _arcsin(x: Running) -> Running:
+    return x.by(np.arcsin(x.value), 1 / np.sqrt(1 - x.value**2))
+
+
+def _arctan(x: Running) -> Running:
+    return x.by(np.arctan(x.value), 1 / (1 + x.value**2))
+
+
+_WAVES: Mapping[str, Callable[[Running], Running]] = {
+    "sin": lambda x: x.by(np.sin(x.value), np.cos(x.value)),
+    "cos": lambda x: x.by(np.cos(x.value), np.sin(x.value)),
+    "tan": lambda x: x.by(np.tan(x.value), 1 / np.cos(x.value) ** 2),
+}
+"""Functions of one value, of what is no whole multiple of an angle."""
+_HALF_TURN = Running(np.pi, np.pi)
+_FUNCTIONS: Mapping[str, tuple[Callable[[Running], Running], Callable[[Running], Running]]] = {
+    "sqrt": (_principal_sqrt, lambda y: -y),
+    "arccos": (_arccos, lambda y: -y),
+    "arcsin": (_arcsin, lambda y: _HALF_TURN - y),
+    "arctan": (_arctan, lambda y: y + _HALF_TURN),
+}
+"""By its name a function's value, and its second value by the first."""
+
+
+@dataclass(frozen=True, eq=False)
+class Polynomials:
+    """Several polynomials, put in order once to be evaluated at many states."""
+
+    polynomials: Sequence[Trig]
+
+    @cached_property
+    def _terms(self) -> list[tuple[int, Mapping[str, int], Fraction]]:
+        return [(i, *term) for i, x in enumerate(self.polynomials) for term in x.terms()]
+
+    @cached_property
+    def _powers(self) -> dict[tuple[str, int], int]:
+        """Powers of generators, numbered from 1."""
+        rows = {row for _, powers, _ in self._terms for row in powers.items()}
+        return {row: k for k, row in enumerate(sorted(rows), 1)}
+
+    @cached_property
+    def _factors(self) -> Array:
+        """Of each term its powers by number, filled up with 0."""
+        at = np.zeros((len(self._terms), max((len(x[1]) for x in self._terms), default=0)), int)
+        for row, (_, powers, _) in zip(at, self._terms, strict=True):
+            row[: len(powers)] = [self._powers[x] for x in powers.items()]
+        return at
+
+    @cached_property
+    def _coefficients(self) -> Array:
+        return np.array([[float(c)] for *_, c in self._terms])
+
+    def at(self, states: StateValues) -> list[Running]:
+        """Their values; sizes are those of their terms."""
+        table = np.ones((len(self._powers) + 1, states.count))
+        for row, k in self._powers.items():
+            table[k] = states.power(*row)
+        value = np.zeros((len(self.polynomials), states.count))
+        size, owners = np.zeros_like(value), np.array([i for i, *_ in self._terms], int)
+        for first in range(0, len(self._terms), _AT_ONCE):
+            some = slice(first, first + _AT_ONCE)
+            product = self._coefficients[some]
+            for column in self._factors[some].T:
+                product = product * table[column]
+            np.add.at(value, owners[some], product)
+            np.add.at(size, owners[some], np.abs(product))
+        return list(map(Running, value, size))
+
+
+@dataclass(frozen=True, eq=False)
+class StateValues:
+    """values: by the names of a ring, but for sines, cosines and signs, the numbers of each
+    state."""
+
+    values: Mapping[str, Array]
+
+    @property
+    def count(self) -> int:
+        """How many states there are."""
+        return len(next(iter(self.values.values())))
+
+    @cached_property
+    def _kept(self) -> dict[int, tuple[Trig, Running]]:
+        return {}
+
+    @cached_property
+    def _powers(self) -> dict[tuple[str, int], Array]:
+        return {}
+
+    def of(self, x: Value) -> Running:
+        """A polynomial, or a quotient of two."""
+        above, below = pair(x)
+        found = self.polynomial(above)
+        return found / self.polynomial(below) if isinstance(x, Ratio) else found
+
+    def polynomial(self, x: Trig) -> Running:
+        """A polynomial's values; the size is that of its terms."""
+        kept = self._kept.get(id(x))
+        if kept is None:
+            kept = self._kept[id(x)] = x, Polynomials([x]).at(self)[0]
+        return kept[1]
+
+    def power(self, name: str, exponent: int) -> Array:
+        """The values of a generator's power."""
+        if (name, exponent) not in self._powers:
+            self._powers[name, exponent] = self.generator(name) ** exponent
+        return self._powers[name, exponent]
+
+    def generator(self, name: str) -> Array:
+        """The values of a generator of the ring."""
+        function, _, angle = name.partition("_")
+        if function in ("sin", "cos") and angle in self.values:
+            return getattr(np, function)(self.values[angle])
+        if name.startswith(SIGN):
+            return np.sign(self.values[name.removeprefix(SIGN)])
+        return self.values[name]
+
+    def at(self, node: Expression, choice: Choice, known: Known | None = None) -> Running:
+        """A tree's values, its functions on some of their branches; known: of pieces of it."""
+
+        def wave(node: Wave, at: object) -> Running:
+            angle = float(node.turn) + sum(k * self.values[name] for name, k in node.angle)
+            value = getattr(np, node.function)(angle)
+            return Running(value + np.zeros(self.count), np.ones(self.count))
+
+        def function(node: Function, at: Callable[[Expression], Any]) -> Running:
+            if node.name == "atan2":
+                y, x = at(node.argument)
+                value, far = np.arctan2(y.value, x.value), np.hypot(x.value, y.value)
+                return Running(value, (x.size + y.size) / far + np.abs(value))
+            if node.name in _WAVES:
+                return _WAVES[node.name](at(node.argument))
+            first, second = _FUNCTIONS[node.name]
+            found = first(at(node.argument))
+            return second(found) if choice.get(node, 0) else found
+
+        rules: Rules = {
+            **arithmetic(lambda x: Running.exact(np.full(self.count, float(x)))),
+            Named: lambda node, at: self.of(node.value),
+            Wave: wave,
+            Arguments: lambda node, at: tuple(map(at, node.entries)),
+            Function: function,
+        }
+        with np.errstate(all="ignore"):  # a root of a negative number is told by `vanishes`
+            return evaluate(node, rules, known)
+
+    def pieces(self, node: Expression) -> dict[Expression, Running]:
+        """The values of all pieces of a tree that hold no function."""
+        found: dict[Expression, Running] = {}
+        for part in reversed(list(nodes(node))):
+            if not isinstance(part, Arguments) and not functions_of(part):
+                found[part] = self.at(part, {}, found)
+        return found
+
+
+def functions_of(node: Expression) -> list[Function]:
+    """The functions in a tree."""
+    return [x for x in nodes(node) if isinstance(x, Function)]
+
+
+def of_several_values(node: Expression) -> list[Function]:
+    """The functions in a tree of which each value must be tried."""
+    return [x for x in functions_of(node) if x.name in _FUNCTIONS]
+
+
+def choices(node: Expression) -> Sequence[Choice]:
+    """All choices of values: that of the functions as they stand, then those with the fewest second
+    ones."""
+    several = of_several_values(node)
+    every = itertools.product((0, 1), repeat=len(several))
+    return [dict(zip(several, chosen, strict=True)) for chosen in sorted(every, key=sum)]
+
+
+def second_values(choice: Choice) -> Iterator[str]:
+    """The names of the functions whose second value is taken."""
+    for node, is_second in choice.items():
+        if is_second and isinstance(node, Function):
+            yield node.name

@@ -1,0 +1,381 @@
+"""One equation of an answer against the right one: equal, or the simplest explanation of the
+difference."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+
+from freebody.expressions.nodes import Expression, Number, nodes, replaced
+from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities.kinds import Kind
+from freebody.expressions.quantities.units import unit_text
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.finite_field import Point, random_point
+from freebody_textbook.check.algebra.finite_field_tree import Workspace, without_values
+from freebody_textbook.check.algebra.quotients import Value, difference
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.at_rest import MOVES
+from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.numbers.units import can_be_a_level, misfit
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.reasons import coriolis, undriven_joints
+from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
+from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.misconceptions import explaining
+from freebody_textbook.check.reasons.misreadings import doubt_about, readings
+from freebody_textbook.check.reasons.thoughts import Subject
+from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.check.states.agreement import StatesOfModel
+from freebody_textbook.check.states.state_values import functions_of
+from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
+from freebody_textbook.check.verdicts import (
+    numeric_example,
+    quotient_verdict,
+    scaled_rows,
+    singular_poses,
+    verdict_at_states,
+)
+from freebody_textbook.check.verdicts.explanation import Explanation, first
+from freebody_textbook.check.verdicts.number_verdict import NumberJudge
+from freebody_textbook.check.verdicts.rounded_numbers import MEASURED, Rounded
+from freebody_textbook.check.verdicts.verdict_sentences import Wording, quoted
+
+_OTHER_SENSE = (
+    "What has either sense, as a force at the tip, has another one here than in other lines."
+)
+STILL = (
+    "It is right where nothing moves: write ‘In equilibrium:’ in front of it if that is meant; "
+    "otherwise the terms with rates and accelerations are missing."
+)
+
+
+@dataclass(frozen=True)
+class Judge:
+    """Compares claims with the right values of a model."""
+
+    setting: RightEquations
+    targets: Targets
+    claims: Sequence[Claim]
+    """All of the answer."""
+    numbers: NumberJudge
+
+    @cached_property
+    def point(self) -> Point:
+        """A random point of the ring."""
+        return random_point(self.setting.ring)
+
+    @cached_property
+    def bodies(self) -> BodiesAtPoint:
+        """The bodies there."""
+        return BodiesAtPoint(self.setting, self.point)
+
+    @cached_property
+    def free_body(self) -> FreeBodyMotion | None:
+        """What is known of one body that nothing holds."""
+        return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
+
+    @cached_property
+    def vocabulary(self) -> Vocabulary:
+        """Names for reading printed equations."""
+        return Vocabulary(self.setting)
+
+    def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
+        """The verdict on one claim, with its mistakes named or only with an example; right where it
+        is in one of the ways in which its symbols can be read."""
+        found = self._as_read(claim, False)
+        if found.equal:
+            return found
+        work, meant = without_values(claim.node), claim
+        for reading in readings(self.setting, self.targets, claim, work):
+            node = replaced(claim.node, reading.new)
+            whole = claim.whole and replaced(claim.whole, reading.new)
+            target = reading.target or claim.target
+            with suppress(AnswerError):  # too long to be multiplied out
+                value = self._value(claim, node)
+                other = replace(claim, target=target, node=node, value=value, whole=whole)
+                again = self._as_read(other, False)
+                if again.equal:
+                    return replace(again, note=f"{reading.note} {again.note}".strip())
+                if reading.target is not None and _is_zero(claim.target):
+                    meant = other
+        return self._as_read(meant, True) if explain else found
+
+    def _value(self, claim: Claim, node: Expression) -> Value:
+        """The value of a tree that is read in another way."""
+        if functions_of(node) or claim.target.kind.is_long:
+            return claim.value
+        return PolynomialReader(claim.source, self.setting.ring).quotient(node)
+
+    def _as_read(self, claim: Claim, explain: bool) -> EquationVerdict:
+        """The verdict on a claim as it is read first."""
+        if claim.target.kind.is_pose:
+            return singular_poses.verdict(claim)
+        if functions_of(claim.node if claim.whole is None else claim.whole):
+            found = verdict_at_states.verdict(self, claim, claim.target.compute(), explain)
+            assert found is not None
+            return found
+        number = self.numbers.verdict(claim, explain)
+        if number is not None:
+            return number
+        claim = scaled_rows.in_its_scale(claim, self.claims, self._same)
+        claim = replace(claim, target=self._in_its_sense(claim))
+        right = claim.target.compute()
+        title = claim.target.title
+        if difference(claim.value, right).is_zero:
+            meant = f"It is read as {title}." if re.fullmatch(r"P[_{}0-9]*", claim.label) else ""
+            note = " ".join(filter(None, (meant, claim.target.note, self._zeros(claim))))
+            return EquationVerdict(claim.label, title, True, note=note)
+        if claim.target.kind.of_loops in ("positions", "rates") and claim.value.is_zero:
+            return EquationVerdict(
+                claim.label, title, True, note="It says that the loop is closed."
+            )
+        if level := self._level(claim, right):
+            note = f"It differs by the constant {level}: the zero level of V is arbitrary."
+            return EquationVerdict(claim.label, title, True, note=note)
+        special = verdict_at_states.verdict(self, claim, right, explain)
+        if special is not None:
+            return special
+        special = quotient_verdict.verdict(self, claim, right, explain)
+        if special is not None:
+            return special
+        assert isinstance(claim.value, Trig)
+        assert isinstance(right, Trig)
+        return (
+            self._other_ways(claim, claim.value, right)
+            or self._in_numbers(claim, claim.value, right)
+            or self._wrong(claim, claim.value, right, explain)
+        )
+
+    def up_to_a_constant(self, claim: Claim, right: Value) -> bool:
+        """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
+        both = claim.value, right
+        told = all(isinstance(x, Trig) for x in both)  # the numerator of a quotient has other units
+        is_level = not told or can_be_a_level(self.setting, difference(*both))
+        return claim.target.kind.up_to_a_constant and is_level
+
+    def _level(self, claim: Claim, right: Value) -> str:
+        """By which constant a claim about an energy differs; "" where by none that it may."""
+        if not (isinstance(claim.value, Trig) and isinstance(right, Trig)):
+            return ""
+        gap = claim.value - right
+        is_one = self.up_to_a_constant(claim, right) and self._is_constant(gap)
+        return str(self.setting.form(gap)) if is_one else ""
+
+    @cached_property
+    def states(self) -> StatesOfModel:
+        """States at which loops are closed and what nothing drives moves by itself."""
+        return StatesOfModel(self.setting)
+
+    def _same(self, a: Value, b: Value) -> bool:
+        """Whether two values are equal, or are where loops are closed."""
+        gap = difference(a, b)
+        return gap.is_zero or self._vanishes(gap)
+
+    def _vanishes(self, x: Trig, still: bool = False) -> bool:
+        """Whether a polynomial is 0 wherever loops are closed; still: in equilibrium."""
+        states = self.states.of(still=still) if self.setting.system is not None else None
+        return states is not None and bool(states.polynomial(x).vanishes.all())
+
+    def _in_its_sense(self, claim: Claim) -> AskedQuantity:
+        """Of a quantity that has two right values, such as a torque that holds a force of either
+        sense, the one that fits the answer."""
+        target = claim.target
+        if not target.also:
+            return target
+        if target.kind.is_told_by_value:
+            ways = [(target.note, target.compute), *target.also]
+            note, compute = min(ways, key=lambda way: len(difference(claim.value, way[1]())))
+            if compute is target.compute:
+                return target
+            words = f"{target.title}, {note[3:].rstrip('.')}" if note else target.words
+            return replace(target, compute=compute, note=note, words=words)
+        ((note, other),) = target.also
+        senses = self._senses(target.kind)
+        second = senses.index(max(senses)) if any(senses) else self._nearer(claim)
+        if target.kind.has_own_sense:
+            return replace(target, compute=other, note=note) if second else target
+        if not second:
+            return replace(target, thoughts=((_OTHER_SENSE, other), *target.thoughts))
+        first = (_OTHER_SENSE, target.compute)
+        return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
+
+    def _senses(self, kind: Kind) -> tuple[int, int]:
+        """How many claims about a kind are right in the first sense, and in the second."""
+        of = {kind} if kind.has_own_sense else {x.target.kind for x in self.claims}
+        told = [x for x in self.claims if x.target.also and x.target.kind in of]
+        first = sum(_is_right(claim, claim.target.compute) for claim in told)
+        return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
+
+    def _nearer(self, claim: Claim) -> int:
+        """The sense in which fewer terms differ."""
+        values = (claim.target.compute(), claim.target.also[0][1]())
+        sizes = [len(difference(claim.value, x)) for x in values]
+        return sizes.index(min(sizes))
+
+    def _wrong(self, claim: Claim, yours: Trig, right: Trig, explain: bool) -> EquationVerdict:
+        if explain and self._is_meant_still(claim, yours, right):
+            return self._with_example(claim, right, (), (STILL,))
+        right, condition = self.numbers.at_condition(claim, right)
+        findings, causes = self._explained(claim, yours, right) if explain else ([], [])
+        causes = [*[f"It is compared at {condition}."] * bool(condition), *causes]
+        hint = coriolis.advice(self.setting, claim, self.claims)
+        causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
+        return self._with_example(claim, right, findings, causes)
+
+    def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
+        """Whether an answer without anything that moves is right in equilibrium."""
+        if not claim.target.kind.may_be_still or self.numbers.has_motion(claim):
+            return False
+        lexemes = claim.source.lexemes
+        within = lexemes.between(*claim.node.span)
+        if MOVES.found_in(lexemes, within.start, within.stop):
+            return False
+        return self.numbers.is_right_in_equilibrium(yours, right) or self._vanishes(
+            yours - right, still=True
+        )
+
+    def _unsymmetric(self, claim: Claim) -> list[str]:
+        """A sentence about an entry of the mass matrix that the answer gives in two ways."""
+        mirrored = claim.target.index[::-1]
+        if not claim.target.kind.is_symmetric or mirrored == claim.target.index:
+            return []
+        return [
+            f"The mass matrix is symmetric, so {claim.label} = {other.label}."
+            for other in self.claims
+            if other.target.kind is claim.target.kind
+            and other.target.index == mirrored
+            and other.value != claim.value
+        ][:1]
+
+    def _with_example(
+        self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
+    ) -> EquationVerdict:
+        shown = self.example(claim.value, right)
+        text = numeric_example.sentence(shown) if shown else ""
+        return EquationVerdict(
+            claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
+        )
+
+    def example(self, yours: Value, right: Value) -> Example | None:
+        """Numbers at which an answer is not the right one; of a closed chain at a state at which
+        its loops are closed."""
+        states = self.states.of(own_values=True) if self.setting.system is not None else None
+        if states is not None:
+            gap = states.of(yours) - states.of(right)
+            if not gap.vanishes.all():
+                tree = Named("", yours)
+                return numeric_example.example_at(self.setting, states, gap.worst, tree, right)
+        return numeric_example.example(self.setting, yours, right)
+
+    def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
+        """The verdict on what is right though it is not the same: torques of passive joints, other
+        matrices C."""
+        note = self.coriolis.get(claim.target.index, "") if claim.target.kind.by_rates else ""
+        if claim.target.idle and (
+            yours.is_zero or undriven_joints.is_same(self.setting, yours, right)
+        ):
+            joint = claim.target.index[0]
+            note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
+        return EquationVerdict(claim.label, claim.target.title, True, note=note) if note else None
+
+    @cached_property
+    def coriolis(self) -> Mapping[tuple[int, ...], str]:
+        """What is to be said of entries of another matrix C than Christoffel's."""
+        return coriolis.notes(self.setting, self.claims)
+
+    # ------------------------------------------------------------ numbers
+    def _in_numbers(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
+        """The verdict on an answer in numbers, or of a model that has measured ones; None of an
+        answer in symbols."""
+        model = self.setting.symbols.model
+        values = {name: value for name, value in model.parameters.items() if value is not None}
+        decimal = self.setting.order.decimal
+        rounded = Rounded(self.setting, claim.source, claim.node, yours, right, values)
+        if not decimal and not rounded.applies:
+            return self._mixed(claim, rounded) if values else None
+        wrong = rounded.wrong(MEASURED) if decimal else rounded.wrong()
+        if wrong is None:
+            return None
+        if not wrong:
+            note = "Numbers were compared to three digits."
+            if rounded.applies:
+                note = f"In numbers, with the values of {model.name!r}, to the digits given."
+            return EquationVerdict(claim.label, claim.target.title, True, note=note)
+        if not rounded.is_in_numbers:
+            return None
+        wording = Wording(self.setting, claim.source)
+        findings = first([wording.of_number(row) for row in wrong])
+        causes = [f"In numbers, with the values of {model.name!r}, to the digits given:"]
+        return self._with_example(claim, rounded.target, findings, causes)
+
+    def _mixed(self, claim: Claim, rounded: Rounded) -> EquationVerdict | None:
+        """The verdict on numbers among symbols."""
+        if not rounded.is_mixed or not any(isinstance(x, Number) for x in nodes(claim.node)):
+            return None
+        text = (
+            f"With the values of {self.setting.symbols.model.name!r} the number is right, but one "
+            f"term mixes symbols and numbers, which may be right by coincidence: write it all in "
+            f"symbols, or all in numbers."
+        )
+        return self._with_example(claim, rounded.right, (), [text])
+
+    def _zeros(self, claim: Claim) -> str:
+        """A sentence about parameters in the answer that are 0 in this model."""
+        if not self.setting.zeros:
+            return ""
+        names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Named)}
+        found = [str(names[name]) for name in names if name in self.setting.zeros]
+        if not found:
+            return ""
+        model = self.setting.symbols.model.name
+        return f"({' and '.join(found)} {'are' if len(found) > 1 else 'is'} 0 in {model!r}.)"
+
+    def _is_constant(self, x: Trig) -> bool:
+        """Whether no coordinate or rate occurs."""
+        return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
+
+    def _explained(self, claim: Claim, yours: Trig, right: Trig) -> tuple[list[Mistake], list[str]]:
+        work = Workspace(claim.node, self.point)
+        value = self.point.of(right)
+        doubt = doubt_about(self.setting, self.targets, claim, work)
+        causes = self._thoughts(claim, right, work.value)
+        findings = Explanation(self, claim, right, work, value).findings(bool(causes))
+        return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
+
+    def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
+        """What may have been thought; thoughts are told of the model's own coordinates only."""
+        if self.setting.turned is not None:
+            return []
+        terms = None
+        if claim.whole is not None:
+            named = (x for x in nodes(claim.whole) if isinstance(x, Named))
+            terms = frozenset(self.point.of(x.value) for x in named)
+        subject = Subject(self.bodies, self.targets, claim.target, right, terms)
+        return explaining(subject, value)
+
+    def _units(self, yours: Trig, right: Trig) -> list[str]:
+        """A sentence about a term in the wrong units."""
+        found = misfit(self.setting, yours, right)
+        if found is None:
+            return []
+        term, unit, expected = found
+        text = f"The units do not fit: {quoted(self.setting.form(term))} has {unit_text(unit)}"
+        return [f"{text}, where {unit_text(expected)} is needed."]
+
+
+def _is_zero(target: AskedQuantity) -> bool:
+    """Whether a quantity is 0 in any state."""
+    right = target.compute()
+    return isinstance(right, Trig) and right.is_zero
+
+
+def _is_right(claim: Claim, value: Callable[[], Value]) -> bool:
+    return difference(claim.value, value()).is_zero

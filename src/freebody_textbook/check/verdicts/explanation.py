@@ -1,0 +1,206 @@
+"""What is wrong with one equation of an answer: the simplest changes that make it right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from freebody.errors import FreebodyError
+from freebody.expressions.grammar.lexer import tokens
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reasons.differences import (
+    Difference,
+    differences,
+    is_too_long,
+    printed,
+    terms,
+)
+from freebody_textbook.check.reasons.misconceptions import related
+from freebody_textbook.check.reasons.repairs import Repairs
+from freebody_textbook.check.reasons.small_changes import Repair
+from freebody_textbook.check.spelling.answer_text import AnswerText
+from freebody_textbook.check.verdict import Mistake
+from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+
+if TYPE_CHECKING:
+    from freebody_textbook.check.verdicts.equation_verdict import Judge
+
+MOST_FINDINGS = 6
+_MISSING, _REVERSE = 1.9, 0.3
+"""Cost of a missing term, and what an explanation costs that does not point into the answer
+itself."""
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """The search for what is wrong with one claim."""
+
+    judge: Judge
+    claim: Claim
+    right: Value
+    work: Workspace
+    value: int
+
+    @property
+    def setting(self) -> RightEquations:
+        return self.judge.setting
+
+    @cached_property
+    def wording(self) -> Wording:
+        return Wording(self.setting, self.claim.source)
+
+    @cached_property
+    def rows(self) -> Sequence[Difference]:
+        """Terms that differ."""
+        assert isinstance(self.claim.value, Trig)
+        assert isinstance(self.right, Trig)
+        return differences(self.setting, self.claim.value, self.right)
+
+    def findings(self, has_cause: bool) -> list[Mistake]:
+        """The cheapest explanation: one change, several, or all terms that differ."""
+        sides = (self.claim.value, self.right)
+        if any(isinstance(x, Trig) and is_too_long(x) for x in sides):
+            own = self.forward.single()
+            return [self.wording.of_repair(own, self.work) if own else self._unexplained()]
+        if self._is_reduced:
+            return []
+        single = self._single()
+        if single is not None:
+            return [single]
+        several = [] if has_cause and len(self.rows) > MOST_FINDINGS else self._several()
+        if several and len(several) <= len(self.rows):
+            return several
+        return first([self.wording.of_difference(row) for row in self.rows])
+
+    @property
+    def _is_reduced(self) -> bool:
+        """Whether only the right equation has multipliers: the loops give the terms of both in many
+        ways, and no single one is missing."""
+        found = (
+            {name for x in pair(side) for powers, _ in x.terms() for name in powers}
+            for side in (self.claim.value, self.right)
+        )
+        yours, right = (any(name.startswith(MULTIPLIER) for name in names) for names in found)
+        return right and not yours
+
+    def _unexplained(self) -> Mistake:
+        return Mistake("term", "The answers have too many terms to be compared one by one.")
+
+    # ------------------------------------------------------------ one change
+    def _single(self) -> Mistake | None:
+        """The cheapest of: a change of the answer, a change of the right answer that gives it, a
+        missing term."""
+        own = self.forward.single()
+        missing = self._missing_cost()
+        best = min(own.cost if own else 99.0, missing)
+        if best > 1.0:
+            reverse = self._reverse(best - _REVERSE)
+            if reverse is not None:
+                return self.wording.of_reverse(*reverse)
+        if own is not None and own.cost <= missing:
+            return self.wording.of_repair(own, self.work)
+        if missing < 99.0:
+            return self._missing()
+        return None
+
+    @cached_property
+    def forward(self) -> Repairs:
+        """Changes of the answer."""
+        return Repairs(self.setting, self.work, self.value, self._related)
+
+    def _related(self, name: str) -> dict[str, Trig]:
+        """The other entries of the family of a quantity that stands in the answer, such as H11."""
+        single = self.judge.targets.single
+        others = related(self.judge.targets, single[name]) if name in single else {}
+        return {other: value for other, value in others.items() if value != self.right}
+
+    def _missing_cost(self) -> float:
+        """The cost of saying that one term is missing."""
+        if len(self.rows) == 1 and self.rows[0].yours == 0:
+            return _MISSING
+        return 99.0
+
+    def _missing(self) -> Mistake:
+        return self.wording.of_difference(self.rows[0])
+
+    def _reverse(self, below: float) -> tuple[Repair, Workspace, Wording] | None:
+        """A change of the right answer, as it prints, that gives the user's and costs less."""
+        best = None
+        for text in self._printed():
+            source = AnswerText.of(text)
+            try:
+                parser = AnswerParser(
+                    source,
+                    tokens(source, self.judge.vocabulary)[:-1],
+                    self.judge.vocabulary,
+                    _nothing,
+                )
+                work = Workspace(parser.side(), self.work.point)
+            except FreebodyError:
+                continue
+            if work.value != self.value:  # decimals were rounded
+                continue
+            repair = Repairs(self.setting, work, self.work.value, lambda name: {}).single(below)
+            if repair is not None and repair.cost < below:
+                best, below = (repair, work, Wording(self.setting, source)), repair.cost
+        return best
+
+    def _printed(self) -> list[str]:
+        """The right answer as it prints, and term by term."""
+        if not isinstance(self.right, Trig):
+            return [self.setting.form(self.right)]
+        if self.right.is_zero:
+            return []
+        layout = self.setting.layout
+        flat = [
+            str(printed(layout, self.setting, *row))
+            for row in terms(self.setting, self.right).items()
+        ]
+        return [self.setting.form(self.right), " + ".join(f"({term})" for term in flat)]
+
+    # ------------------------------------------------------------ several changes
+    def _several(self) -> list[Mistake]:
+        """Two or three changes of the answer."""
+        point, insertions = self.judge.point, []
+        for row in self.rows:
+            if row.instead is None and row.yours == 0:
+                x = self._term(row)
+                insertions.append((x, point.of(x)))
+        found = self.forward.several(insertions)
+        return [self._said(repair) for repair in found]
+
+    def _term(self, row: Difference) -> Trig:
+        x = self.setting.ring.polynomial([(dict(row.key[0]), row.right)])
+        for function, argument, exponent in row.key[1]:
+            angle = sum((self.setting.ring[name] * k for name, k in argument), self.setting.zero)
+            for _ in range(exponent):
+                x = x * (angle.sin() if function == "sin" else angle.cos())
+        return x
+
+    def _said(self, repair: Repair) -> Mistake:
+        if repair.kind == "missing" and repair.node is self.work.root:
+            row = next(
+                row for row in self.rows if self.judge.point.of(self._term(row)) == repair.change
+            )
+            return self.wording.of_difference(row)
+        return self.wording.of_repair(repair, self.work)
+
+
+def _nothing(name: str) -> None:
+    """Printed answers hold no quantities by name."""
+
+
+def first(found: list[Mistake]) -> list[Mistake]:
+    """The first of many, and how many more there are."""
+    if len(found) <= MOST_FINDINGS + 1:
+        return found
+    more = Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
+    return [*found[:MOST_FINDINGS], more]

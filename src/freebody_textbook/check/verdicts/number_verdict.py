@@ -1,0 +1,323 @@
+"""Answers that are numbers, at a state: right to the digits given, or the reason why not, such as
+degrees taken for radians."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from freebody.expressions.grammar.source import Span
+from freebody.expressions.nodes import nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities.units import si_text
+from freebody.outputs.numbers import shortest
+from freebody.scalars.rational import rational_sin_cos
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.real_point import RealPoint
+from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.numbers.results import WrittenNumber, WrittenNumbers
+from freebody_textbook.check.numbers.states import GivenValue, State, in_words
+from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reasons.free_motion import put
+from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
+from freebody_textbook.check.verdicts.number_at_state import EXACT, NumberAtState, symbol_of
+from freebody_textbook.check.verdicts.number_reasons import reasons
+
+_FORCE = re.compile(r"[fn]_?\{?[0-9₀-₉]|tau|τ")
+"""The name of a force or moment in a joint."""
+
+
+@dataclass(frozen=True)
+class NumberJudge:
+    """Compares claims in numbers with the right values at their states."""
+
+    setting: RightEquations
+    targets: Targets
+    numbers: WrittenNumbers
+    tolerance: float | None = None
+    """The share of the right number by which an answer may be off, where not its digits tell it."""
+
+    def verdict(self, claim: Claim, explain: bool) -> EquationVerdict | None:
+        """The verdict on a claim that is a number at a state, or has a unit; None of another."""
+        written = self.numbers.of(claim.node.span)
+        given = self.numbers.state_at(claim.node.span)
+        if not (isinstance(claim.value, Trig) and claim.value.is_constant):
+            given = self.numbers.state_at(claim.node.span, in_symbols=True)
+            return self._in_symbols(claim, written, given)
+        no_result = claim.target.kind.is_equation and claim.value.is_zero and written is None
+        if no_result or claim.target.idle:
+            return None
+        number = NumberAtState(self.setting, claim, written, given, self.tolerance)
+        if not (written or given or self._lacks_state(number)):
+            return None
+        if written is None and claim.value.is_zero:
+            self._refuse_zero_elsewhere(claim, given)
+        return _NumberVerdict(number).verdict(self.targets if explain else None)
+
+    def _refuse_zero_elsewhere(self, claim: Claim, given: State) -> None:
+        """Refuse a bare 0 behind the paragraph of a condition: whether it is a result there or is
+        said of all states cannot be told."""
+        span, right = claim.node.span, claim.target.compute()
+        if not self.numbers.is_condition_at(span) or not isinstance(right, Trig):
+            return
+        here = self.numbers.state_at(span, in_symbols=True)
+        others = {x: y for x, y in given.items() if x not in here and x in _names(right)}
+        if others:
+            claim.source.fail(
+                f"{in_words(others)} was said of the paragraph before",
+                span,
+                "Say it again if 0 is meant there, or give 0 its unit.",
+            )
+
+    def is_still(self, span: Span) -> bool:
+        """Whether what stands there is said of a robot in equilibrium."""
+        given = self.numbers.state_at(span)
+        return all(x in given and given[x].value == 0.0 for x in self._motion)
+
+    def _lacks_state(self, number: NumberAtState) -> bool:
+        """Whether a number without unit is a result whose state was left out: it has decimals, or
+        states are given elsewhere."""
+        claim, kind = number.claim, number.claim.target.kind
+        if kind.is_equation or kind.of_loops == "positions" or claim.value.is_zero:
+            return False
+        text = claim.source.plain(claim.node.span)
+        stated = bool(self.numbers.numbers or self.numbers.standing)
+        return number.is_lone and ("." in text or stated) and bool(number.missing)
+
+    def _in_symbols(
+        self, claim: Claim, written: WrittenNumber | None, given: State
+    ) -> EquationVerdict | None:
+        """The verdict on an answer in symbols that holds at its state only, m₂ g lc₂ cos 75°; None
+        of one that is right in general, or wrong."""
+        right = claim.target.compute()
+        if written is not None:
+            needed, unit = unit_of_quantity(self.setting, claim.target, right), written.unit
+            other = unit and (unit.factor != 1 or needed not in (None, unit.dimension))
+            if other or written.within:
+                claim.source.fail(
+                    "a tolerance, or a unit other than the quantity's, follows what is not a "
+                    "number",
+                    written.said,
+                    "Give the result in numbers, or the equation in symbols without them.",
+                )
+        if not given or not isinstance(right, Trig) or not isinstance(claim.value, Trig):
+            return None
+        same = self._is_same(claim.value, right, given)
+        own = _names(claim.value) & set(given)
+        by_others = claim.target.kind.is_equation or bool(claim.uses)  # whose motion is in it
+        if own and (not by_others or self.has_motion(claim)):
+            return None
+        if not same or (claim.value - right).is_zero:
+            return None
+        used = in_words({x: y for x, y in given.items() if x in _names(right) or x in own})
+        return EquationVerdict(claim.label, claim.target.title, True, note=f"At {used}.")
+
+    def at_condition(self, claim: Claim, right: Trig) -> tuple[Trig, str]:
+        """The right answer where the condition of a line without its coordinates holds, and the
+        condition in words; as it is, and "", of any other line."""
+        used = _names(right)
+        given = {
+            name: x
+            for name, x in self.numbers.state_at(claim.node.span, in_symbols=True).items()
+            if name in used
+        }
+        if not given or _names(*pair(claim.value)) & set(given):
+            return right, ""
+        ring, zero = self.setting.ring, self.setting.zero
+        images: dict[str, Value] = {}
+        for name, x in given.items():
+            images[name] = zero + Fraction(x.value)
+            if name in ring.angles:
+                waves = zip(("sin_", "cos_"), rational_sin_cos(x.value), strict=True)
+                images |= {wave + name: zero + _simple(value) for wave, value in waves}
+        there = put(right, images)
+        assert isinstance(there, Trig)
+        return there, in_words(given)
+
+    def _is_same(self, yours: Trig, right: Trig, given: State) -> bool:
+        """Whether two polynomials are equal at a state."""
+        own, put = (self._rows(x, given) for x in (yours, right))
+        largest = max(map(abs, put.values()), default=0.0)
+        return all(
+            abs(own.get(key, 0.0) - put.get(key, 0.0)) <= EXACT * largest for key in own | put
+        )
+
+    def is_right_in_equilibrium(self, yours: Trig, right: Trig) -> bool:
+        """Whether an answer is right where nothing moves."""
+        return self._is_same(yours, right, self._in_equilibrium)
+
+    def has_motion(self, claim: Claim) -> bool:
+        """Whether an answer has quantities that are 0 in equilibrium only, as accelerations are:
+        of what stands at them equilibrium tells nothing."""
+        return self.has_what_vanishes(claim, self._in_equilibrium)
+
+    def has_what_vanishes(self, claim: Claim, given: State) -> bool:
+        """Whether an answer has quantities that are 0 at a state only."""
+        values = (
+            x.value
+            for x in nodes(claim.node)
+            if isinstance(x, Named) and not _FORCE.match(x.name)  # f12x may be 0 too
+        )
+        return any(
+            isinstance(x, Trig) and not x.is_zero and self._is_same(self.setting.zero, x, given)
+            for x in values
+        )
+
+    @property
+    def _in_equilibrium(self) -> State:
+        return dict.fromkeys(self._motion, GivenValue(0.0, 0.0))
+
+    @property
+    def _motion(self) -> list[str]:
+        """The names of rates and accelerations."""
+        return [x + dot for x in self.setting.symbols.coordinates for dot in (RATE, SECOND)]
+
+    def _rows(self, x: Trig, given: State) -> dict[frozenset[tuple[str, int]], float]:
+        """The terms of a polynomial with the values of a state put in."""
+        values = {name: value.value for name, value in given.items()}
+        point = RealPoint.of_state(self.setting.ring, values)
+        found: dict[frozenset[tuple[str, int]], float] = {}
+        for powers, coefficient in x.terms():
+            known = {
+                n: k
+                for n, k in powers.items()
+                if n.removeprefix("sin_").removeprefix("cos_") in given
+            }
+            key = frozenset((n, k) for n, k in powers.items() if n not in known)
+            found[key] = found.get(key, 0.0) + point.term(known, coefficient)
+        return found
+
+    def unused(self, claims: Sequence[Claim], told: Sequence[Span]) -> Iterator[Span]:
+        """Where something is said of numbers that are no result of the robot's; told: values of
+        parameters."""
+        spans = [*(claim.node.span for claim in claims), *told]
+        for x in self.numbers.numbers:
+            if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
+                yield x.said
+
+
+@dataclass(frozen=True)
+class _NumberVerdict:
+    """The verdict on one number, in words."""
+
+    number: NumberAtState
+
+    def verdict(self, targets: Targets | None) -> EquationVerdict:
+        """With the reasons of a wrong number, where targets are given."""
+        number, claim = self.number, self.number.claim
+        if number.fits:
+            self._refuse_missing()
+        if number.fits and math.isnan(number.right):
+            claim.source.fail(
+                f"{claim.label} has no value {self._where()}: a division by 0", claim.node.span
+            )
+        if number.fits and number.point.agree(number.yours, number.right):
+            return EquationVerdict(claim.label, claim.target.title, True, note=self._note())
+        causes = [] if number.fits else [self._other_kind()]
+        example = None
+        if number.fits:
+            causes = reasons(number, targets) if targets else []
+            values = {x: number.values[x] for x in number.used if x in number.values}
+            example = Example(values, number.yours, number.right)
+        if not causes and claim.target.kind.up_to_a_constant:
+            causes = ["Here V is 0 at the height of the base's origin; yours may be 0 elsewhere."]
+        return EquationVerdict(
+            claim.label, claim.target.title, False, (self._mistake(),), tuple(causes), example
+        )
+
+    def _refuse_missing(self) -> None:
+        """Refuse a number without the state that it belongs to."""
+        number, claim = self.number, self.number.claim
+        if missing := number.missing:
+            names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
+            held = " (of an arm that is held still all are 0: at q̇ = 0, q̈ = 0)"
+            claim.source.fail(
+                f"{claim.label} is a number here, but depends on {names}, which "
+                f"{'are' if len(missing) > 1 else 'is'} not given"
+                f"{held * all(x.endswith((RATE, SECOND)) for x in missing)}",
+                claim.node.span,
+                f"State them after the number, at {sym(missing[0])} = …, or by --at "
+                f"'{missing[0]} = …', at={{'{missing[0]}': …}}.",
+            )
+
+    # ------------------------------------------------------------ words
+    def _where(self) -> str:
+        """At which state, and whose values."""
+        given, used = self.number.given, self.number.used
+        here = in_words({name: x for name, x in given.items() if name in used})
+        model = self.number.setting.symbols.model
+        own = any(x in used and x not in given for x in model.parameters)
+        values = f"with the values of {model.name!r}" if own else ""
+        return ", ".join(part for part in (here and f"at {here}", values) if part)
+
+    def _right(self) -> str:
+        """The right number in the unit of the answer, with a digit more than this has."""
+        number = self.number
+        unit = number.unit if number.fits and not self._is_of_another_kind() else None
+        value = shortest(number.right / (unit.factor if unit else 1.0), max(4, number.digits + 1))
+        text = unit.text if unit else "" if number.needed in (None, (0, 0, 0)) else self._unit()
+        return value + " " * (text not in ("", "°")) + text
+
+    def _is_of_another_kind(self) -> bool:
+        """Whether a moment is given in joules, or an energy in newton metres: a unit of the same
+        dimension that says something else."""
+        unit = self.number.unit
+        if unit is None or unit.dimension != _ENERGY:
+            return False
+        return ("J" in unit.text) != (self._unit() == "J")
+
+    def _unit(self) -> str:
+        """The unit that the quantity has."""
+        claim, needed = self.number.claim, self.number.needed
+        if needed is None:
+            return "a unit that is not known here"
+        if claim.target.kind.is_energy:
+            return "J"
+        return si_text(needed, claim.label.lstrip("\\")[:1] in "ωαoaw")
+
+    def _note(self) -> str:
+        where = self._where()
+        text = f"{where[:1].upper()}{where[1:]}: " if where else ""
+        unchecked = self.number.unit is not None and self.number.needed is None
+        return f"{text}{self._right()}.{' The unit was not checked.' * unchecked}"
+
+    def _mistake(self) -> Mistake:
+        source, span = self.number.claim.source, self.number.claim.node.span
+        line, column = source.place(span[0])
+        right, where = self._right(), self._where()
+        if math.isnan(self.number.right):
+            right, where = f"in {self._unit()}", ""
+        text = f"‘{source[span]}’ must be {right}{' ' * bool(where)}{where}."
+        kind = "number" if self.number.fits else "unit"
+        return Mistake(kind, text, source[span], right, line, column, source.caret(span))
+
+    def _other_kind(self) -> str:
+        """A sentence about the unit of something else."""
+        unit = self.number.unit.text if self.number.unit else ""
+        text = f"The units do not fit: {unit}, where {self._unit()} is needed."
+        other = self.number.better_unit()
+        return f"{text} In {other} the number is right." if other else text
+
+
+_ENERGY = (1, 2, -2)
+"""Powers of kg, m and s in the unit of an energy, and of a moment."""
+
+
+def _simple(value: Fraction) -> Fraction:
+    """A sine or cosine, ½ where it is that to the digits of a float."""
+    simple = value.limit_denominator(2)
+    return simple if abs(simple - value) <= EXACT else value
+
+
+def _names(*values: Trig) -> set[str]:
+    """The symbols in polynomials."""
+    terms = (powers for x in values for powers, _ in x.terms())
+    return {symbol_of(name) for powers in terms for name in powers}

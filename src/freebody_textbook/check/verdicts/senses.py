@@ -1,0 +1,98 @@
+"""Signs that are the answer's own choice: those of loop equations, Φ = 0 as -Φ = 0, and of the
+multipliers, τ = M q̈ + … ± Φ_qᵀ λ."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence, Set
+from dataclasses import replace
+
+from freebody.errors import listed
+from freebody.expressions.nodes import Expression, Negative, Sum, nodes
+from freebody.expressions.printed_names import sym
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.verdict import EquationVerdict
+from freebody_textbook.closed_chains.first_kind import multiplier_names
+
+_LOOPS = "{} {} the opposite sign to that in the robot's file; both are right."
+_LOAD = "F is a force on the mechanism, from outside."
+_MULTIPLIERS = "The multipliers have the opposite sign, τ = M q̈ + … − Φ_qᵀ λ; both are right."
+
+
+def others(
+    setting: RightEquations, wrong: Sequence[Claim], written: str
+) -> Iterator[frozenset[str]]:
+    """What an answer with wrong claims may have with the other sign: the loop equations that these
+    are about, with their multipliers, the sense of all multipliers, and that of a force from
+    outside."""
+    if setting.system is None or not wrong:
+        return
+    numbers = {x.target.index[0] for x in wrong if x.target.kind.is_of_loop_equation}
+    rows = frozenset(f"Phi{i}" for i in numbers)
+    is_told = any(x in written for x in ("λ", "lam"))
+    names = frozenset(multiplier_names(setting.system.loops) if is_told else ())
+    own = _multipliers(setting, rows) & names
+    yield from [frozenset(setting.loads)] * bool(setting.loads)
+    yield from filter(None, dict.fromkeys((rows | own, names, rows | (names - own), rows)))
+
+
+def _multipliers(setting: RightEquations, rows: Collection[str]) -> frozenset[str]:
+    """The multipliers of loop equations."""
+    assert setting.system is not None
+    names = enumerate(multiplier_names(setting.system.loops), 1)
+    return frozenset(name for i, name in names if f"Phi{i}" in rows)
+
+
+def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]) -> bool:
+    """Whether claims that are right with the other signs show that these are meant: one sign alone
+    is a mistake, but not that of a force from outside."""
+    return not opposed.isdisjoint(loads) or sum(_signs(opposed, x) for x in claims) > 1
+
+
+def _signs(opposed: Set[str], claim: Claim) -> int:
+    """How many terms of a claim have the other sign, as they are written."""
+    terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
+    if claim.target.kind.is_of_loop_equation:
+        return len(terms)
+    return sum(any(_is_opposed(opposed, x) for x in nodes(term)) for term in terms)
+
+
+def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
+    """Those of a sum; one of a bracket with one sign in front."""
+    if isinstance(node, Sum):
+        for term in node.terms:
+            yield from _terms(claim, term)
+    elif isinstance(node, Negative) and node.span == node.operand.span:  # the right of = left
+        yield from _terms(claim, node.operand)
+    else:
+        yield node
+
+
+def _is_opposed(opposed: Set[str], node: Expression) -> bool:
+    """Whether a symbol is that of a multiplier with the other sign."""
+    return isinstance(node, Named) and generator(node.value) in opposed
+
+
+def noted(
+    setting: RightEquations, before: Sequence[EquationVerdict], after: Sequence[EquationVerdict]
+) -> list[EquationVerdict]:
+    """The verdicts in an answer's own senses, told where it matters."""
+    note = _told(setting)
+    return [
+        replace(new, note=f"{note} {new.note}".strip()) if new.equal and not old.equal else new
+        for old, new in zip(before, after, strict=True)
+    ]
+
+
+def _told(setting: RightEquations) -> str:
+    """Which signs are the other ones."""
+    rows = sorted(x for x in setting.opposed if x.startswith("Phi"))
+    own = _multipliers(setting, rows)
+    have = "have" if len(rows) > 1 else "has"
+    told = [_LOOPS.format(listed([str(sym(x)) for x in rows]), have)] * bool(rows)
+    multipliers = setting.opposed.difference(rows, setting.loads)
+    told += [_MULTIPLIERS] * (multipliers not in (own, frozenset()))
+    told += [_LOAD] * (not setting.opposed.isdisjoint(setting.loads))
+    return " ".join(told)

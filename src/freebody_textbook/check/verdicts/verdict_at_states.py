@@ -1,0 +1,342 @@
+"""The verdict on claims that are compared at states: what holds where loops are closed, and what is
+told by inverse functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.expressions.nodes import Expression, nodes, replaced
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.finite_field_tree import without_values
+from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.numbers.states import in_words
+from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
+from freebody_textbook.check.reasons.swapped_functions import swapped
+from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
+from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few
+from freebody_textbook.check.states.running import Running
+from freebody_textbook.check.states.state_values import (
+    MOST_BRANCHES,
+    functions_of,
+    of_several_values,
+)
+from freebody_textbook.check.verdict import EquationVerdict, Mistake
+from freebody_textbook.check.verdicts.numeric_example import example_at, sentence
+from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.closed_chains.linear import Ratio
+
+if TYPE_CHECKING:
+    from freebody_textbook.check.verdicts.equation_verdict import Judge
+
+_MOST_NODES = 150
+"""Pieces of an answer up to which changes are tried."""
+
+_OTHER_POSTURE = (
+    "It belongs to another posture than the line before: with these two coordinates the tip is "
+    "elsewhere."
+)
+_OTHER_ASSEMBLY = (
+    "It holds in another assembly of the mechanism than that of its file: the same lengths, put "
+    "together the other way."
+)
+ONE_ASSEMBLY = "It holds in one assembly of the mechanism, not in every one."
+_LEVEL = "It differs by a constant: the zero level of V is arbitrary."
+_OTHER_VALUES = {
+    "arccos": "arccos and −arccos are the two postures that reach a point, elbow up and elbow down",
+    "sqrt": "the two signs of the root are the two postures, elbow up and elbow down",
+    "arcsin": "arcsin is a right angle at most, and π − arcsin has the same sine",
+    "arctan": "arctan loses the quadrant, which atan2(y, x) has",
+}
+
+
+def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
+    """The verdict on what functions or loops tell; None of what is neither, and of what loops do
+    not make right though they might not have to."""
+    functions = functions_of(claim.node if claim.whole is None else claim.whole)
+    if len(of_several_values(claim.node)) > MOST_BRANCHES:
+        claim.source.fail(
+            f"at most {MOST_BRANCHES} inverse functions are read in an equation", claim.node.span
+        )
+    at_states = _AtStates(judge, claim, right)
+    if not (functions or _has_conditions(judge.setting) or at_states.is_quotient_in_numbers):
+        return None
+    kind = claim.target.kind
+    says_nothing = claim.value.is_zero and (kind.holds_by_loops or right.is_zero)
+    if not functions and (kind.of_loops in ("positions", "slopes") or says_nothing):
+        return None
+    if at_states.moving is None:
+        if kind.is_long or functions:
+            claim.source.fail(
+                "this robot's loops could not be closed anywhere, and so nothing can be compared",
+                claim.node.span,
+            )
+        return None
+    return at_states.verdict(explain, bool(functions))
+
+
+def _has_conditions(setting: RightEquations) -> bool:
+    """Whether not every state is admissible: loops must close, passive joints and free bodies move
+    by themselves."""
+    is_free = setting.symbols.model.passive or setting.is_free_body
+    return setting.system is not None or bool(is_free)
+
+
+@dataclass(frozen=True)
+class _AtStates:
+    """One claim and the states at which it must hold."""
+
+    judge: Judge
+    claim: Claim
+    right: Value
+
+    @cached_property
+    def moving(self) -> AdmissibleStates | None:
+        """States in motion; with the model's own values where none of its symbols is written."""
+        free_body = self.judge.free_body
+        if free_body is None:
+            acting = self.claim.target.acting
+            found = self.judge.states.of(own_values=self.is_in_numbers, acting=acting)
+            of_loops, moving = (
+                self.claim.target.kind.of_loops,
+                self.judge.setting.symbols.coordinates,
+            )
+            if found is not None and of_loops:
+                return found.with_any(() if of_loops == "rates" else moving)
+            return found
+        written = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        images = free_body.motion((*written, self.right)).images
+        return StateSampler(self.judge.setting, self.is_in_numbers, images=images).states()
+
+    @property
+    def is_in_numbers(self) -> bool:
+        """Whether no symbol is written to which the model gives a value; gravity apart."""
+        model = self.judge.setting.symbols.model
+        given = {name for name, x in model.parameters.items() if x is not None}
+        named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
+        written = {name for x in symbols for powers, _ in x.terms() for name in powers}
+        given -= {self.judge.setting.order.gravity}
+        return bool(given) and not written & given
+
+    @property
+    def is_quotient_in_numbers(self) -> bool:
+        """Whether it is a quotient written without symbols; of polynomials in numbers the digits
+        count."""
+        value = self.claim.value
+        return (
+            self.claim.target.kind.takes_quotients or isinstance(value, Ratio)
+        ) and self.is_in_numbers
+
+    @property
+    def _tree(self) -> Expression:
+        """What is compared: of an equation between two sides their difference."""
+        return self.claim.node if self.claim.whole is None else self.claim.whole
+
+    def _sought(self, states: AdmissibleStates) -> Running:
+        """What that must be equal to."""
+        if self.claim.whole is not None:
+            return Running.exact(np.zeros(states.count))
+        return states.of(self.right)
+
+    @property
+    def _equal(self) -> Equal:
+        """In which sense."""
+        ring = self.judge.setting.ring
+        is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
+        has_level = self.judge.up_to_a_constant(self.claim, self.right)
+        return Equal(is_angle and self.claim.whole is None, has_level)
+
+    def _agreement(self, states: AdmissibleStates) -> Agreement:
+        return agreement(states, self._tree, self._sought(states), self._equal)
+
+    # ------------------------------------------------------------ verdicts
+    def verdict(self, explain: bool, by_functions: bool) -> EquationVerdict | None:
+        """Right, with what is to be said of it; wrong, where nothing else can make it right; else
+        None."""
+        states, held = self.moving, self._held()
+        assert states is not None
+        found = self._agreement(states)
+        if note := self._note(found):
+            if by_functions and not self._shares_a_posture(found):
+                return self._wrong(found, (), (_OTHER_POSTURE,))
+            note = f"{note} {self.claim.target.note}".strip()
+            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+        if held is not None and self._agreement(held).is_everywhere:
+            note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
+            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+        there, where = self._there()
+        if there is not None:
+            found = self._agreement(there)
+            if note := self._note(found):
+                label, title = self.claim.label, self.claim.target.title
+                return EquationVerdict(label, title, True, note=f"At {where}. {note}")
+        if self.judge.setting.system is not None and found.is_in_another_assembly:
+            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
+        if self.judge.free_body is not None and not by_functions:
+            return None
+        only_here = by_functions or self._is_by_loops
+        if not (only_here or self._goes_another_way):
+            return None
+        mistake = next(self._mistakes(found), None) if explain else None
+        unexplained = not only_here or self.claim.target.kind.is_equation
+        if mistake is None and unexplained and not by_functions:
+            return None
+        findings = (mistake,) if isinstance(mistake, Mistake) else ()
+        compared = f"Compared in numbers at {found.states.count} states"
+        told = f"{compared}{', on every branch' * by_functions}."
+        causes = (*([mistake] if isinstance(mistake, str) else []), *[told] * by_functions)
+        return self._wrong(found, findings, causes)
+
+    @property
+    def _is_by_loops(self) -> bool:
+        """Whether only loops can make it right: no polynomial is a quotient."""
+        claim = self.claim
+        return claim.target.kind.holds_by_loops or (
+            isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
+        )
+
+    @property
+    def _goes_another_way(self) -> bool:
+        """Whether it is written in symbols that the right value does not have, as along the other
+        leg of a loop."""
+        own, theirs = (_symbols(x) for x in (self.right, self.claim.value))
+        return self.claim.whole is None and not theirs <= own
+
+    def _held(self) -> AdmissibleStates | None:
+        """Positions in equilibrium, where a claim is said of them and has nothing that moves."""
+        numbers = self.judge.numbers
+        if not numbers.is_still(self.claim.node.span) or numbers.has_motion(self.claim):
+            return None
+        return self.judge.states.of(still=True)
+
+    def _there(self) -> tuple[AdmissibleStates | None, str]:
+        """States at which what is said of the claim's state holds, and it in words; None where
+        nothing is said, or the claim has what is 0 there, of which the state tells nothing."""
+        judge = self.judge
+        given = judge.numbers.numbers.state_at(self.claim.node.span, in_symbols=True)
+        if not given or judge.setting.system is None or self.claim.target.kind.of_loops:
+            return None, ""
+        if judge.numbers.has_what_vanishes(self.claim, given):
+            return None, ""
+        values = {name: x.value for name, x in given.items()}
+        found = judge.states.of(own_values=self.is_in_numbers, given=values)
+        if found is None:
+            self.claim.source.fail(
+                f"the loops could not be closed at {in_words(given)}", self.claim.node.span
+            )
+        return found, in_words(given)
+
+    def _note(self, found: Agreement) -> str:
+        """What is said of a claim that is right; "" of one that is not."""
+        closed = self.judge.setting.system is not None
+        passive = self.judge.setting.symbols.model.passive
+        of_loops = self.claim.target.kind.of_loops
+        where = "states that close the loops" if closed and not of_loops else "positions"
+        compared = f"Compared in numbers at {found.states.count} {where}"
+        if passive and not closed and not functions_of(self._tree) and found.is_everywhere:
+            joints = " and ".join(f"joint {k + 1}" for k in passive)
+            return f"It holds with what follows from no drive at {joints}."
+        polynomial = not closed and not functions_of(self._tree)
+        if found.is_everywhere and polynomial and self.is_in_numbers:
+            return f"In numbers, with the values of {self.judge.setting.symbols.model.name!r}."
+        if found.is_everywhere:
+            plain = agreement(found.states, self._tree, self._sought(found.states))
+            return f"{compared}." if plain.is_everywhere or self._equal.as_angles else _LEVEL
+        if found.is_with_branches:
+            others = ", and ".join(dict.fromkeys(_OTHER_VALUES[x] for x in found.others))
+            count = int(found.right.sum())
+            stands = f"right as it stands at {count}, at the others on another branch"
+            return f"{compared}: {stands}; {others}."
+        if closed and found.is_in_one_assembly:
+            return f"{ONE_ASSEMBLY} {compared}."
+        return ""
+
+    def _shares_a_posture(self, found: Agreement) -> bool:
+        """Whether it is right, as it stands, somewhere where the answer's coordinates before are
+        too."""
+        claims, right = self.judge.claims, found.right.copy()
+        for other in claims[: claims.index(self.claim)]:
+            if not other.target.kind.is_posture or other.label == self.claim.label:
+                continue
+            before = _AtStates(self.judge, other, other.target.compute())
+            if before.moving is found.states:
+                theirs = before._agreement(found.states)
+                right &= theirs.right if before._note(theirs) else True
+        return bool(right.any())
+
+    def _wrong(
+        self, found: Agreement, findings: tuple[Mistake, ...], causes: tuple[str, ...]
+    ) -> EquationVerdict:
+        """Wrong, with the state at which it is farthest off."""
+        claim, shown = self.claim, None
+        if claim.whole is None:
+            shown = example_at(
+                self.judge.setting, found.states, found.worst, claim.node, self.right
+            )
+        text = sentence(shown) if shown else ""
+        return EquationVerdict(
+            claim.label, claim.target.title, False, findings, causes, shown, text
+        )
+
+    # ------------------------------------------------------------ mistakes
+    def _mistakes(self, found: Agreement) -> Iterator[Mistake | str]:
+        """What makes it right, the likeliest first."""
+        tree = self._tree
+        fits = self._fitting(found)
+        for text, node, new in swapped(tree):
+            if fits(replaced(tree, {node: new})):
+                yield text
+        work = without_values(tree)
+        if len(work.values) > _MOST_NODES:
+            return
+        changes = SmallChanges(self.judge.setting, work, 0, lambda name: {})
+        for repair in sorted(changes.discrete(), key=lambda row: row.cost):
+            says_nothing = repair.kind == "extra" and repair.node is work.root
+            if (
+                not says_nothing
+                and _can_be_said(repair)
+                and fits(replaced(tree, {repair.node: repair.new}))
+            ):
+                yield Wording(self.judge.setting, self.claim.source).of_repair(repair, work)
+
+    def _fitting(self, found: Agreement) -> Callable[[Expression], bool]:
+        """Whether a changed tree is right: most are not at the first few states, at which the
+        values of pieces are kept."""
+        states, first = found.states, few(found.states)
+        known, sought = first.pieces(self._tree), self._sought(first)
+
+        def fits(tree: Expression) -> bool:
+            here = agreement(first, tree, sought, self._equal, known)
+            if not here.possible.all():
+                return False
+            return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
+
+        return fits
+
+
+def _symbols(x: Value) -> set[str]:
+    """The names in a value; of a sine or cosine that of its angle."""
+    names = (name for part in pair(x) for powers, _ in part.terms() for name in powers)
+    return {name.removeprefix("sin_").removeprefix("cos_") for name in names}
+
+
+def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
+    """Whether it is a sum of whole multiples of angles."""
+    terms = list(x.terms())
+    return bool(terms) and all(
+        list(powers.values()) == [1] and powers.keys() <= set(angles) and k.denominator == 1
+        for powers, k in terms
+    )
+
+
+def _can_be_said(repair: Repair) -> bool:
+    """Whether a change prints: of what holds functions only a sign does."""
+    return repair.kind == "sign" or not functions_of(repair.node)

@@ -1,0 +1,249 @@
+"""Repairs and differences as sentences a student understands."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from fractions import Fraction
+
+from freebody.expressions import expression as ex
+from freebody.expressions.grammar.source import Source
+from freebody.expressions.nodes import Expression, Function, Number, Power, Product, Sum, nodes
+from freebody.expressions.printed_names import sym
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
+from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reasons.differences import Difference, printed
+from freebody_textbook.check.reasons.small_changes import Repair
+from freebody_textbook.check.verdict import Mistake
+
+_LONG = 70
+_OF_REPAIR = {
+    "sign": "{written} has the wrong sign: it must be {should}.",
+    "factor": "{written} {times}: it must be {should}.",
+    "extra": "{written} should not be there{inside}.",
+    "missing": "In {written} a term is missing: it must be {should}.",
+    "missing factor": "{written} lacks the factor {factor}.",
+    "extra factor": "The factor {written} should not be there{inside}.",
+    "exponent": "{written} has the wrong power{inside}: it must be {should}.",
+}
+_OTHER_REPAIR = "{written} must be {should}{inside}{reason}."
+"""What is said of a change of the answer, by its kind."""
+
+_OF_REVERSE = {
+    "sign": "{should}{inside} has the wrong sign in your answer.",
+    "factor": "{should}{inside} {times} in your answer.",
+    "missing": "{should}{inside} is missing.",
+    "extra": "In place of {should} you have {has}: one term should not be there.",
+    "missing factor": "The factor {should}{inside} is missing in your answer.",
+    "extra factor": "{should} has an extra factor {factor} in your answer.",
+}
+_OTHER_REVERSE = "In place of {should}{inside} you have {has}{reason}."
+"""The same of a change of the right answer that makes it the user's, by what the user's has."""
+
+_OPPOSITE = {
+    "extra": "missing",
+    "missing": "extra",
+    "missing factor": "extra factor",
+    "extra factor": "missing factor",
+}
+
+
+@dataclass(frozen=True)
+class Wording:
+    """Sentences about one answer: its text, and how its symbols print."""
+
+    setting: RightEquations
+    source: Source
+
+    # ------------------------------------------------------------ repairs of the answer itself
+    def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
+        """What is wrong at one place of the answer."""
+        written = self.written(repair.node.span)
+        should = self._opposite(repair) or self.node(repair.new)
+        if repair.node is work.root and isinstance(repair.node, Sum):
+            written = "The whole answer"
+        message = _OF_REPAIR.get(repair.kind, _OTHER_REPAIR).format(
+            written=written,
+            should=_cut(should),
+            inside=self._around(work.addend_of(repair.node), repair, work, "in"),
+            times=_times(repair.factor),
+            factor=self._factor(repair),
+            reason=self._reason(repair.kind, repair.node, repair.new),
+        )
+        line, column = self.source.place(repair.node.span[0])
+        context = self.source.caret(repair.node.span)
+        return Mistake(
+            repair.kind, message, self.source[repair.node.span], should, line, column, context
+        )
+
+    def _opposite(self, repair: Repair) -> str:
+        """A piece with the other sign as it is written, where it holds quantities by name; their
+        values would fill lines."""
+        named = (
+            isinstance(x, Function) or (isinstance(x, Named) and not self._name(x))
+            for x in nodes(repair.node)
+        )
+        if repair.kind != "sign" or not any(named):
+            return ""
+        text = self.source[repair.node.span]
+        return text[1:].strip() if text[:1] in "-−" else f"−{text}"
+
+    def _around(self, addend: Expression, repair: Repair, work: Workspace, word: str) -> str:
+        """The term that what is changed stands in, where it is another one and not the whole."""
+        alone = addend is repair.node or addend is work.root
+        return "" if alone else f" {word} {self.written(addend.span)}"
+
+    def _factor(self, repair: Repair) -> str:
+        """The factor that a change puts in."""
+        if repair.kind != "missing factor" or not isinstance(repair.new, Product):
+            return ""
+        return self.node(repair.new.factors[-1])
+
+    def _reason(self, kind: str, old: Expression, new: Expression) -> str:
+        """Why, in half a sentence."""
+        name = self._name(old)
+        if name in self.setting.foreign:
+            return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
+        other = self._name(new)
+        if kind == "length" and other.startswith("lc"):
+            k = other.removeprefix("lc")
+            return (
+                f": the centre of mass of link {k} is {sym(other)} from its joint, "
+                f"{sym('l' + k)} is the length of the link"
+            )
+        if kind == "length":
+            return (
+                f": {sym(other)} is the distance to the next joint, {sym('lc' + other[1:])} only "
+                f"that to the centre of mass"
+            )
+        if (
+            kind == "angle"
+            and isinstance(new, Wave)
+            and isinstance(old, Wave)
+            and len(new.angle) > len(old.angle) > 0
+        ):
+            return (
+                ": angles are measured from the previous link, so the direction of a link is "
+                "a sum of angles"
+            )
+        if kind == "rate" and isinstance(new, Sum):
+            return (
+                ": rates are relative to the previous link, so a link's angular velocity is "
+                "a sum of rates"
+            )
+        return ""
+
+    def _name(self, node: Expression) -> str:
+        """The generator that a node is."""
+        if isinstance(node, Named) and isinstance(node.value, Trig):
+            names = [next(iter(p), "") for p, _ in node.value.terms()]
+            return names[0] if len(names) == 1 else ""
+        return ""
+
+    # ------------------------------------------------------------ the same seen from the right
+    # answer
+    def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Mistake:
+        """What the answer has in place of a piece of the right one, whose text `right` knows."""
+        should, has = right.written(repair.node.span), right.node(repair.new)
+        kind = _OPPOSITE.get(repair.kind, repair.kind)
+        addend = work.addend_of(repair.node)
+        if addend is repair.node and addend is not work.root:
+            addend = work.addend_of(work.parents[addend])
+        message = _OF_REVERSE.get(kind, _OTHER_REVERSE).format(
+            should=should,
+            has=_cut(has),
+            inside=right._around(addend, repair, work, "of"),
+            times=_times(1 / repair.factor) if repair.factor else "",
+            factor=right._factor(repair),
+            reason=self._reason(repair.kind, repair.new, repair.node),
+        )
+        yours = "" if kind == "missing" else has
+        return Mistake(kind, message, yours, right.source[repair.node.span])
+
+    # ------------------------------------------------------------ differences of terms
+    def of_difference(self, row: Difference) -> Mistake:
+        """A term that is missing, extra or has the wrong number."""
+        yours = self.term(row.instead or row.key, row.yours)
+        right = self.term(row.key, row.right)
+        if row.instead is not None:
+            return Mistake("term", f"The term {quoted(yours)} must be {right}.", yours, right)
+        if row.yours == 0:
+            return Mistake("missing", f"The term {quoted(right)} is missing.", "", right)
+        if row.right == 0:
+            return Mistake("extra", f"The term {quoted(yours)} should not be there.", yours, "")
+        if row.yours == -row.right:
+            return Mistake(
+                "sign",
+                f"The term {quoted(yours)} has the wrong sign: it must be {right}.",
+                yours,
+                right,
+            )
+        message = f"The term {quoted(yours)} {_times(row.right / row.yours)}: it must be {right}."
+        return Mistake("factor", message, yours, right)
+
+    def of_number(self, row: Difference) -> Mistake:
+        """A term of an answer in numbers that has the wrong one."""
+        yours, right = self.term(row.instead or row.key, row.yours), self.term(row.key, row.right)
+        if row.yours and row.right and row.instead is None:
+            return Mistake("factor", f"{quoted(yours)} must be {right}.", yours, right)
+        return self.of_difference(row)
+
+    def term(self, key: tuple, value: Fraction) -> str:
+        """A term of the gathered form."""
+        return str(printed(self.setting.layout, self.setting, key, value))
+
+    # ------------------------------------------------------------ pieces
+    def written(self, span: tuple[int, int]) -> str:
+        """What stands in the text, in quotes, cut where it is long."""
+        return quoted(self.source[span])
+
+    def node(self, node: Expression) -> str:
+        """A piece of a repaired answer, as it prints."""
+        match node:
+            case Named() if node.name in self.setting.ring.index:
+                return str(sym(node.name))
+            case Named() if re.fullmatch(r"(?:H|G|tau|v|J)\d+", node.name):
+                return node.name.replace("tau", "τ")
+            case Wave():
+                angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
+                text = str(ex.Function(node.function, angle))
+                return text if not node.turn else self._form(node)
+            case Power(base=Named() | Wave()):
+                return str(ex.power(sym("x"), node.exponent)).replace("x", self.node(node.base), 1)
+            case Number():
+                return str(ex.num(node.value))
+        return self._form(node)
+
+    def _form(self, node: Expression) -> str:
+        return self.setting.form(PolynomialReader(self.source, self.setting.ring).quotient(node))
+
+
+def quoted(text: str) -> str:
+    """In quotes, cut in the middle where it is long."""
+    shown = text if len(text) <= _LONG else f"{text[: _LONG // 2]} … {text[-_LONG // 3 :]}"
+    return f"‘{shown}’"
+
+
+def _cut(text: str) -> str:
+    """Cut at the end where it is very long."""
+    return text if len(text) <= 3 * _LONG else text[: 3 * _LONG] + " …"
+
+
+def _times(factor: Fraction) -> str:
+    """What is wrong with a term that must be multiplied by a number."""
+    size = abs(factor)
+    sign = "has the wrong sign and " if factor < 0 else ""
+    if size == 1:
+        return "has the wrong sign"
+    if size in (2, Fraction(1, 2)):
+        return sign + (
+            "is half as large as it should be: a factor of 2 is missing"
+            if size == 2
+            else "is twice as large as it should be"
+        )
+    if size.numerator == 1:
+        return f"{sign}is {size.denominator} times too large"
+    return f"{sign}must be multiplied by {size}"

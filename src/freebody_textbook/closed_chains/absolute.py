@@ -1,0 +1,295 @@
+"""A planar mechanism in absolute coordinates: of each body the place of its centre of mass and the
+angle of its axes, x, y and φ, with joints and loops as constraints (5.21-5.29).
+
+M is constant and diagonal, and Φ_q has entries for the two bodies that a constraint joins, no
+others. A body that several joints in a row free altogether, such as a platform on legs, is held by
+none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from freebody.algorithms.energy import resting_energy
+from freebody.algorithms.kinematics import Pose
+from freebody.algorithms.loop_constraints import LoopEquation, loop_equations
+from freebody.elementary import Scalar
+from freebody.expressions.polynomials.symbol_order import Order
+from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, TrigReader
+from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.printed_names import COMPONENTS
+from freebody.lazy import cached_property
+from freebody.model.tree import Tree, TreeLoop
+from freebody.scalars.trig import Trig, TrigRing
+from freebody.spatial import Vector, add, dot, product, sub, times
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.linear import Entries
+
+LETTERS = ("x", "y", "phi")
+_HALF = 0.5
+"""The distance for which the algorithms' equation of a rod is |r|² - d², up to its constant."""
+
+
+class _AbsoluteOrder(Order):
+    """All angles are about one axis, which the structure of the tree does not tell here."""
+
+    @cached_property
+    def blocks(self) -> tuple[tuple[str, ...], ...]:
+        """One block."""
+        return (self.angles,)
+
+
+class _AbsoluteLayout(Layout):
+    """How polynomials in absolute coordinates are printed."""
+
+    @cached_property
+    def order(self) -> Order:
+        """What the symbols are."""
+        return _AbsoluteOrder(self.symbols)
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """Equations of a joint (its body) or of a loop; first: the place of the first of them."""
+
+    values: tuple[Trig, ...]
+    first: int
+    body: int = -1
+    loop: TreeLoop | None = None
+
+    @property
+    def rows(self) -> range:
+        """Which equations these are."""
+        return range(self.first, self.first + len(self.values))
+
+
+class AbsoluteCoordinates:
+    """The constraints of a planar model and their derivatives, as polynomials in x, y and φ of its
+    bodies (indices in the tree)."""
+
+    def __init__(self, given: Symbols, efforts: Mapping[int, str]):
+        """efforts: what acts along the joints, names by body."""
+        self.given, self.efforts = given, efforts
+        tree = given.tree
+        self.numbers = {k: i + 1 for i, k in enumerate(tree.body_of)}
+        self.links = frozenset(links_of(given))
+        """Bodies without mass that stand for nothing: they are left out."""
+        self.bodies = tuple(
+            k for k in sorted(self.numbers, key=self.numbers.__getitem__) if k not in self.links
+        )
+        self.names = tuple(name for i in self.bodies for name in self.names_of(i))
+        self.symbols = self._symbols()
+
+    def names_of(self, i: int) -> tuple[str, str, str]:
+        """Names of the coordinates of body i."""
+        x, y, phi = (f"{letter}{self.numbers[i]}" for letter in LETTERS)
+        return x, y, phi
+
+    def _symbols(self) -> Symbols:
+        """The same model over a ring with these coordinates in the place of the joints'."""
+        given = self.given
+        moving = {x + end for x in given.coordinates for end in ("", RATE, SECOND)}
+        signs = {f"sgn_{x}{RATE}" for x in given.coordinates}
+        kept = [x for x in given.ring.names if x not in moving | signs | set(given.extra)]
+        names = (*self.names, *(x + end for x in self.names for end in (RATE, SECOND)))
+        count = 2 * len(self.bodies) + 3 * len(given.tree.loops) + len(self.bodies)
+        multipliers = (f"{MULTIPLIER}{k}" for k in range(1, count + 1))
+        extra = tuple(dict.fromkeys((*self.efforts.values(), *given.extra, *multipliers)))
+        angles = [name for name in self.names if name.startswith(LETTERS[2])]
+        turned = [x for x in given.ring.angles if x in kept]
+        others = [x for x in (*names, *kept, *extra) if x not in (*angles, *turned)]
+        ring = TrigRing([*angles, *turned], others)
+        reader = TrigReader(ring, given.reader.numbers, given.formulas, given.reader.own)
+        return Symbols(given.model, ring, self.names, reader, extra)
+
+    @cached_property
+    def tree(self) -> Tree:
+        """Its tree over that ring, of which only the constant numbers are read."""
+        return self.symbols.tree
+
+    @cached_property
+    def layout(self) -> Layout:
+        """How these polynomials are printed."""
+        return _AbsoluteLayout(self.symbols)
+
+    # ------------------------------------------------------------ poses
+    def _element(self, x: Scalar) -> Trig:
+        return self.symbols.element(x)
+
+    def mass(self, i: int) -> tuple[Trig, Vector, Trig]:
+        """(m, centre of mass in body axes, I) of body i; of one without mass zeros."""
+        masses = self.tree.bodies[i].masses
+        if not masses:
+            return self.symbols.zero(), self.tree.space.zero, self.symbols.zero()
+        return self._element(masses[0].m), masses[0].c, self._element(masses[0].inertia)
+
+    def pose(self, i: int) -> Pose:
+        """(R, origin) of the frame of body i, -1 being the ground."""
+        if i < 0:
+            return ((1.0, 0.0), (0.0, 1.0)), (0.0, 0.0)
+        x, y, phi = self.names_of(i)
+        ring = self.symbols.ring
+        s, c = ring.sin(phi), ring.cos(phi)
+        R = ((c, -s), (s, c))
+        return R, sub((ring[x], ring[y]), times(R, self.mass(i)[1]))
+
+    def point(self, i: int, at: Vector) -> tuple[Trig, ...]:
+        """A point of body i in the world."""
+        R, p = self.pose(i)
+        return tuple(map(self._element, add(p, times(R, at))))
+
+    def angle(self, i: int) -> Trig:
+        """φ of body i."""
+        return self.symbols.zero() if i < 0 else self.symbols.ring[self.names_of(i)[2]]
+
+    # ------------------------------------------------------------ joints and loops
+    def along(self, i: int) -> tuple[Trig, ...]:
+        """(direction of the slide of joint i, across it) in the world: fixed to the body before."""
+        body = self.tree.bodies[i]
+        R = product(self.pose(body.parent)[0], body.R)
+        ux, uy = map(self._element, times(R, body.axis))
+        return ux, uy, -uy, ux
+
+    def gap(self, i: int) -> tuple[Trig, ...]:
+        """From the place of joint i on the body before to its own origin."""
+        body = self.tree.bodies[i]
+        there = self.point(body.parent, body.p)
+        return tuple(a - b for a, b in zip(self.point(i, (0.0, 0.0)), there, strict=True))
+
+    def turned(self, i: int) -> Trig:
+        """The angle of body i against the body before, with what its placement turns it by."""
+        return self.angle(i) - self.angle(self.tree.bodies[i].parent)
+
+    def coordinate(self, i: int) -> Trig:
+        """The coordinate of joint i, which its motor works along, up to a constant turn."""
+        if self.tree.bodies[i].primitive.turns:
+            return self.turned(i)
+        ux, uy, _, _ = self.along(i)
+        dx, dy = self.gap(i)
+        return ux * dx + uy * dy
+
+    @cached_property
+    def joints(self) -> tuple[int, ...]:
+        """The bodies that a joint holds; the others are free."""
+        return tuple(i for i in self.bodies if self.tree.bodies[i].parent not in self.links)
+
+    @cached_property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Those of the loops first, whose multipliers are then those of joint coordinates, and of
+        each joint."""
+        found: list[Constraint] = []
+        first = 0
+        for loop in self.tree.loops:
+            values = tuple(self._loop_values(loop))
+            found.append(Constraint(values, first, loop=loop))
+            first += len(values)
+        for i in self.joints:
+            dx, dy = self.gap(i)
+            if self.tree.bodies[i].primitive.turns:
+                values = (dx, dy)
+            else:
+                _, _, nx, ny = self.along(i)
+                values = (nx * dx + ny * dy, self.turned(i))
+            found.append(Constraint(values, first, body=i))
+            first += 2
+        return tuple(found)
+
+    def _loop_values(self, loop: TreeLoop) -> Iterator[Trig]:
+        if loop.closure.distance:
+            (_, a), (_, b) = (self._frame(name) for name in loop.frames)
+            r = sub(b, a)
+            yield self._element(dot(r, r) - loop.distance * loop.distance)
+        else:
+            yield from (self._element(e.value) for e in self.equations_of(loop))
+
+    def equations_of(self, loop: TreeLoop) -> list[LoopEquation]:
+        """The equations of a loop with what their multipliers press with; of a rod those of |r|² -
+        d²."""
+        own = TreeLoop(loop.name, loop.closure, loop.frames, _HALF)
+        frames = (self._frame(name) for name in loop.frames)
+        return loop_equations(self.tree.space, own, *frames)
+
+    def _frame(self, name: str) -> Pose:
+        k, turned, at = self.tree.frames[name]
+        R, _ = self.pose(k)
+        return product(R, turned), self.point(k, at)
+
+    # ------------------------------------------------------------ derivatives
+    @cached_property
+    def Phi(self) -> tuple[Trig, ...]:
+        """Φ(q) (5.21)."""
+        return tuple(x for constraint in self.constraints for x in constraint.values)
+
+    @cached_property
+    def Phi_q(self) -> Entries:
+        """∂Φ/∂q (5.22)."""
+        return [[x.derivative(name) for name in self.names] for x in self.Phi]
+
+    @cached_property
+    def c(self) -> list[Trig]:
+        """-Φ̇_q q̇ (5.28)."""
+        rates = {x: self.symbols.ring[x + RATE] for x in self.names}
+        return [-x.along(rates).along(rates) for x in self.Phi]
+
+    @cached_property
+    def multipliers(self) -> list[Trig]:
+        """λ as symbols."""
+        return [self.symbols.ring[f"{MULTIPLIER}{k}"] for k in range(1, len(self.Phi) + 1)]
+
+    @cached_property
+    def M(self) -> list[Trig]:
+        """The diagonal of the mass matrix."""
+        found = []
+        for i in self.bodies:
+            m, _, inertia = self.mass(i)
+            found += [m, m, inertia]
+        return found
+
+    @cached_property
+    def forces(self) -> list[Trig]:
+        """Q - Φ_qᵀ λ: what M q̈ is, by coordinate; Q of efforts, weights and load."""
+        ring = self.symbols.ring
+        total = [a + b for a, b in zip(self._weights(), self._load(), strict=True)]
+        pairs = [(self.coordinate(i), ring[name]) for i, name in self.efforts.items()]
+        pairs += [(-x, y) for x, y in zip(self.Phi, self.multipliers, strict=True)]
+        for along, effort in pairs:
+            slopes = (along.derivative(name) for name in self.names)
+            total = [x + slope * effort for x, slope in zip(total, slopes, strict=True)]
+        return total
+
+    def _weights(self) -> list[Trig]:
+        found = []
+        for i in self.bodies:
+            m = self.mass(i)[0]
+            found += [*(m * self._element(x) for x in self.tree.gravity), self.symbols.zero()]
+        return found
+
+    @cached_property
+    def potential(self) -> Trig:
+        """V of the weights: the negative of their forces times the places, and a constant of what
+        is fixed to the base."""
+        ring, total = self.symbols.ring, self._element(resting_energy(self.tree))
+        for force, name in zip(self._weights(), self.names, strict=True):
+            total = total - force * ring[name]
+        return total
+
+    def _load(self) -> list[Trig]:
+        """What the force on the tip does along the coordinates."""
+        force = tuple(self.symbols.ring[x] for x in COMPONENTS if x in self.given.extra)
+        if not force:
+            return [self.symbols.zero()] * len(self.names)
+        k, _, at = self.tree.frames[self.given.model.frame().name]
+        tip = self.point(k, at)
+        return [dot(tuple(x.derivative(name) for x in tip), force) for name in self.names]
+
+
+def links_of(given: Symbols) -> Iterator[int]:
+    """Bodies without mass that stand between the joints which replace one that frees its body
+    altogether and has no motor."""
+    n = 0
+    for body in (given.given or given.model).bodies:
+        parts = body.kind.nv if body.kind.composed else 1
+        if parts == len(LETTERS) and body.kind.frees(2) and body.joint.passive and body.parent < 0:
+            yield from (given.tree.body_of[k] for k in range(n, n + parts - 1))
+        n += parts

@@ -1,0 +1,1 @@
+"""Commands of the program `freebody` that are about equations."""

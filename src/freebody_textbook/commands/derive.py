@@ -1,0 +1,171 @@
+"""`freebody derive`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from inspect import Parameter, Signature
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import typer
+from typer.core import TyperCommand
+
+from freebody.cli import options, terminal
+from freebody.errors import FreebodyError
+from freebody.outputs.files import write
+
+if TYPE_CHECKING:
+    from freebody_textbook.derivation import Derivation
+    from freebody_textbook.methods.method import Method, MethodOption
+
+EXAMPLE = "Example: freebody derive 2R --method lagrange"
+_CHOSEN = "freebody.derive"
+"""Where the parser's context keeps the methods' options that were given."""
+
+
+_Form = Literal["text", "markdown", "latex", "html"]
+_ENDINGS: dict[str, _Form] = {
+    ".md": "markdown", ".tex": "latex", ".html": "html", ".htm": "html",
+}  # fmt: skip
+"""The form that the ending of a file's name asks for; of other names it is text."""
+
+
+class Command(TyperCommand):
+    """`derive` with the options of its methods and a list of them; their table is read when it is
+    run itself."""
+
+    def get_params(self, ctx: typer.Context) -> list[Any]:
+        """The parameters of the function below, then the methods' options, then --help."""
+        from freebody_textbook.methods import METHODS
+
+        *params, last = super().get_params(ctx)
+        return [*params, *_options_of(METHODS.values()), last]
+
+    def format_help(self, ctx: typer.Context, formatter: Any) -> None:
+        """The help, the methods listed below its first paragraph."""
+        from freebody_textbook.methods import METHODS
+
+        lines = [f"{method.name}: {method.words} ({method.source})." for method in METHODS.values()]
+        self.help = "\n\n".join([terminal.paragraphs(derive.__doc__), *lines])
+        super().format_help(ctx, formatter)
+
+
+def _options_of(methods: Iterable[Method]) -> list[Any]:
+    """The methods' options, as the parser makes them of a signature; `derive` finds in the context
+    what was given."""
+
+    def command(**_options: str | None) -> None:
+        """Never called."""
+
+    owned = [(method, option) for method in methods for option in method.options]
+    command.__signature__ = Signature([_parameter(*pair) for pair in owned])
+    parser = typer.Typer(add_completion=False)
+    parser.command()(command)
+    made = [param for param in typer.main.get_command(parser).params if param.name != "help"]
+    for param in made:
+        param.expose_value = False
+    return made
+
+
+def _parameter(method: Method, option: MethodOption) -> Parameter:
+    """An option of a method as an argument with what the parser needs to know."""
+
+    def keep(context: typer.Context, value: str | None) -> None:
+        if value is not None:
+            context.meta.setdefault(_CHOSEN, {})[option.name] = value
+
+    said = typer.Option(
+        f"--{option.name}",
+        metavar="|".join(option.choices),
+        help=f"{option.words[0].upper()}{option.words[1:]} ({method.name}).",
+        callback=keep,
+    )
+    return Parameter(
+        option.name, Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, said]
+    )
+
+
+@options.reading("tip", "convention")
+def derive(
+    context: typer.Context,
+    robot: options.GivenRobot,
+    method: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METHOD",
+            help="The method: a name from the list above. Default: the first that applies to the "
+            "robot.",
+        ),
+    ] = None,
+    compare: Annotated[
+        str | None,
+        typer.Option(
+            metavar="METHOD", help="Derive by this method too, and prove that both agree."
+        ),
+    ] = None,
+    form: Annotated[
+        _Form | None,
+        typer.Option(
+            help="Text for a terminal, or a document. Default: by the suffix of FILE, else text."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Write to this file instead of the terminal."),
+    ] = None,
+    load: Annotated[
+        bool | None,
+        typer.Option(
+            "--load/--no-load",
+            help="Include a force on the tip. Default: only in statics, for robots at rest.",
+        ),
+    ] = None,
+    labels: Annotated[
+        options.Labels | None,
+        typer.Option(help="Labels in the drawings of a page. Default: names."),
+    ] = None,
+    notation: options.Notation = None,
+    parameters: options.Parameters = None,
+) -> None:
+    """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
+    from freebody_textbook.derive import compare as compared
+    from freebody_textbook.derive import default_method, method_named
+    from freebody_textbook.drawings.illustrate import derive as derivation_of
+
+    model = robot.load()
+    record = method_named(method) if method else default_method(model)
+    with terminal.progress(f"deriving by {record.name}"):
+        given = options.pairs("--parameter", parameters, "lc=l/2")
+        how = {"load": load, "notation": notation, "parameters": given}
+        first = derivation_of(model, record.name, **how, **context.meta.get(_CHOSEN, {}))
+        other = derivation_of(model, compare, **how) if compare is not None else None
+        comparison = compared(first, other) if other is not None else None
+        form = form or _ENDINGS.get(out.suffix.lower() if out else "", "text")
+        text = _text(first, form, out, labels)
+    if out is None:
+        terminal.out().print(text, markup=False, soft_wrap=True)
+    else:
+        terminal.out().print(f"written: {write(out, text)}", markup=False)
+    if comparison is not None:
+        terminal.out().print(f"\n{comparison}", markup=False)
+        if not comparison:
+            raise typer.Exit(1)
+
+
+def _text(
+    derivation: Derivation, form: _Form, out: Path | None, labels: options.Labels | None
+) -> str:
+    """The derivation in one form; Markdown refers to drawings in files beside it."""
+    from freebody_textbook.drawings.illustrate import write_drawings
+
+    shown = labels or "names"
+    if form == "html":
+        return derivation.html(shown)
+    if form == "markdown" and out:
+        return derivation.markdown(write_drawings(derivation, out, shown))
+    if labels is not None:
+        raise FreebodyError(
+            "--labels applies to drawings, and this format has none: write a page, for example "
+            "--out arm.html."
+        )
+    return getattr(derivation, form)()

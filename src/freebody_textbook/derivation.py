@@ -1,0 +1,226 @@
+"""A derivation as data: an ordered list of steps, each with its equations, what was done and
+why."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from freebody.errors import listed
+from freebody.expressions.expression import Equation, Expression
+from freebody.expressions.notations.lettering import PLAIN, Lettering, lettered_for
+from freebody.outputs.display import InWords, Titled, counted
+from freebody.scalars.trig import Trig
+from freebody_textbook.equations.equations import Equations
+from freebody_textbook.render import documents
+
+if TYPE_CHECKING:
+    from freebody_textbook.closed_chains.first_kind import FirstKind
+    from freebody_textbook.closed_chains.statics import LoopStatics
+    from freebody_textbook.render.living_parts import LivingParts
+
+
+@dataclass(frozen=True, repr=False)
+class Step(InWords):
+    """One step of a derivation.
+
+    operation: what is done, as a heading. reason: why, in a sentence. notes: numbers of the
+    equations of the lecture notes that the step's equations are. figure: the drawing that belongs
+    to it: "vectors", "centres", "velocities", "accelerations", "tip", "tip velocity", "tip
+    acceleration", "free-body N" of body N from 1, "carried N" of it with all that hangs on it,
+    "partial N" of the velocities when joint N alone moves, or "free N" of body N that nothing
+    holds. result: whether this is what was sought. terms: what terms of the
+    equations are, a row each.
+    """
+
+    operation: str
+    reason: str
+    equations: tuple[Equation, ...] = ()
+    notes: tuple[str, ...] = ()
+    figure: str | None = None
+    result: bool = False
+    terms: tuple[Meaning, ...] = ()
+
+    def _title(self) -> str:
+        return f"Step: {self.operation}; {counted(len(self.equations), 'equation')}"
+
+    def text(self, width: int = 100) -> str:
+        """The step for a terminal: what is done, why, and its equations."""
+        return documents.step_text(self, width)
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        return f"<style>{documents.NOTEBOOK_STYLE}</style>{documents.body.step(self)}"
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What symbols stand for, and their unit ("" for none)."""
+
+    symbols: tuple[Expression, ...]
+    words: str
+    unit: str
+
+
+@dataclass(frozen=True)
+class Drawings:
+    """SVG text by the names that steps give their figures, with "overview" of the robot, and the
+    style they need."""
+
+    svg: Mapping[str, str]
+    style: str
+
+
+@dataclass(frozen=True, repr=False)
+class Derivation(Titled):
+    """How the equations of a model come about by one method, and the torques that this way ends
+    in."""
+
+    method: str
+    title: str
+    equations: Equations
+    """Closed forms from the composite-body mass matrix and its Christoffel symbols, to hold the
+    result against."""
+    steps: tuple[Step, ...]
+    tau: tuple[Trig, ...]
+    """Joint torques as this method finds them, exact polynomials."""
+    given: str = ""
+    """What is given and what is sought, in words."""
+    glossary: tuple[Meaning, ...] = ()
+    """The symbols that occur."""
+    system: FirstKind | LoopStatics | None = None
+    """Of a closed chain, as polynomials: of the first kind M, Φ_q, c and the reduction; of statics
+    multipliers and torques."""
+    reference: str = ""
+    """Where the method is described, if not in the lecture notes."""
+    draw: Callable[[Derivation, str], Drawings] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """What draws them, with labels as in `html`; figures are made above derivations, so that it
+    comes from there."""
+
+    enliven: Callable[[Derivation], LivingParts | None] | None = field(
+        default=None, compare=False, repr=False
+    )
+    """What makes the parts of its page that can be tried; from above, as `draw` is."""
+
+    lettering: Lettering = PLAIN
+    """The letters that it is written in."""
+    plain: Derivation | None = field(default=None, compare=False, repr=False)
+    """The same in the notes' letters, where its own are others."""
+
+    def _title(self) -> str:
+        return (
+            f"Derivation for {self.equations.symbols.model.name!r}: {self.title}; "
+            f"{counted(len(self.steps), 'step')}"
+        )
+
+    @property
+    def result(self) -> Equations:
+        """The equations of motion (or, of statics, the model they belong to)."""
+        return self.equations
+
+    def text(self, width: int = 100) -> str:
+        """The derivation for a terminal."""
+        return documents.text(self, width)
+
+    def markdown(self, images: Mapping[str, str] | None = None) -> str:
+        """The derivation as Markdown, formulas between dollar signs; images: paths of drawings by
+        figure."""
+        return documents.markdown(self, images)
+
+    def latex(self) -> str:
+        """A LaTeX document."""
+        return documents.latex(self)
+
+    def html(self, labels: str = "names") -> str:
+        """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
+        "names", "values" or "both".
+
+        The page of an arm, and of most closed chains, can be tried: with sliders that
+        numbers and a drawing follow, and lines that are hidden until they are predicted.
+
+        Raises UnknownNameError, and MissingValueError for values that the model does not have.
+        """
+        made = self._drawings(labels)
+        living = self.enliven(self) if self.enliven else None
+        return documents.html(self, made.svg, made.style, living)
+
+    def _drawings(self, labels: str = "names") -> Drawings:
+        return self.draw(self, labels) if self.draw else Drawings({}, "")
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_html_(self) -> str:
+        made = self._drawings()
+        style = f"<style>{made.style}{documents.NOTEBOOK_STYLE}</style>"
+        return style + documents.body(self, made.svg)
+
+
+def written_in(lettering: Lettering, made: Derivation) -> Derivation:
+    """A derivation in the letters of a notation."""
+    if lettering is PLAIN:
+        return made
+    lines = [line for step in made.steps for line in step.equations]
+    rows = [*made.glossary, *(row for step in made.steps for row in step.terms)]
+    own = lettered_for(lettering, [*lines, *(x for row in rows for x in row.symbols)])
+    steps = tuple(
+        replace(
+            step,
+            operation=own.sentence(step.operation),
+            reason=own.sentence(step.reason),
+            equations=tuple(map(own.line, step.equations)),
+            terms=_lettered(own, step.terms),
+        )
+        for step in made.steps
+    )
+    table = _lettered(own, made.glossary)
+    given = own.sentence(made.given)
+    if own.taken:
+        given += (
+            f" The robot's own names stay, as {listed(own.taken)} would be one of the notation's."
+        )
+    new = {"steps": steps, "glossary": table, "given": given}
+    return replace(made, **new, lettering=own, plain=made)
+
+
+def _lettered(own: Lettering, table: Iterable[Meaning]) -> tuple[Meaning, ...]:
+    return tuple(
+        Meaning(tuple(map(own, row.symbols)), own.sentence(row.words), row.unit) for row in table
+    )
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two derivations of the same model, their torques subtracted term by term."""
+
+    first: Derivation
+    second: Derivation
+
+    @property
+    def differences(self) -> tuple[Trig, ...]:
+        """First minus second, per joint, in normal form."""
+        return tuple(a - b for a, b in zip(self.first.tau, self.second.tau, strict=True))
+
+    @property
+    def equal(self) -> bool:
+        """Whether every difference is the zero polynomial."""
+        return all(d.is_zero for d in self.differences)
+
+    def __bool__(self) -> bool:
+        return self.equal
+
+    def __str__(self) -> str:
+        lines = [f"{self.first.title} and {self.second.title}:"]
+        for i, (a, d) in enumerate(zip(self.first.tau, self.differences, strict=True), 1):
+            verdict = (
+                "identical"
+                if d.is_zero
+                else f"they differ by {self.first.equations.layout.form(d)}"
+            )
+            lines.append(f"  tau{i}: {len(a)} terms, {verdict}")
+        return "\n".join(lines)

@@ -1,0 +1,223 @@
+"""What `fb.derive` tells: the equations of motion step by step, by one of the methods of
+`derivations/methods`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from os import PathLike
+from typing import Any
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.expressions.nodes import Equation, Words, nodes
+from freebody.expressions.notations.angles import angles_of
+from freebody.expressions.notations.lettering import lettering_of
+from freebody.expressions.notations.notation import BookNotation, notation_of
+from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.model import Model
+from freebody.spatial import of_dimension
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
+from freebody_textbook.methods import METHODS
+from freebody_textbook.methods.alike_legs import told_once
+from freebody_textbook.methods.free_bodies import velocity_names
+from freebody_textbook.methods.method import LOADS, Method
+from freebody_textbook.methods.overview import overview
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.whole_bodies import symbols_of_bodies, told
+from freebody_textbook.parameter_formulas import as_terms, formulas_of, freed
+from freebody_textbook.parameter_formulas import told as told_formulas
+
+
+def undrawn_derivation(
+    model: Model,
+    method: str | None = None,
+    *,
+    load: bool | None = None,
+    notation: str | PathLike[str] | BookNotation | None = None,
+    parameters: Mapping[str, str | float] | None = None,
+    **options: Any,
+) -> Derivation:
+    """A derivation of the model's equations as an ordered list of steps.
+
+    method: a name from the list below. Default: the first that applies to the model. load: whether
+    a force f, with world components fx, fy (fz), acts on the tip. Default: in a method for robots
+    at rest, where the model has a tip that moves. notation: whose letters are printed, as for
+    `check`, which reads the lines in the same notation; default: those of the notes. parameters:
+    those given by formulas or numbers, {"lc": "l/2"} of all links, {"I1": "m1*l1^2/12"}. options:
+    the method's own. A joint of several coordinates is taken apart into joints of one, a quaternion
+    into yaw, pitch and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor,
+    are derived in their own axes by the first method; joints that follow others, in open chains,
+    by their leader's coordinate. Raises FreebodyError for a turn by a fraction of another, for a
+    load on a model without a tip, for a notation that calls two things by one name, and for
+    options that the method does not use. Source: S. Bai, Dynamics of robotic manipulators, lecture
+    notes, Aalborg University, 2019, where the method's line names no other.
+    """
+    record = default_method(model) if method is None else method_named(method)
+    _require_options(record, load, options)
+    _require_served(record, model)
+    if load is None:
+        load = record.at_rest and _has_moving_tip(model)
+    names = LOADS[model.dim] if load else ()
+    extra = (*names, *multipliers(model), *velocity_names(model))
+    style, caller = notation_of(notation, parameters), f"derive {record.name!r}"
+    model = freed(model, style.parameters)
+    made = symbols_of_bodies(caller, model, extra, euler=True)
+    _require_angles(record, style, model)
+    angles = angles_of(caller, style, made.model)
+    if style.parameters or any(angles):
+        formulas = as_terms(formulas_of(caller, made, style.parameters))
+        made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
+    lettering = lettering_of(style, made.model, made.coordinates)
+    setting = Setting(made, names, record.at_rest, lettering)
+    worked = record(setting, **options)
+    given, glossary = overview(setting, record, worked)
+    given = " ".join(
+        [given, *told(model, made, not worked.robot), *told_formulas(made, setting.layout)]
+    )
+    derivation = Derivation(
+        record.name,
+        worked.title or record.title,
+        setting.equations,
+        _with_lengths(told_once(setting, worked.steps)),
+        worked.tau,
+        given,
+        glossary,
+        worked.system,
+        record.reference,
+    )
+    return written_in(lettering, derivation)
+
+
+def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
+    """The steps; the first that tells only how long a line is says where the line can be had."""
+    first = next((step for step in steps if any(map(_is_told_by_length, step.equations))), None)
+    reason = (
+        " Where only the number of terms is given, the line is too long to read; in Python the "
+        "derivation holds the torques exactly, as .tau, and M, Φ_q and c of a closed chain, as "
+        ".system."
+    )
+    return tuple(replace(x, reason=x.reason + reason) if x is first else x for x in steps)
+
+
+def _is_told_by_length(line: Equation) -> bool:
+    return any(isinstance(x, Words) and x.text.endswith(("terms", "terms)")) for x in nodes(line))
+
+
+def method_named(name: str) -> Method:
+    """The method of that name or alias."""
+    for method in METHODS.values():
+        if name == method.name or name in method.aliases:
+            return method
+    raise UnknownNameError("method", name, "fb.derive", METHODS)
+
+
+def default_method(model: Model) -> Method:
+    """The method for a model where none is asked for: the first that serves it, of closed chains
+    rather one that says so."""
+    served = [method for method in METHODS.values() if _serves(method, model)]
+    return next((method for method in served if model.loops and method.closed_first), served[0])
+
+
+def _serves(method: Method, model: Model) -> bool:
+    return model.dim in (method.closed if model.loops else method.spaces)
+
+
+def _require_served(method: Method, model: Model) -> None:
+    """Refuse a robot that the method is not written for."""
+    if _serves(method, model):
+        return
+    what = f"derive {method.name!r}"
+    others = [repr(other.name) for other in METHODS.values() if _serves(other, model)]
+    if not model.loops:
+        where = "the plane" if model.dim == 2 else "space"
+        raise FreebodyError(f"{what}: {model.name!r} is in {where}; take {' or '.join(others)}.")
+    if not method.closed:
+        model.require_tree(what, " or ".join(others))
+    where = "in the plane" if model.dim == 2 else "in space"
+    numbers = f"; {method.elsewhere} give its numbers" if method.elsewhere else ""
+    raise FreebodyError(
+        f"{what}: {model.name!r} is a closed chain {where}, for which {method.name} is not written "
+        f"out{numbers}."
+    )
+
+
+def _require_options(method: Method, load: bool | None, options: Mapping[str, Any]) -> None:
+    """Refuse what the method would not use."""
+    own = [option.name for option in method.options]
+    for name in options:
+        owners = [m.name for m in METHODS.values() if name in (option.name for option in m.options)]
+        if not owners:
+            known = ("load", "notation", "parameters", *own)
+            raise UnknownNameError("option", name, f"derive {method.name!r}", known)
+        if name not in own:
+            owner = " and ".join(map(repr, owners))
+            raise FreebodyError(
+                f"derive {method.name!r}: {name} is an option of {owner}; leave it out."
+            )
+    if load and not method.finds_torques:
+        raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
+
+
+def _require_angles(method: Method, notation: BookNotation, model: Model) -> None:
+    """Refuse angles of links where joints are what is spoken of."""
+    if notation.absolute and (model.passive or model.loops):
+        what = "is a closed chain" if model.loops else "has joints without motor"
+        raise FreebodyError(
+            f"derive {method.name!r}: the notation {notation.name!r} has all angles from one "
+            f"direction, which is not written out where a robot {what}, as {model.name!r}."
+        )
+    if notation.absolute and not method.absolute:
+        others = " or ".join(repr(other.name) for other in METHODS.values() if other.absolute)
+        raise FreebodyError(
+            f"derive {method.name!r}: the notation {notation.name!r} has all angles from one "
+            "direction, and this method goes from joint to joint, to the torque of each joint's "
+            f"motor; take {others}."
+        )
+
+
+def multipliers(model: Model) -> tuple[str, ...]:
+    """Names of the multipliers of its loop equations."""
+    space = of_dimension(model.dim)
+    size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)
+    return tuple(f"{MULTIPLIER}{k}" for k in range(1, size + 1))
+
+
+def _has_moving_tip(model: Model) -> bool:
+    return model.tip is not None and model.frame().body >= 0
+
+
+def compare(first: Derivation, second: Derivation) -> Comparison:
+    """Two derivations of one model, subtracted term by term; true when they are identical
+    polynomials."""
+    a, b = first.equations.symbols, second.equations.symbols
+    if a.given != b.given:
+        raise FreebodyError("compare: the derivations are of different models.")
+    for derivation in (first, second):
+        if not METHODS[derivation.method].finds_torques:
+            raise FreebodyError(
+                f"compare: a derivation by {derivation.method} does not give joint torques."
+            )
+    if (a.formulas, a.turned, a.quarters) != (b.formulas, b.turned, b.quarters):
+        raise FreebodyError("compare: the derivations have other angles or parameters.")
+    if a.ring != b.ring:
+        raise FreebodyError("compare: one derivation has a load on the tip, the other has none.")
+    return Comparison(first, second)
+
+
+def _listed() -> str:
+    """The methods with their options, a line each, for a docstring."""
+    lines = []
+    for method in METHODS.values():
+        serves = "open chains" + (" and closed ones" if method.closed else "")
+        options = [
+            f"{option.name}={' | '.join(map(repr, option.choices))}: {option.words}"
+            for option in method.options
+        ]
+        also = f" Also called {', '.join(map(repr, method.aliases))}." if method.aliases else ""
+        own = f" Options: {'; '.join(options)}." if options else ""
+        lines.append(f"    {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}")
+    return "\n".join(lines)
+
+
+undrawn_derivation.__doc__ = f"{undrawn_derivation.__doc__ or ''}\n    Methods:\n{_listed()}\n"

@@ -1,0 +1,284 @@
+"""The drawings of a derivation: an arm with its names, and beside the steps the vectors, velocities
+and free bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial, wraps
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from freebody.errors import listed
+from freebody.expressions.expression import Expression, Symbol, nodes
+from freebody.expressions.printed_names import sym, vec
+from freebody.figures import colours
+from freebody.figures.drawing import Drawing, Element
+from freebody.figures.figure import save, to_one_scale
+from freebody.figures.kinematic import VIEWS
+from freebody.figures.labelling import labels_of
+from freebody.figures.layers import forces, geometry, motion
+from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
+from freebody.figures.svg import picture
+from freebody.figures.text import canonical, label
+from freebody.model.model import Model
+from freebody.outputs.numbers import significant
+from freebody_textbook.closed_chains.absolute import links_of
+from freebody_textbook.derivation import Derivation, Drawings, Step
+from freebody_textbook.derive import undrawn_derivation
+from freebody_textbook.drawings.moving import page_figure
+from freebody_textbook.living.living import living
+from freebody_textbook.methods import METHODS
+from freebody_textbook.methods.free_bodies import are_free
+from freebody_textbook.methods.free_body_steps import mass_symbol, thrusts_of
+from freebody_textbook.render.living_parts import LivingParts
+
+WIDE, TALL = 460.0, 400.0
+_FREE = "free "
+"""What the drawings of bodies that nothing holds begin with."""
+_DARK = "@media screen and (prefers-color-scheme:dark)"
+_LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
+"""Direction of the load on the tip in drawings."""
+
+
+@wraps(undrawn_derivation, assigned=("__doc__",))
+def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
+    """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
+    return replace(undrawn_derivation(model, method, **options), draw=drawings, enliven=_living)
+
+
+def _living(derivation: Derivation) -> LivingParts | None:
+    seen = _lettered(derivation)
+    drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
+    return drawing and living(
+        derivation, page_figure(derivation, seen, drawing, _spoken(derivation))
+    )
+
+
+def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
+    """SVG text for "overview" and for every figure that a step asks for and that can be drawn."""
+    shown = illustrations(derivation, labels).items()
+    return Drawings(
+        {name: picture(drawing, WIDE, TALL).inline() for name, drawing in shown},
+        colours.style(_DARK),
+    )
+
+
+def write_drawings(derivation: Derivation, document: Path, labels: str = "names") -> dict[str, str]:
+    """Each drawing as an SVG file beside a document; the files' names by figure, for
+    `Derivation.markdown`."""
+    names = {}
+    for name, drawing in illustrations(derivation, labels).items():
+        target = document.with_name(f"{document.stem}-{name.replace(' ', '-')}.svg")
+        save(picture(drawing, WIDE, TALL).text(), target, "a drawing")
+        names[name] = target.name
+    return names
+
+
+def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
+    """The same as data; labels: "names", "values" or "both"."""
+    labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
+    moving, spoken = _lettered(derivation), _spoken(derivation)
+    wanted: dict[str, Step | None] = {"overview": None}
+    for step in derivation.steps:
+        if step.figure:
+            wanted.setdefault(step.figure, step)
+    found, scales = {}, forces.scales_of(moving.loads)
+    for name, step in wanted.items():
+        weights = step is None or _has_weights(step)
+        seen = replace(moving, names=replace(moving.names, weights=weights))
+        drawing = _drawn(seen, name, scales)
+        if drawing is not None:
+            loaded = name.startswith(("free-body", "carried"))
+            if loaded and not weights and _is_heavy(seen, name):
+                drawing.notes = ["No weights: gravity is in the accelerations"]
+            drawing.notes += _vanishing(step, drawing) if step else []
+            if labels != "names" and step is None:
+                drawing.notes += _state(seen)
+            drawing.labels = labels
+            drawing.elements = [e for e in drawing.elements if _is_spoken_of(e, spoken)]
+            found[name] = drawing
+    single = [name for name in found if name.startswith("free-body")]
+    alike = [scales[int(name.split()[1]) - 1].longest for name in single]
+    to_one_scale([found[name] for name in single], WIDE, TALL, alike)
+    return found
+
+
+def _state(seen: Snapshot) -> list[str]:
+    """The state that values belong to, in words."""
+    arrays = (("q", seen.q), ("q̇", seen.qd), ("q̈", seen.qdd))
+    rows = [f"{name} = ({', '.join(significant(x) for x in array)})" for name, array in arrays]
+    if seen.wrenches is not None:
+        force = ", ".join(significant(x) for x in np.asarray(seen.wrenches)[: seen.model.dim])
+        rows.append(f"f = ({force}) N at the tip")
+    return [f"Values in these drawings: {rows[0]}", *rows[1:]]
+
+
+def _spoken(derivation: Derivation) -> set[str]:
+    """Labels of all symbols in the derivation's equations and in its table of symbols."""
+    printed: list[Expression] = [line for step in derivation.steps for line in step.equations]
+    printed += [x for row in derivation.glossary for x in row.symbols]
+    symbols = (x for line in printed for x in nodes(line) if isinstance(x, Symbol))
+    return {canonical(label(symbol)) for symbol in symbols}
+
+
+def _has_weights(step: Step) -> bool:
+    """Whether weights are among a step's forces; not where the accelerations contain gravity."""
+    used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol) and x.bold)
+    return any(x.name.rstrip("0123456789") == "g" for x in used)
+
+
+def _vanishing(step: Step, drawing: Drawing) -> list[str]:
+    """Forces and moments in the equations of a free body that are not drawn, in words."""
+    if not step.operation.startswith("Free body "):
+        return []
+    shown = {canonical(e.name.removeprefix("−")) for e in drawing.elements}
+    used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol))
+    loads = dict.fromkeys(x for x in used if x.letter in ("f", "n", "τ") and not x.dots)
+    missing = [label(x) for x in loads if canonical(label(x)) not in shown]
+    return [f"Zero in the drawn state: {', '.join(missing)}"] if missing else []
+
+
+def _is_heavy(seen: Snapshot, name: str) -> bool:
+    """Whether the body of a drawing `free-body N`, or what it carries, has a weight."""
+    alone = name.startswith("free-body") and not seen.pose.bodies[int(name.split()[1]) - 1].mass
+    return bool(np.any(seen.model.gravity)) and not alone
+
+
+_QUANTITIES = ("position", "velocity", "acceleration", "dimension", "angle", "z")
+
+
+def _is_spoken_of(element: Element, spoken: set[str]) -> bool:
+    """Whether an element is no vector, length or coordinate, or one that is spoken of."""
+    named = getattr(element, "label", "") and element.name not in ("X", "Y", "Z")
+    free = element.role not in _QUANTITIES or not named
+    return free or canonical(element.name) in spoken
+
+
+def _shown(derivation: Derivation) -> Snapshot:
+    """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
+    one."""
+    symbols = derivation.equations.symbols
+    drawn_by = [step.figure for step in derivation.steps if step.figure]
+    apart = any(not name.startswith(_FREE) for name in drawn_by)  # its joints taken apart
+    free = symbols.given is not None and not apart and are_free(symbols.given)
+    model = with_values(symbols.given if free and symbols.given else symbols.model)
+    still = np.zeros(model.nv) if METHODS[derivation.method].at_rest else None
+    load = _tip_load(model) if "fx" in symbols.extra else None
+    q = None if still is None else resting_pose(model, load)
+    links = set(links_of(symbols)) if symbols.model.loops else set()
+    unseen = frozenset(k for k, at in enumerate(symbols.tree.body_of) if at in links)
+    return replace(snapshot(model, q, still, still, load), links=unseen)
+
+
+def _lettered(derivation: Derivation) -> Snapshot:
+    """The state that is shown, in the letters of the derivation."""
+    seen = _shown(derivation)
+    naming = replace(seen.names.naming, letters=derivation.lettering)
+    return replace(seen, names=replace(seen.names, naming=naming))
+
+
+def _tip_load(model: Model) -> list[float]:
+    """A force on the tip of a good part of the robot's weight, or of 10 N where there is none."""
+    size = 0.6 * model.mass * float(np.linalg.norm(model.gravity)) or 10.0
+    return [*(size * x for x in _LOAD[model.dim]), *[0.0] * (1 if model.dim == 2 else 3)]
+
+
+def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing | None:
+    """The drawing that a step calls by its name; None where there is none of this robot. scales: of
+    each body drawn alone."""
+    dim = seen.model.dim
+    kind, _, number = name.rpartition(" ")
+    if kind == "free-body":
+        body = seen.pose.bodies[int(number) - 1]
+        return forces.alone(seen, body, forces.BOOK[dim], scales[body.index])
+    if name.startswith(_FREE):
+        return _free(seen, int(number))
+    if kind in ("carried", "partial") and dim == 3:
+        return None
+    if kind == "carried":
+        return forces.carried(seen, seen.pose.bodies[int(number) - 1])
+    if kind == "partial":
+        moved = [str(n) for n in seen.names.naming.together(int(number))]
+        only = f"only joint {number} moves," if len(moved) == 1 else ""
+        only = only or f"only joints {listed(moved)} move, joint {number}"
+        note = f"Partial velocities: {only} at unit rate"
+        alone = partial(motion.partial_of_centres, joint=int(number))
+        layers: tuple[Layer, ...] = (*_GEOMETRY, alone)
+    elif name in _RECIPES[dim]:
+        note, layers = _RECIPES[dim][name]
+        if name == "overview" and not any(body.kind.holds for body in seen.model.bodies):
+            note = _UNHELD
+    else:
+        return None
+    drawing = drawn(seen, note.lower(), layers, faint=name == "tip")
+    drawing.notes = [note]
+    return drawing
+
+
+def _free(seen: Snapshot, number: int) -> Drawing:
+    """A body that nothing holds, with its thrusts."""
+    own = {x: f.name for x, f in thrusts_of(seen.model).items() if f.body == number - 1}
+    names = {canonical(label(sym(x))): frame for x, frame in own.items()}
+    mass = canonical(label(mass_symbol(seen.model, number - 1)))
+    return forces.pushed(seen, seen.pose.bodies[number - 1], names, mass)
+
+
+def _load(drawing: Drawing, seen: Snapshot) -> None:
+    """The force on the tip, if there is one."""
+    if seen.wrenches is not None:
+        forces.act(drawing, seen, seen.pose.bodies[seen.model.frame().body], ("external",))
+
+
+def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
+    """Position of the tip, its velocity and its acceleration, with the joints' rates, on layers."""
+    r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
+    rates, second = motion.rates, partial(motion.rates, second=True)
+    to_tip = partial(geometry.to_tip, name=r)
+    velocity = partial(motion.of_tip, name=v)
+    acceleration = partial(motion.of_tip, name=a, second=True)
+    return {
+        "tip": ("Position of the tip", (*layers, geometry.links, to_tip)),
+        "tip velocity": ("The velocity of the tip", (*layers, rates, velocity)),
+        "tip acceleration": ("The acceleration of the tip", (*layers, second, acceleration)),
+    }
+
+
+_LENGTHS: tuple[Layer, ...] = (
+    geometry.all_lengths, geometry.of_the_ground, geometry.of_rods,
+)  # fmt: skip
+_GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.slides, geometry.centres)
+_BESIDE: tuple[Layer, ...] = (
+    geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
+    geometry.to_centres, geometry.directions,
+)  # fmt: skip
+_UNHELD = "The body in a pose where its axes are those of the world"
+_PLANE, _SPACE = VIEWS[2], VIEWS[3]
+_RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
+    2: {
+        "overview": (
+            "Coordinates, lengths and centres of mass", (*_GEOMETRY, *_LENGTHS, _load)
+        ),
+        "vectors": ("The vectors, drawn beside the bodies they lie on", _BESIDE),
+        "centres": ("Where the centres of mass are", _PLANE["centres"]),
+        "velocities": (
+            "Joint rates and velocities of the centres of mass", _PLANE["velocities"]
+        ),
+        "accelerations": (
+            "Joint accelerations and accelerations of the centres of mass", _PLANE["accelerations"]
+        ),
+        **_tip(geometry.angles, geometry.slides),
+    },
+    3: {
+        "overview": (
+            "Joint axes and joint variables",
+            (*_SPACE["frames"], geometry.measured_centres, *_LENGTHS, _load),
+        ),
+        "vectors": ("Vectors from joint to joint, and centres of mass", _SPACE["vectors"]),
+        **_tip(geometry.variables),
+    },
+}  # fmt: skip
+"""By dimension and by the name that steps give them: a line of words, and the layers."""

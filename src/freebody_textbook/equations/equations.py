@@ -1,0 +1,193 @@
+"""The equations of motion in closed form: M(q) q̈ + c(q, q̇) + g(q) + friction and springs =
+tau."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from os import PathLike
+from typing import Any
+
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Equation, operations
+from freebody.expressions.notations.lettering import lettered_for, lettering_of
+from freebody.expressions.notations.notation import PRESETS, BookNotation, notation_of, preset
+from freebody.expressions.polynomials.symbols import symbols
+from freebody.expressions.typesetting.mathml import MATHML, NAMESPACE
+from freebody.model.model import Model
+from freebody.model.parameters import finite, with_parameters
+from freebody.outputs.display import Titled
+from freebody.scalars.trig import Trig
+from freebody_textbook.equations import equation_views, source_code
+from freebody_textbook.equations.base_parameters import base_view
+from freebody_textbook.equations.closed_form import ClosedForm
+from freebody_textbook.equations.equation_views import in_terms
+from freebody_textbook.equations.intermediates import intermediates
+from freebody_textbook.render import page
+from freebody_textbook.render.sympy import to_sympy
+
+Names = str | PathLike[str] | BookNotation
+"""A notation, or "standard"."""
+NAMINGS = ("notes", "standard", *PRESETS[1:])
+VIEWS = ("auto", "named", "expanded", "intermediates", "base")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Equations(Titled, ClosedForm):
+    """Closed forms of a model, exact polynomials in normal form, and how they read: equal means
+    identical."""
+
+    def _title(self) -> str:
+        s = self.symbols
+        return f"Equations of motion of {s.model.name!r} in closed form: {', '.join(s.coordinates)}"
+
+    # ------------------------------------------------------------ for the reader
+    @property
+    def parameters(self) -> dict[str, float | None]:
+        """The parameters that the equations hold by name, with their values where they have one."""
+        used = set(self.symbols.ring.names)
+        return {
+            name: value for name, value in self.symbols.model.parameters.items() if name in used
+        }
+
+    def intermediates(self) -> list[Equation]:
+        """Inverse dynamics by named intermediates, each line in terms of those before: see
+        `intermediates`."""
+        self.symbols.require_plain("intermediates")
+        return intermediates(self.symbols)
+
+    def groups(self, view: str = "named", names: Names = "notes") -> list[list[Equation]]:
+        """The equations of a view: "named", "expanded", "intermediates" or "base"."""
+        standard = names == "standard"
+        if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
+            raise UnknownNameError("naming", names, "Equations", NAMINGS)
+        notation = preset("notes") if standard else notation_of(names)
+        if notation.parameters or notation.absolute or notation.quarter_turns:
+            raise FreebodyError(
+                f"Equations: the notation {notation.name!r} has angles or parameters of its own; "
+                "fb.derive(model, notation=...) writes equations with them."
+            )
+        letters = equation_views.STANDARD if standard else in_terms(notation.terms)
+        if view == "intermediates":
+            groups = [self.intermediates()]
+        elif view == "expanded":
+            groups = equation_views.expanded(self, self.layout)
+        elif view == "base":
+            groups = base_view(self, letters)
+        elif view in ("named", "auto"):
+            groups = equation_views.named(self, self.layout, letters)
+        else:
+            raise UnknownNameError("view", view, "Equations", VIEWS)
+        if standard or notation is preset("notes"):
+            return groups
+        lines = [line for group in groups for line in group]
+        lettering = lettering_of(notation, self.symbols.model, self.symbols.coordinates)
+        lettering = lettered_for(lettering, lines)
+        return [[lettering.line(line) for line in group] for group in groups]
+
+    def operations(self, view: str = "named") -> dict[str, int]:
+        """Additions, multiplications and functions that a view takes, line by line as printed."""
+        total: Counter[str] = Counter(additions=0, multiplications=0, functions=0)
+        for line in (line for group in self.groups(view) for line in group):
+            total.update(operations(line))
+        return dict(total)
+
+    def text(self, view: str = "auto", names: Names = "notes", width: int = 100) -> str:
+        """The equations for a terminal.
+
+        view: "named" (τ by H, h, G and what these are), "expanded" (τ written out), "intermediates"
+        (the recursion line by line), "base" (named, by the fewest combinations of masses and
+        inertias), "auto" (named where that is short, else how long it is).
+        names: "notes" (H_ij, h, G_i), "standard" (M_ij, c_i, g_i), or another notation, as for
+        `check`.
+        """
+        if view == "auto" and not self.is_short:
+            return "\n".join(map(str, self._told()))
+        return page.text(self.groups(view, names), width)
+
+    def latex(
+        self, view: str = "auto", names: Names = "notes", environment: str = "aligned"
+    ) -> str:
+        """The same as an amsmath environment, without dollar signs; "align*" in a document breaks
+        across pages."""
+        if view == "auto" and not self.is_short:
+            lines = " \\\\ ".join(line.latex() for line in self._told())
+            return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
+        return page.latex(self.groups(view, names), environment)
+
+    def mathml(self, view: str = "auto", names: Names = "notes") -> str:
+        """The same as one `<math>` element."""
+        if view == "auto" and not self.is_short:
+            rows = (f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._told())
+            return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
+        return page.html(self.groups(view, names), alone=True)
+
+    def _told(self) -> list[ex.Expression]:
+        """How long they are that nobody reads."""
+        return [
+            ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),
+            ex.words(
+                f"view='intermediates': the recursion, in {len(self.intermediates())} lines; "
+                "view='named' or 'expanded': all terms."
+            ),
+        ]
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.latex()}$"
+
+    # ------------------------------------------------------------ for other programs
+    def to_sympy(self) -> dict[str, Any]:
+        """SymPy matrices M, C, c, g, drives, tau and expressions T, V; symbols are named as in code
+        and real.
+
+        SymPy is an extra: `pip install 'freebody[sympy]'`. Raises MissingPackageError.
+        """
+        names = ("M", "C", "c", "g", "drives", "tau", "T", "V")
+        return {name: to_sympy(self._expression(getattr(self, name))) for name in names}
+
+    def _expression(self, x: Any) -> ex.Expression:
+        """A polynomial, a vector or a matrix of them as one expression."""
+        if isinstance(x, Trig):
+            return self.form(x)
+        if isinstance(x[0], Trig):
+            return ex.vector(*map(self.form, x))
+        return ex.matrix([map(self.form, row) for row in x])
+
+    def python(self) -> str:
+        """Source of a Python function dynamics(q, qd, qdd, parameters…) that returns M, c, G,
+        tau."""
+        return source_code.python(self)
+
+    def c_source(self) -> str:
+        """Source of a C function of the same, the closed form term by term; long arms are shorter
+        with `fb.source`."""
+        return source_code.c(self)
+
+    def substitute(self, **numbers: float) -> Equations:
+        """The equations with numbers in place of some parameters."""
+        self.symbols.require_plain("substitute")
+        known = self.parameters
+        for name in numbers:
+            if name not in known:
+                raise UnknownNameError("parameter", name, "the equations", known)
+        model = with_parameters(
+            self.symbols.model,
+            lambda p: finite(numbers[p.name], p.name) if p.name in numbers else p,
+        )
+        return equations(model, self.symbols.reader.numbers)
+
+
+def equations(model: Model, numbers: bool = False) -> Equations:
+    """The closed-form equations of a model; `numbers` puts in the values of its parameters.
+
+    Raises FreebodyError for spherical and free joints, and for joints that follow another by a
+    ratio that is not whole.
+    """
+    model.require_tree("equations")
+    if numbers:
+        model.require_values("equations in numbers")
+    return Equations(symbols(model, numbers))

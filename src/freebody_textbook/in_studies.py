@@ -1,0 +1,46 @@
+"""The equations of motion in the report, where they are short enough to read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from freebody.model.model import Model
+from freebody_textbook.equations.base_parameters import short_by_base
+from freebody_textbook.equations.equations import equations
+from freebody_textbook.render import page
+
+JOINTS = 4
+"""Joints up to which a robot's equations are looked at."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Equations as MathML; base: whether they are in base parameters, which stand below them."""
+
+    mathml: str
+    base: bool
+
+
+def shown(model: Model) -> Shown | None:
+    """The equations of a small arm, by base parameters where only that is short; None where neither
+    is."""
+    if not _has_closed_form(model):
+        return None
+    closed = equations(model)
+    if closed.is_short:
+        return Shown(closed.mathml("named"), base=False)
+    groups = short_by_base(closed)
+    return None if groups is None else Shown(page.html(groups, alone=True), base=True)
+
+
+def _has_closed_form(model: Model) -> bool:
+    """Whether there are few joints of one coordinate each, none that follows another, and no
+    loop."""
+    bodies = model.bodies
+    simple = all(body.kind.turns or body.kind.slides for body in bodies)
+    return (
+        len(bodies) <= JOINTS
+        and simple
+        and all(b.joint.mimic is None for b in bodies)
+        and not model.loops
+    )

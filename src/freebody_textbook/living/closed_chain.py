@@ -1,0 +1,209 @@
+"""Closed chains in a page: what loops do to bodies, as the multipliers make it, and the equations
+by which the page closes the loops."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.algorithms.kinematics import frame_pose
+from freebody.arrays import Array
+from freebody.expressions.expression import Expression
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.lazy import cached_property
+from freebody.model.joints import KINDS
+from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.tree import TreeLoop
+from freebody.spatial import times
+from freebody_textbook.closed_chains.first_kind import multiplier_names
+from freebody_textbook.living.body_quantities import vector
+from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.methods.cut_loops import Loops
+from freebody_textbook.methods.loop_forces import LoopReactions
+from freebody_textbook.methods.setting import Setting
+
+_ASIDE, _STEPS, _CLOSED = 0.05, 20, 1e-10
+
+
+def _rank(matrix: Array) -> int:
+    """The number of independent rows, at a position that is known to 1e-12 or so."""
+    return int(np.linalg.matrix_rank(matrix, rtol=1e-8))
+
+
+@dataclass(frozen=True)
+class LoopEnd:
+    """Where a loop acts on a body: the point, force and moment, and what they are called."""
+
+    place: Any
+    force: Any
+    moment: Any
+    """None of a loop that transmits none."""
+    sign: int
+    names: tuple[Expression, Expression]
+    """Of force and moment."""
+
+
+class ClosedChain:
+    """The closed chain of a derivation, over polynomials or over the scalars of a program."""
+
+    key = "loop"
+    why = "by the loops"
+
+    def __init__(self, setting: Setting, kernel: PageProgram, start: Sequence[float]):
+        """start: coordinates at which the loops are closed."""
+        self.s, self.at_rest = setting, setting.at_rest
+        self._kernel, self._start = kernel, start
+        self.loops = Loops(self.s)
+        self.reactions = LoopReactions(self.s, self.loops)
+
+    @property
+    def passive(self) -> tuple[int, ...]:
+        """Bodies whose joints have no motor: as many as loop equations, which determine their
+        coordinates."""
+        return tuple(i for i in self.s.order if not self.s.driven(i))
+
+    @cached_property
+    def dependent(self) -> tuple[int, ...]:
+        """Bodies whose coordinates the page computes: those without motor; where every joint has
+        one, the last that the loops determine."""
+        if self.passive:
+            return self.passive
+        _, jacobian = self._at(np.array(self._start))
+        chosen: list[int] = []
+        for i in reversed(self.s.order):
+            tried = [*chosen, i]
+            if _rank(jacobian[:, [self.s.index(k) for k in tried]]) == len(tried):
+                chosen = tried
+        return tuple(chosen)
+
+    @cached_property
+    def is_served(self) -> bool:
+        """Whether the loops determine the coordinates that are not driven, and no loop slides, so
+        that both ends of what it transmits are at one point."""
+        closures = [loop.closure for loop in self.s.tree.loops]
+        if any(x.slides or (x.turns and not x.point) for x in closures):
+            return False
+        regular = len(self.dependent) == len(self.loops.equations.names)
+        return regular or (not self.passive and self._is_redundant)
+
+    @property
+    def _is_redundant(self) -> bool:
+        """Whether equations that depend on each other at the start do so after a motion too, which
+        leaves them satisfied."""
+        solved = [self.s.index(i) for i in self.dependent]
+        free = [k for k in range(len(self._start)) if k not in solved]
+        q = np.array(self._start)
+        q[free[:1]] += _ASIDE
+        for _ in range(_STEPS if free else 0):
+            phi, jacobian = self._at(q)
+            q[solved] -= np.linalg.lstsq(jacobian[:, solved], phi, rcond=None)[0]
+        phi, jacobian = self._at(q)
+        return bool(free) and _rank(jacobian) == len(solved) and bool(np.abs(phi).max() < _CLOSED)
+
+    def _at(self, q: Array) -> tuple[Array, Array]:
+        """Φ and Φ_q at coordinates, with the model's values."""
+        equations, model = self.loops.equations, self.s.symbols.model
+        known = {name: x for name, x in model.parameters.items() if x is not None}
+        state = {**known, **dict(zip(self.s.symbols.coordinates, q, strict=True))}
+        entries = [*equations.Phi, *(x for row in equations.Phi_q for x in row)]
+        values, m = self._kernel.at_random(entries, **state)[:, 0], len(equations.names)
+        return values[:m], values[m:].reshape(m, -1)
+
+    # ------------------------------------------------------------ what is drawn
+    def ends(self, n: int) -> list[LoopEnd]:
+        """Where loops act on body n."""
+        i = self.s.order[n - 1]
+        return [self._end(loop, frame, i) for loop, frame in self._acting(i)]
+
+    def _end(self, loop: TreeLoop, frame: str, i: int) -> LoopEnd:
+        force, moment = (vector(self.s, v) for v in self.loops.wrench(loop))
+        names = self.loops.force_name(loop), self.loops.moment_name(loop)
+        turning = None if not loop.closure.turns else moment[0] if self.s.planar else moment
+        sign = 1 if self.loops.acts(loop, i) else -1
+        return LoopEnd(self._place(frame), force, turning, sign, names)
+
+    def _place(self, frame: str) -> tuple[Any, ...]:
+        return vector(self.s, frame_pose(self.s.tree, self.s.world, frame)[1])
+
+    def _acting(self, i: int) -> list[tuple[TreeLoop, str]]:
+        return [
+            (loop, frame)
+            for loop in self.s.tree.loops
+            for frame, k in zip(loop.frames, self.loops.ends(loop), strict=True)
+            if k == i
+        ]
+
+    def _symbol(self, kernel: PageProgram, loop: TreeLoop) -> dict[str, Any]:
+        """Of what closes a loop: marks at its places, in space solids."""
+        dim = self.s.symbols.model.dim
+        given = next(x for x in self.s.symbols.model.loops if x.name == loop.name)
+        kind = KINDS[LOOP_KINDS[given.kind].symbol(dim)]
+        places = [kernel.places(self._place(frame)) for frame in loop.frames]
+        solids = [
+            {"at": places[1], "axis": kernel.places(self._along(loop, given.axis)),
+             "size": [part.radius, part.half, part.sides]}
+            for part in (kind.solids if dim == 3 and given.axis else ())
+        ]  # fmt: skip
+        return {"at": places, "mark": "" if solids else kind.mark, "solids": solids}
+
+    def _along(self, loop: TreeLoop, axis: tuple[float, ...]) -> tuple[Any, ...]:
+        R, _ = frame_pose(self.s.tree, self.s.world, loop.frames[0])
+        return vector(self.s, times(R, axis))
+
+    # ------------------------------------------------------------ what closes it
+    @property
+    def solved_names(self) -> tuple[str, ...]:
+        """Symbols that the page computes from the others."""
+        names = [self.s.coordinate(i) for i in self.dependent]
+        dots = ("",) if self.at_rest else ("", RATE, SECOND)
+        multipliers = multiplier_names(self.loops.equations) if self.passive else ()
+        return (*(name + dot for dot in dots for name in names), *multipliers)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Symbols that the page needs for it."""
+        dots = ("",) if self.at_rest else ("", RATE, SECOND)
+        coordinates = [self.s.coordinate(i) for i in self.s.order]
+        multipliers = multiplier_names(self.loops.equations)
+        return (*(name + dot for dot in dots for name in coordinates), *multipliers)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Of the multipliers: a rod's equation is that of a distance squared."""
+        names = multiplier_names(self.loops.equations)
+        return {
+            names[k]: "N/m" if loop.closure.distance else "N"
+            for loop in self.s.tree.loops
+            for k in self.loops.equations.rows(loop)
+        }
+
+    def _pressed(self, k: int) -> Any:
+        """What the loops press on a coordinate, of Φ_qᵀ λ."""
+        names = multiplier_names(self.loops.equations)
+        parts = zip(self.loops.equations.Phi_q, names, strict=True)
+        return sum((row[k] * self.s.symbols.ring[x] for row, x in parts), self.s.symbols.zero())
+
+    def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
+        """Places of Φ, Φ_q, c and of what joints without motor would have to give without the
+        loops; which inputs are found from these; and where massless rods reach from and to."""
+        equations, s = self.loops.equations, self.s
+        free = [self.reactions.motor(i) - self._pressed(s.index(i)) for i in self.passive]
+        dots = {"q": ""} | ({} if self.at_rest else {"qd": RATE, "qdd": SECOND})
+        return {
+            "rods": [
+                [kernel.places(self._place(frame)) for frame in loop.frames]
+                for loop in s.tree.loops
+                if loop.closure.distance
+            ],
+            "symbols": [self._symbol(kernel, loop) for loop in s.tree.loops],
+            "phi": [kernel.places(x)[0] for x in equations.Phi],
+            "jacobian": [kernel.places(tuple(row)) for row in equations.Phi_q],
+            "c": [] if self.at_rest else [kernel.places(x)[0] for x in equations.c],
+            "need": [kernel.places(x)[0] for x in free],
+            "solved": [s.index(i) for i in self.dependent],
+            "multipliers": [inputs[name] for name in multiplier_names(equations)],
+            **{key: [inputs[x + dot] for x in s.symbols.coordinates] for key, dot in dots.items()},
+        }

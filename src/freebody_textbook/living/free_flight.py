@@ -1,0 +1,121 @@
+"""A free body that thrusts push, such as the quadrotor, in a page: its accelerations follow from
+the thrusts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from freebody.expressions.notations.lettering import Lettering
+from freebody.expressions.polynomials.symbols import RATE
+from freebody.expressions.printed_names import sym
+from freebody.spatial import add, scale, sub, times
+from freebody_textbook.living.body_quantities import vector
+from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_figure import Labels
+from freebody_textbook.methods.free_bodies import velocity_names
+from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
+from freebody_textbook.methods.setting import Setting
+
+_AXES = "xyz"
+
+
+class FreeFlight:
+    """One body; its velocities are components in its own axes. setting: over the scalars of a
+    program."""
+
+    key = "free"
+    why = "by the thrusts"
+
+    def __init__(self, setting: Setting):
+        self.s = setting
+        given = setting.symbols.given or setting.symbols.model
+        self._thrusts = thrusts_of(given)
+        self._moving = [x for x in velocity_names(given) if x not in self._thrusts]
+        self.is_served = len(given.bodies) == 1 and bool(self._thrusts)
+        self._missing: Any = ()
+
+    @property
+    def _body(self) -> int:
+        return self.s.order[-1]
+
+    @property
+    def solved_names(self) -> tuple[str, ...]:
+        """The accelerations."""
+        return tuple(x for x in self._moving if x.endswith(RATE))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Symbols that the page needs for it."""
+        return self.solved_names
+
+    def start(self) -> dict[str, float]:
+        """At the origin and level, with thrusts that bear the weight."""
+        given = self.s.symbols.given or self.s.symbols.model
+        mass = part_with_mass(given.bodies[0]).inertia.mass
+        weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
+        level = dict.fromkeys(self.s.symbols.coordinates, 0.0)
+        return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
+
+    def quantities(self) -> dict[str, Any]:
+        """What lines do not define themselves: symbols, velocities as vectors, gravity."""
+        ring = self.s.symbols.ring
+        own = (*self.s.symbols.coordinates, *self._moving, *self._thrusts)
+        found: dict[str, Any] = {x: ring[x] for x in ring.names if x in own or "_" not in x}
+        for letter in ("v", "omega"):
+            for dots in ("", RATE):
+                found[letter + dots] = tuple(ring[f"{letter}_{x}{dots}"] for x in _AXES)
+        return found | {"gravity": vector(self.s, self.s.tree.gravity)}
+
+    def _pushes(self) -> list[tuple[str, Any, Any]]:
+        """Name, force and place of each thrust, in the body's axes."""
+        found = []
+        for name, frame in self._thrusts.items():
+            _, R, p = self.s.tree.frames[frame.name]
+            along = tuple(row[2] for row in R)
+            found.append((name, scale(self.s.symbols.ring[name], along), p))
+        return found
+
+    def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
+        """What is drawn, seen from the body's origin: its weight and the thrusts."""
+        R, at = self.s.world[self._body]
+        centre = sub(self.s.centre_position(self._body), at)
+        weight = scale(self.s.mass(self._body), self.s.tree.gravity)
+        given = self.s.symbols.given or self.s.symbols.model
+        mass = labels.figure.formula(letters(mass_symbol(given, 0)))
+        acting = [("weight", labels.number(f"{mass} *g*"), weight, centre)]
+        acting += [
+            ("external", labels.of(letters(sym(name))), times(R, force), times(R, p))
+            for name, force, p in self._pushes()
+        ]
+        return {
+            "joint": kernel.places((0.0, 0.0, 0.0)), "from": kernel.places((0.0, 0.0, 0.0)),
+            "centre": kernel.places(vector(self.s, centre)),
+            "ends": [kernel.places(vector(self.s, times(R, p))) for _, _, p in self._pushes()],
+            "parent": -1, "slides": False, "pins": [], "alone": True, "link": False, "held": False,
+            "moments": [], "mark": "", "solids": [], "heavy": True, "holds": False, "names": {},
+            "forces": [
+                {"kind": kind, "at": kernel.places(vector(self.s, place)),
+                 "is": kernel.places(vector(self.s, force)), "sign": 1, "name": name}
+                for kind, name, force, place in acting
+            ],
+        }  # fmt: skip
+
+    def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
+        """The accelerations and places of what is missing for them, which is linear in them."""
+        return {
+            "accelerations": [inputs[name] for name in self.solved_names],
+            "needs": kernel.places(self._missing),
+        }
+
+    def need(self, quantities: Mapping[str, Any]) -> bool:
+        """Keep what force and moment are missing, by the lines that tell f and n; whether there
+        are such lines."""
+        force = moment = vector(self.s, (0.0, 0.0, 0.0))
+        for _, push, p in self._pushes():
+            force, moment = add(force, push), add(moment, self.s.tree.space.moment(p, push))
+        needed = tuple(quantities.get(f"{letter}_{x}") for letter in "fn" for x in _AXES)
+        if any(x is None for x in needed):
+            return False
+        self._missing = sub(needed, (*force, *moment))
+        return True

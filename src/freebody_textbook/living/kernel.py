@@ -1,0 +1,121 @@
+"""A JavaScript function of everything that a page shows: in, the symbols of the equations; out, the
+values of names and lines."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from freebody import elementary
+from freebody.arrays import Array
+from freebody.expressions.evaluate import Rules, arithmetic, evaluate
+from freebody.expressions.expression import Expression, Function, Symbol
+from freebody.program import Argument, Program, trace
+from freebody.program.evaluate import evaluated, values
+from freebody.program.passes import drop_dead, share_reciprocals
+from freebody.scalars.expr import Expr, Graph
+from freebody.targets.text import LANGUAGES, Unit
+from freebody_textbook.relations.formula_values import rank
+
+NAME = "live"
+"""Of the function: y = live(x, y)."""
+
+_FUNCTIONS = {"sin": elementary.sin, "cos": elementary.cos, "sgn": elementary.sign}
+
+
+def entries(x: Any) -> tuple[Any, ...]:
+    """The entries of a vector; a scalar alone."""
+    return tuple(x) if rank(x) else (x,)
+
+
+class PageProgram:
+    """Values that are asked for one by one get places in its output y; then it has a source.
+
+    names: of all symbols. form: of a polynomial, the formula by which it is evaluated.
+    """
+
+    def __init__(self, names: Iterable[str], form: Callable[[Any], Expression]):
+        self._graph, self._form = Graph(), form
+        self.inputs = {name: self._graph.input(name) for name in names}
+        self._places: dict[int, int] = {}
+        self._rules: Rules = {
+            **arithmetic(lambda number: number.numerator / number.denominator),
+            Symbol: lambda node, at: self.inputs[node.name],
+            Function: lambda node, at: _FUNCTIONS[node.name](at(node.argument)),
+        }
+
+    def places(self, value: Any) -> list[int]:
+        """Where in y the entries of a value will be; equal ones have one place."""
+        indices = [self._graph.operand(self._scalar(x)) for x in entries(value)]
+        return [self._places.setdefault(index, len(self._places)) for index in indices]
+
+    def _scalar(self, x: Any) -> Any:
+        if isinstance(x, Expr | Real):
+            return x
+        return evaluate(x if isinstance(x, Expression) else self._form(x), self._rules)
+
+    @property
+    def size(self) -> int:
+        """Length of y."""
+        return len(self._places)
+
+    def _program(self, results: Iterable[int]) -> Program:
+        graph, wanted = self._graph, tuple(results)
+        return drop_dead(
+            Program(
+                NAME,
+                (Argument("x", (len(self.inputs),)),),
+                (Argument("y", (len(wanted),)),),
+                tuple(graph.op), tuple(graph.a), tuple(graph.b), tuple(graph.values), wanted,
+                tuple(graph.c),
+            )
+        )  # fmt: skip
+
+    @property
+    def used(self) -> frozenset[str]:
+        """Names of the symbols that what was asked for depends on."""
+        program, names = self._program(self._places), tuple(self.inputs)
+        return frozenset(
+            names[a] for op, a in zip(program.op, program.a, strict=True) if op == "input"
+        )
+
+    def at_random(self, scalars: Sequence[Any], **given: float) -> Array:
+        """Values (k, 4) of scalars at states that are random but for what is given, and the same at
+        each call."""
+        program = self._program(self._graph.operand(self._scalar(x)) for x in scalars)
+        states = np.random.default_rng(20191).uniform(0.3, 1.7, (len(self.inputs), 4))
+        for name, value in given.items():
+            states[list(self.inputs).index(name)] = value
+        held = values(program, (tuple(states),))
+        return np.array([np.broadcast_to(held[i], 4) for i in program.results]).reshape(-1, 4)
+
+    def source(self, inputs: Sequence[str]) -> str:
+        """A plain script with the function; x are the symbols `inputs` in this order."""
+        whole = self._program(self._places)
+
+        def live(x: Sequence[Any]) -> dict[str, Any]:
+            given = dict(zip(inputs, x, strict=True))
+            (found,) = evaluated(whole, (tuple(given.get(name, 0.0) for name in self.inputs),))
+            return {"y": np.array(found, dtype=object)}
+
+        program = share_reciprocals(trace(NAME, live, (Argument("x", (len(inputs),)),), None))
+        return _CONSTANTS.sub(_in_one, LANGUAGES["javascript-script"].emit(Unit(program, NAME)))
+
+
+_CONSTANTS = re.compile(r"(?m)(?:^ *const [^\n]*;\n)+")
+
+
+def _in_one(lines: re.Match[str]) -> str:
+    """One declaration in the place of one a line, without blanks: a third of a long program is
+    `const`."""
+    declared = [line.strip().removeprefix("const ")[:-1] for line in lines[0].splitlines()]
+    joined = _BLANKS.sub(r"\1", ",\n".join(declared))
+    return f"const {joined};\n"
+
+
+_BLANKS = re.compile(r" ([-+*/=]) (?![-+])")
+"""Around an operator, but where it would join another."""

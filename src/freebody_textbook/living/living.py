@@ -1,0 +1,318 @@
+"""A page that can be tried: sliders for whatever the equations hold, a drawing with free bodies,
+the values of all lines, and answers that are checked before a line is seen."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import zlib
+from base64 import b64encode
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+from typing import Any
+
+from freebody.expressions.expression import Symbol
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.naming import Naming
+from freebody.expressions.notations.lettering import Lettering
+from freebody.expressions.notations.notation import PRESETS
+from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
+from freebody.expressions.polynomials.typical_values import typical
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.derivation import Derivation
+from freebody_textbook.living.answers import PageAnswers
+from freebody_textbook.living.body_quantities import body_quantities
+from freebody_textbook.living.closed_chain import ClosedChain
+from freebody_textbook.living.drawn_bodies import DrawnBodies
+from freebody_textbook.living.free_flight import FreeFlight
+from freebody_textbook.living.free_joints import FreeJoints
+from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.line_units import LineUnits, is_velocity, units_of_symbols
+from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
+from freebody_textbook.living.page_figure import Labels, PageFigure
+from freebody_textbook.living.panel import below, panel
+from freebody_textbook.living.traced import TracedSetting, TracedSymbols
+from freebody_textbook.methods import METHODS
+from freebody_textbook.methods.free_bodies import are_free
+from freebody_textbook.methods.method import LOADS
+from freebody_textbook.methods.reactions import SolvedReactions
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.relations.formula_values import rank
+from freebody_textbook.relations.quantities import Quantities, branches
+from freebody_textbook.render.living_parts import LivingParts
+
+MOST_JOINTS = 4
+"""Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
+as polynomials, which proves them."""
+MOST_BODIES = 30
+"""Of robots with more, numbers would make a page too large."""
+_WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
+"""The end of a slider, by unit; of other units three times the value, at least 1."""
+
+SCRIPTS = (
+    "unpacked.js", "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
+    "free_bodies.js", "closing.js", "answers.js", "page.js",
+)  # fmt: skip
+"""The page's own script in its parts."""
+
+Following = ClosedChain | FreeFlight | FreeJoints
+"""What follows in a page from what is set."""
+
+
+def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
+    """The living parts of a derivation's page; None of a robot for which there are none: of closed
+    chains they are made where the drives determine the motion and no loop slides."""
+    plain = derivation.plain or derivation
+    symbols = plain.equations.symbols
+    if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
+        return None
+    flies = are_free(symbols.given or symbols.model)
+    turned = symbols.turned or any(symbols.quarters)
+    if (flies and symbols.is_rewritten) or (symbols.model.loops and turned):
+        return None
+    kernel = PageProgram(symbols.ring.names, plain.equations.layout.form)
+    labels = Labels(figure)
+    if flies:
+        return _flying(derivation, kernel, labels)
+    setting = _setting(plain, kernel)
+    start = [figure.start[x] for x in symbols.coordinates] if symbols.model.loops else []
+    closed = ClosedChain(setting, kernel, start) if symbols.model.loops else None
+    if closed and not closed.is_served:
+        return None
+    found, drawn = _values(plain, setting, closed, kernel)
+    naming = Naming(symbols.model, letters=derivation.lettering)
+    bodies = DrawnBodies(kernel, drawn, naming, setting, closed, labels)
+    following = closed or FreeJoints(plain, drawn)
+    places = {"tip": bodies.tip(), "points": bodies.points()}
+    return _parts(derivation, kernel, found, bodies.all(), following, labels, places)
+
+
+def _flying(derivation: Derivation, kernel: PageProgram, labels: Labels) -> LivingParts | None:
+    plain = derivation.plain or derivation
+    symbols = TracedSymbols.of(plain.equations.symbols, kernel.inputs)
+    flight = FreeFlight(TracedSetting(symbols))
+    if not flight.is_served:
+        return None
+    found = traced_values(plain, flight.quantities(), kernel)
+    if not flight.need(found.quantities):
+        return None
+    bodies = [flight.body(kernel, labels, derivation.lettering)]
+    figure = replace(labels.figure, start=flight.start())
+    labels = replace(labels, figure=figure)
+    return _parts(derivation, kernel, found, bodies, flight, labels, {"tip": bodies[0]["joint"]})
+
+
+def _parts(
+    derivation: Derivation,
+    kernel: PageProgram,
+    found: LineValues,
+    bodies: list[dict[str, Any]],
+    following: Following,
+    labels: Labels,
+    marked: Mapping[str, Any],
+) -> LivingParts:
+    """marked: places in the kernel of the tip, if there is one, and of further points."""
+    plain, letters = derivation.plain or derivation, derivation.lettering
+    spoken = dict.fromkeys(name for line in found.lines for name in line.names)
+    readable = {name: x for name in spoken if rank(x := found.quantities[name]) <= 1}
+    by_formula: dict[str, Any] = dict(plain.equations.symbols.followed({}))  # lc1 = l1/2
+    readable = by_formula | readable
+    for value in (*(line.value for line in found.lines), *readable.values()):
+        kernel.places(value)
+    following.page(
+        kernel, dict.fromkeys(following.names, 0)
+    )  # first: it needs places in the kernel
+    used = kernel.used | frozenset(following.names)
+    answers = PageAnswers(derivation, kernel, readable, found.defined)
+    page: dict[str, Any] = {
+        "bodies": list(map(_said, bodies)),
+        "lines": [_line(kernel, found, line, letters, answers) for line in found.lines],
+    }
+    units = units_of_symbols(plain) | dict.fromkeys(LOADS[3], "N")
+    if isinstance(following, ClosedChain):
+        units |= following.units
+    figure = labels.figure
+    inputs = _inputs(plain, used, following, figure.start, units)
+    if following.names:
+        indices = {x["name"]: k for k, x in enumerate(inputs)}
+        page[following.key] = following.page(kernel, indices)
+    page |= {"inputs": inputs, "size": kernel.size}
+    axes = [labels.number(x) for x in ("xy" if plain.equations.symbols.model.dim == 2 else "XYZ")]
+    rods = [labels.number(x) for x in figure.rods]
+    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
+    points = marked.get("points", [])
+    page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods, "points": points}
+    page["figure"] |= {"tip": tip} if tip else {}
+    page |= answers.page(inputs) | {"option": _option(letters)}
+    own = dict(zip(plain.steps, derivation.steps, strict=True))
+    script = _script().replace("PAGE", packed(page), 1)
+    of_lines = LineUnits(plain, units)
+    dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
+    naming = Naming(plain.equations.symbols.model)
+    loops = range(len(naming.model.loops))
+    exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
+    told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
+    return LivingParts(
+        panel(inputs, dim, alone, letters, figure.view) + labels.template(),
+        {own[step]: rows for step, rows in told.items()},
+        f"{kernel.source(answers.symbols(inputs))}\n{script}",
+    )
+
+
+def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
+    """Over polynomials where these are short, else over the scalars of the program."""
+    symbols = derivation.equations.symbols
+    load = LOADS[symbols.model.dim] if "fx" in symbols.extra else ()
+    at_rest = METHODS[derivation.method].at_rest
+    told = symbols.model.dim == 2 if symbols.model.loops else not branches(symbols.tree)
+    if told and not symbols.is_rewritten and len(symbols.model.bodies) <= MOST_JOINTS:
+        return Setting(symbols, load, at_rest)
+    return TracedSetting(TracedSymbols.of(symbols, kernel.inputs), load, at_rest)
+
+
+def _values(
+    derivation: Derivation, setting: Setting, closed: ClosedChain | None, kernel: PageProgram
+) -> tuple[LineValues, Mapping[str, Any]]:
+    """The lines' values, and the quantities that are drawn."""
+    layout, ring = derivation.equations.layout, setting.symbols.ring
+    traced = isinstance(setting, TracedSetting)
+    if not (traced or closed):
+        found = line_values(derivation)
+        return found, found.quantities
+    drawn = body_quantities(setting, closed.reactions if closed else SolvedReactions(setting))
+    if setting.symbols.turned:  # τ is what turns a body, not what the motor at its joint gives
+        names = [f"tau{setting.numbers[i]}" for i in sorted(setting.order, key=setting.index)]
+        turning = setting.symbols.of_angles([drawn[name] for name in names])
+        drawn |= dict(zip(names, turning, strict=True))
+    named = {name: ring[name] for name in ring.names if rank(drawn[name]) == 0}
+    told = drawn | named  # m3 in a line is the parameter, also where it is the mass of body 4
+    if traced:
+        return traced_values(derivation, told, kernel), drawn
+    return line_values(derivation, Quantities(told, layout)), drawn
+
+
+# ---------------------------------------------------------------- what the script is given
+def _said(body: Mapping[str, Any]) -> dict[str, Any]:
+    """What a page says of a body or line: what it lacks is left out."""
+    return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
+
+
+def _line(
+    kernel: PageProgram,
+    found: LineValues,
+    line: ValuedLine,
+    letters: Lettering,
+    answers: PageAnswers,
+) -> dict[str, Any]:
+    """Where its value is; what it is called, if it can be asked for, and how an answer is judged:
+    it may not use the line's own names, or it would be its own reason."""
+    left = line.line.lhs
+    own = [
+        x.name
+        for x in line.line.sides
+        if isinstance(x, Symbol) and (x is left or x.name not in kernel.inputs)
+    ]
+    name = letters.symbol(left).name if isinstance(left, Symbol) and not line.in_world else ""
+    asked = {"name": name, "diagnosed": is_diagnosed(line, found)} if name else {}
+    asked |= answers.of_line(left.name, own) if name and isinstance(left, Symbol) else {}
+    places = kernel.places(line.value)
+    return _said({"places": places, "vector": len(places) if rank(line.value) else None, **asked})
+
+
+def _option(letters: Lettering) -> str:
+    """The option by which the command line knows a notation."""
+    name = letters.notation.name
+    told = f" --notation {name if name in PRESETS else f'{name}.toml'}"
+    return told if name != PRESETS[0] else ""
+
+
+def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
+    """Whether `fb.check` knows what a line begins with by the same name: scalars of the model, and
+    h."""
+    name = getattr(line.line.lhs, "name", "")
+    asked = name in found.known or (bool(found.known) and name == f"h{atom(name).figures}")
+    return rank(line.value) == 0 and asked
+
+
+def _inputs(
+    derivation: Derivation,
+    used: frozenset[str],
+    following: Following,
+    start: Mapping[str, float],
+    units: Mapping[str, str],
+) -> list[dict[str, Any]]:
+    """The symbols that have a slider, of those used: name, value, range, kind; start: values for
+    some."""
+    symbols = derivation.equations.symbols
+    moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
+    names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
+    values = typical(names, derivation.equations.symbols.model.parameters)
+    values |= {name: 0.0 for name in names if name.startswith(MULTIPLIER)} | dict(start)
+    made = []
+    for name in names:
+        value, unit, force = values[name], units.get(name, ""), name.startswith(MULTIPLIER)
+        top = _WIDEST.get("N" if force else unit) or max(1.0, 3.0 * abs(value))
+        signed = force or unit in {*_WIDEST, "m/s²"} or name in symbols.coordinates
+        low = min(value, -top if signed or value < 0.0 else 0.0)
+        high = max(value, top)
+        if symbols.model.loops and name in symbols.coordinates:  # it may have turned more than once
+            low, high = value - top, value + top
+        made.append(
+            {"name": name, "value": value, "low": low, "high": high, "unit": unit}
+            | {"group": _group(name, symbols.coordinates), "turns": name in _angles(derivation)}
+            | {"solved": following.why if name in following.solved_names else ""}
+        )
+    return made
+
+
+def _group(name: str, coordinates: Iterable[str]) -> str:
+    if name.startswith(MULTIPLIER):
+        return "lam"
+    if is_velocity(name):
+        return "qdd" if name.endswith(RATE) else "qd"
+    endings = (("q", ""), ("qd", RATE), ("qdd", SECOND))
+    found = (key for key, ending in endings for x in coordinates if name == x + ending)
+    return next(found, "p")
+
+
+def _angles(derivation: Derivation) -> set[str]:
+    model = derivation.equations.symbols.model
+    pairs = zip(names_by_body(model), model.bodies, strict=True)
+    return {name for names, body in pairs for name in names if body.kind.turns}
+
+
+def packed(page: dict[str, Any]) -> str:
+    """Data for the script, deflated: browsers inflate it themselves."""
+    text = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+    return b64encode(zlib.compress(text.encode(), 9)).decode()
+
+
+@cache
+def _script() -> str:
+    """The page's own script, the same of all pages but for the data; without its comments."""
+    folder = resources.files("freebody_textbook.living")
+    names = SCRIPTS
+    text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
+    lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
+    code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
+    return f'(async function () {{\n"use strict";\n{code}\n}})();\n'
+
+
+_QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
+_BLANKS = re.compile(
+    r" (?=[=<>?:,;{}()\[\]&|*])|(?<=[=<>?:,;{}()\[\]&|*!]) (?![-+])"
+    r"|(?<=[\w)\]]) (?=[-+] [\w(\[])|(?<=[\w)\]] [-+]) (?=[\w(\[])"
+)
+"""Around signs, but where two would be another."""
+
+
+def _dense(line: str) -> str:
+    """A line of the script without most blanks; one that may hold a regular expression stays as it
+    is."""
+    parts = _QUOTED.split(line)
+    if any("/" in code for code in parts[::2]):
+        return line
+    return "".join(x if k % 2 else _BLANKS.sub("", x) for k, x in enumerate(parts))

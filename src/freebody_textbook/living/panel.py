@@ -1,0 +1,125 @@
+"""The HTML of a page's living parts: the panel with its drawings and sliders, and the values below
+the equations."""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Container, Iterable
+from typing import Any
+
+from freebody.expressions.expression import Expression
+from freebody.expressions.naming import sym_of
+from freebody.expressions.notations.lettering import Lettering
+from freebody.expressions.printed_names import sym
+from freebody.expressions.typesetting.mathml import mathml
+from freebody_textbook.derivation import Step
+from freebody_textbook.living.axes import body_of
+from freebody_textbook.living.line_values import ValuedLine
+from freebody_textbook.relations.formula_values import rank
+
+GROUPS = {
+    "q": "Positions",
+    "qd": "Rates",
+    "qdd": "Accelerations",
+    "lam": "Multipliers of the loops",
+    "p": "Lengths, masses, forces",
+}
+MOST = 6
+"""Bodies up to which all are drawn alone at once; of more so many as stand beside a slider."""
+AT_ONCE = 4
+
+
+def panel(
+    inputs: list[dict[str, Any]],
+    dim: int,
+    alone: int,
+    letters: Lettering,
+    view: tuple[float, float],
+) -> str:
+    """The drawings, the sliders in their groups, and the buttons; alone: how many bodies are drawn
+    alone; view: azimuth and elevation from which a robot in space is seen at first, degrees."""
+    groups = []
+    for key, title in GROUPS.items():
+        rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
+        if rows:
+            state = ' open=""' if key in ("q", "lam") else ""
+            groups.append(f"<details{state}><summary>{title}</summary>{''.join(rows)}</details>")
+    turned = "".join(
+        f'<p class="slider view"><label for="{name}">{name} the view</label><input id="{name}" '
+        f'type="range" min="{low}" max="{high}" value="{value:.0f}" step="1"/></p>'
+        for name, low, high, value in (("turn", -180, 180, view[0]), ("tilt", -10, 90, view[1]))
+        if dim == 3
+    )
+    if alone > MOST:
+        turned += (
+            '<p class="slider view"><label for="first">bodies alone</label><input id="first" '
+            f'type="range" min="0" max="{alone - AT_ONCE}" value="0" step="1"/></p>'
+        )
+    moments = "; moments, with two heads, to another" if dim == 3 else ""
+    return (
+        '<aside class="try" id="try" hidden=""><h2>Try it</h2><div class="drawn">'
+        '<svg id="arm" class="fig" role="img" '
+        'aria-label="The arm in the state of the sliders"></svg>'
+        '<svg id="bodies" class="fig" role="img" '
+        'aria-label="Its bodies, each alone, with the forces on them"></svg>'
+        f'<p class="scale">Forces on all bodies are drawn to one scale{moments}. '
+        "Values below the equations are in SI units and belong to this state.</p>"
+        f'<p id="open" role="status"></p>{turned}</div><div>{"".join(groups)}'
+        '<p><button id="again">Back to the first state</button> <button id="fold">Fold all steps'
+        '</button></p><p><label><input type="checkbox" id="predict"/> Predict first: hide each '
+        f"line until you have tried it</label> {_typed(inputs, dim, letters)}</p></div></aside>"
+    )
+
+
+def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
+    """How names are typed: the first of each group."""
+    first = {x["group"]: letters.symbol(sym_of(x["name"])).name for x in reversed(inputs)}
+    names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
+    return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"
+
+
+def _slider(k: int, x: dict[str, Any], letters: Lettering) -> str:
+    unit = f" {html.escape(x['unit'])}" if x["unit"] else ""
+    name, letter = html.escape(x["name"]), mathml(letters(sym(x["name"])), display=False)
+    if x["solved"]:
+        return (
+            f'<p class="slider" data-of="{name}">{letter} = '
+            f'<span><output id="out{k}"></output>{unit} ({x["solved"]})</span></p>'
+        )
+    return (
+        f'<p class="slider" data-of="{name}"><label for="in{k}">{letter}</label>'
+        f'<input id="in{k}" type="range" data-input="{name}" '
+        f'min="{x["low"]!r}" max="{x["high"]!r}" step="any" value="{x["value"]!r}"/>'
+        f'<span><output id="out{k}" for="in{k}"></output>{unit}</span></p>'
+    )
+
+
+def below(
+    lines: Iterable[ValuedLine],
+    letters: Lettering,
+    unit_of: Callable[[Expression], str],
+    of_loops: Container[str],
+) -> dict[Step, str]:
+    """Of each step the values of its lines, and a place for answers; of_loops: names of what loops
+    exert, which is in axes of the world."""
+    rows: dict[Step, list[str]] = {}
+    for k, line in enumerate(lines):
+        left = letters(line.line.lhs)
+        name = "" if line.in_world else getattr(left, "name", "")
+        rows.setdefault(line.step, []).append(
+            f'<p class="value" data-line="{k}" data-name="{html.escape(name)}">'
+            f"{mathml(left, display=False)} = <output></output>"
+            f" {html.escape(unit_of(line.line.lhs))}".rstrip()
+            + f"{_axes(line, of_loops)}</p>"
+        )
+    return {step: f'<div class="values">{"".join(made)}</div>' for step, made in rows.items()}
+
+
+def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
+    """In which a vector in space is given."""
+    if rank(line.value) != 1 or len(line.value) != 3:
+        return ""
+    if line.in_world or line.names[0] in of_loops:
+        return " (in axes of the world)"
+    body = body_of(line.names[0])
+    return f" (in axes of body {body})" if body else ""

@@ -1,0 +1,132 @@
+"""What the values of one body's quantities are made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from freebody.algorithms.kinematics import BodyMotions
+from freebody.algorithms.rnea import Recursion
+from freebody.scalars.trig import Trig
+from freebody.spatial import Matrix, Vector, add, neg, scale, times
+from freebody_textbook.methods.reactions import SolvedReactions
+from freebody_textbook.methods.setting import Setting
+
+
+class BodyValues:
+    """Body i of a setting, whose forces come of the reactions of any tree or closed chain; vectors
+    in the axes that are shown."""
+
+    def __init__(self, s: Setting, i: int, reactions: SolvedReactions):
+        self.s, self.i, self.reactions = s, i, reactions
+
+    @property
+    def n(self) -> int:
+        """The number of the body."""
+        return self.s.numbers[self.i]
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the body has one mass, its parts made one."""
+        return len(self.s.tree.bodies[self.i].masses) < 2
+
+    @property
+    def motion(self) -> BodyMotions:
+        """The motion of all bodies, in their own axes."""
+        return self.s.motion
+
+    @property
+    def joint(self) -> tuple[Matrix, Vector]:
+        """The rotation from the body's axes to those of the body before, and its origin there."""
+        R, p = self.motion.joints[self.i]
+        return R, p
+
+    @property
+    def start(self) -> Vector:
+        """The acceleration of the ground."""
+        return self.s.tree.space.zero
+
+    @property
+    def centre_acceleration(self) -> Vector:
+        """The acceleration of the body's centre of mass."""
+        return self.s.centre_acceleration(self.i)
+
+    @property
+    def force(self) -> Vector:
+        """The force on the body at its joint."""
+        return self.reactions.f[self.i]
+
+    @property
+    def moment(self) -> Vector:
+        """The moment on the body at its joint."""
+        return self.reactions.n[self.i]
+
+    @property
+    def inertia_force(self) -> Vector:
+        """The body's mass times the acceleration of its centre of mass."""
+        return scale(self.s.mass(self.i), self.centre_acceleration)
+
+    @property
+    def inertia_moment(self) -> Vector:
+        """The rate of the body's angular momentum about its centre of mass."""
+        I, w, wd = self.s.inertia(self.i), self.motion.w[self.i], self.motion.wd[self.i]
+        if self.s.planar:
+            return scale(I, wd)
+        return add(times(I, wd), self.s.tree.space.cross(w, times(I, w)))
+
+    # ------------------------------------------------------------ shapes
+    def element(self, x: Any) -> Trig:
+        """A number as polynomial."""
+        return self.s.symbols.element(x)
+
+    def vector(self, v: Vector) -> tuple[Trig, ...]:
+        """A vector as polynomials."""
+        return tuple(map(self.element, v))
+
+    def matrix(self, rows: Any) -> tuple[tuple[Trig, ...], ...]:
+        """A matrix as polynomials."""
+        return tuple(map(self.vector, rows))
+
+    def axes(self, v: Vector) -> tuple[Trig, ...]:
+        """A vector in the body's own axes, in the axes that are shown."""
+        return self.vector(self.s.axes(self.i, v))
+
+    def angular(self, v: Vector) -> Any:
+        """A vector in space, one number in the plane."""
+        return self.element(v[0]) if self.s.planar else self.vector(v)
+
+
+class RecursionValues(BodyValues):
+    """Body i of a setting, whose motion and forces come of one run of the recursive Newton-Euler
+    algorithm, with gravity among the forces or in the base's acceleration."""
+
+    def __init__(self, s: Setting, i: int, record: Recursion, accelerated: bool):
+        self.s, self.i, self.record, self.accelerated = s, i, record, accelerated
+
+    @property
+    def motion(self) -> BodyMotions:
+        return self.record.motion
+
+    @property
+    def start(self) -> Vector:
+        return neg(self.s.tree.gravity) if self.accelerated else self.s.tree.space.zero
+
+    @property
+    def centre_acceleration(self) -> Vector:
+        own = self.record.vd_com[self.i] or [self.motion.vd[self.i]]
+        return self.s.axes(self.i, own[0])
+
+    @property
+    def force(self) -> Vector:
+        return self.s.axes(self.i, self.record.f[self.i])
+
+    @property
+    def moment(self) -> Vector:
+        return self.record.n[self.i]
+
+    @property
+    def inertia_force(self) -> Vector:
+        return self.s.axes(self.i, (self.record.F[self.i] or [self.s.tree.space.zero])[0])
+
+    @property
+    def inertia_moment(self) -> Vector:
+        return (self.record.N[self.i] or [self.s.tree.space.zero_angular])[0]

@@ -1,0 +1,170 @@
+"""Newton and Euler for bodies that nothing holds, in the axes of each body (6.1, 6.2): a quadrotor,
+a satellite, a stone that is thrown.
+
+v is the velocity of the body's origin and ω its angular velocity, both by components in the body's
+own axes, where the inertia is constant. The derivative of a vector has the components ȧ + ω × a
+there. The orientation is told by three angles, or by a quaternion.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from freebody.errors import FreebodyError
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym, vec
+from freebody.expressions.typesetting.literal import literal
+from freebody.model.model import Model
+from freebody.model.parameters import Parameter, each_parameter
+from freebody.model.placement import Placement
+from freebody_textbook.derivation import Meaning
+from freebody_textbook.methods import glossary
+from freebody_textbook.methods.free_body_steps import (
+    PLACES,
+    UNITS,
+    XYZ,
+    FreeBody,
+    mark_of,
+    part_with_mass,
+    thrusts_of,
+)
+from freebody_textbook.methods.method import Worked
+from freebody_textbook.methods.setting import Setting
+
+
+def are_free(model: Model) -> bool:
+    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
+
+    It is the same of a model with loads on its bodies and of that with each load part of its body.
+    """
+    return model.dim == 3 and all(
+        body.kind.frees(3)
+        and body.kind.quaternion is not None
+        and body.parent < 0
+        and body.joint.placement == Placement()
+        and len(body.inertias) > 0
+        for body in model.bodies
+    )
+
+
+def velocity_names(model: Model) -> tuple[str, ...]:
+    """The symbols that free bodies bring with them: components of v and ω, their derivatives, and
+    thrusts; none of another model."""
+    if not are_free(model):
+        return ()
+    moving = [
+        f"{letter}{mark_of(model, k)}_{axis}{dots}"
+        for dots in (RATE, "")  # accelerations stand first in equations
+        for k in range(len(model.bodies))
+        for letter in UNITS
+        for axis in XYZ
+    ]
+    return (*moving, *thrusts_of(model))
+
+
+def work_out(s: Setting, route: str) -> Worked:
+    """The steps of each body."""
+    if route != "centre" or s.load:
+        raise FreebodyError(
+            "derive: f is the sum of all forces on a free body besides its weight, "
+            "to which a load on the tip belongs; leave load out."
+            if s.load
+            else "derive: a free body has no pivot; leave route out."
+        )
+    given = s.symbols.given or s.symbols.model
+    bodies = [FreeBody(s, given, k) for k in range(len(given.bodies))]
+    return Worked(
+        tuple(step for body in bodies for step in body.steps()),
+        tuple(x for body in bodies for x in body.generalized),
+        (),
+        "Newton and Euler in the axes of the body",
+        "Sought: the force f of all that acts on the body besides its weight, and its moment n "
+        "about the centre of mass, for a given motion.",
+        robot=_robot(len(bodies)),
+        table=tuple(_table(s, given, bodies)),
+    )
+
+
+def _robot(count: int) -> tuple[str, ...]:
+    """What is spoken of, in words."""
+    many = "A rigid body moves" if count == 1 else f"{count} rigid bodies move"
+    return (
+        f"{many} freely in space, held by no joint: {PLACES * count} degrees of freedom.",
+        "Vectors are given by their components in the body's own axes (the notes mark them with a "
+        "prime), p and g by those in the world's.",
+    )
+
+
+# ---------------------------------------------------------------- table of symbols
+def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning]:
+    yield from _coordinates([x for b in bodies for x in b.coordinates[:3]], "position", "m")
+    yield from _coordinates(
+        [x for b in bodies for x in b.coordinates[3:]], "yaw, pitch and roll", "rad"
+    )
+    forces = [PLACES * b.k + j for b in bodies for j in range(1, 7)]
+    for words, unit, chosen in (
+        ("forces along the position", "N", [j for j in forces if (j - 1) % PLACES < 3]),
+        ("moments along the angles", "N m", [j for j in forces if (j - 1) % PLACES >= 3]),
+    ):
+        yield Meaning(tuple(sym(f"tau{j}") for j in chosen), words, unit)
+    yield from _parameters(s, given)
+    for letter, words, unit in (
+        ("p", "position of the body's origin, world axes", "m"),
+        ("v", "velocity of the body's origin", "m/s"),
+        ("omega", "angular velocity of the body", "rad/s"),
+        ("f", "force on the body besides its weight", "N"),
+        ("n", "moment of these forces about the centre of mass", "N m"),
+    ):
+        yield Meaning(tuple(body.vector(letter) for body in bodies), words, unit)
+        if letter in UNITS:
+            names = [name for body in bodies for name in body.components(letter)]
+            yield Meaning(tuple(map(sym, names)), "its components", unit)
+            rates = tuple(sym(name + RATE) for name in names)
+            yield Meaning(rates, "their derivatives with respect to time", f"{unit}²")
+    yield Meaning(tuple(b.inertia for b in bodies), "inertia about the centre of mass", "kg m²")
+    yield Meaning(tuple(b.R for b in bodies), "rotation from the body's axes to the world's", "")
+    yield Meaning(tuple(x for b in bodies for x in b.q), "the same as a quaternion", "")
+    places = tuple(b.arm for b in bodies if b.is_off_centre)
+    if places:
+        yield Meaning(places, "centre of mass, from the body's origin", "m")
+    thrusts = tuple(map(sym, thrusts_of(given)))
+    if thrusts:
+        yield Meaning(thrusts, "thrusts along the z axes of the frames on the body", "N")
+        where = tuple(vec(f"s{name.removeprefix('T')}") for name in thrusts_of(given))
+        yield Meaning(where, "places of the thrusts, from the centre of mass", "m")
+
+
+def _coordinates(names: Iterable[str], words: str, unit: str) -> Iterator[Meaning]:
+    names = list(names)
+    yield Meaning(tuple(map(sym, names)), words, unit)
+    rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
+    yield Meaning(rates, "their velocities and accelerations", f"{unit}/s, {unit}/s²")
+
+
+def _parameters(s: Setting, given: Model) -> Iterator[Meaning]:
+    """Those that occur, by what they are."""
+    used = set(s.symbols.ring.names)
+    for parameter, words, unit in _in_model(given):
+        if parameter.name in used:
+            used.remove(parameter.name)
+            yield Meaning((sym(parameter.name),), words, unit)
+    gravity = s.layout.order.gravity
+    if gravity and s.weighs:
+        yield Meaning((sym(gravity),), "acceleration of gravity", glossary.ACCELERATION)
+
+
+def _in_model(given: Model) -> Iterator[tuple[Parameter, str, str]]:
+    for k, body in enumerate(given.bodies):
+        own = f"body {k + 1}" if len(given.bodies) > 1 else "the body"
+        part = part_with_mass(body)
+        for quantities, words, unit in (
+            (part.inertia.mass, f"mass of {own}", glossary.KILOGRAM),
+            (part.inertia.com, f"distance from its origin to the centre of mass of {own}", "m"),
+            (part.inertia.tensor, f"entry of the inertia of {own}", glossary.INERTIA),
+            (part.placement, f"distance or angle of the mass on {own}", "m, rad"),
+        ):
+            for parameter in each_parameter(quantities):
+                yield parameter, words, unit
+    for frame in given.frames:
+        for parameter in each_parameter(frame.placement):
+            yield parameter, f"distance or angle of {literal(frame.name)}", "m, rad"

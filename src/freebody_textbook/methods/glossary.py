@@ -1,0 +1,264 @@
+"""The table of symbols of a derivation: parameters by what they are in the model, then what the
+method introduces."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from freebody.errors import listed
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Symbol, nodes
+from freebody.expressions.naming import sym_of
+from freebody.expressions.nodes import Words
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym, vec
+from freebody.expressions.typesetting.literal import literal
+from freebody.model.joints import JointWords
+from freebody.model.parameters import Parameter, Quantity, each_parameter
+from freebody.model.placement import AxisRotation, Placement, Shift
+from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.methods.body_quantities import meanings
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.step_reasons import joints_that
+
+METER, KILOGRAM, NEWTON, MOMENT = "m", "kg", "N", "N m"
+INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
+
+
+def glossary(
+    s: Setting, introduced: Iterable[Meaning], forces: bool, steps: Iterable[Step]
+) -> tuple[Meaning, ...]:
+    """Coordinates and motors, parameters, then what the method introduces and what else stands in
+    its steps; forces: whether there are any."""
+    steps = list(steps)
+    rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
+    rows = [*_occurring(s, rows, steps), *_further(s, rows, steps)]
+    if s.load:
+        rows.append(Meaning((vec("f"),), "force on the tip, by the surroundings", NEWTON))
+    return tuple(rows)
+
+
+def _occurring(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
+    """Rows less the parameters that no equation has, where all equations are written out."""
+    seen = [x for step in steps for line in step.equations for x in nodes(line)]
+    used = {x.name for x in seen if isinstance(x, Symbol)} | set(s.symbols.coordinates)
+    unused = set(s.symbols.model.parameters) - used
+    told = any(isinstance(x, Words) for x in seen)
+    for row in rows:
+        left = tuple(x for x in row.symbols if told or getattr(x, "name", "") not in unused)
+        if left:
+            yield replace(row, symbols=left)
+
+
+def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
+    joints_by_words: dict[JointWords, list[int]] = {}
+    for i in s.leaders:
+        joints_by_words.setdefault(s.words(i), []).append(i)
+    for words in sorted(joints_by_words, key=lambda words: words.unit != "rad"):  # angles first
+        joints = joints_by_words[words]
+        names = [s.coordinate(i) for i in joints]
+        plural = "s" if len(joints) > 1 else ""
+        where = f"{words.coordinate}{plural} of the {words.joint} joint{plural}"
+        absolute = s.symbols.turned is not None and words.unit == "rad"
+        where = f"angle{plural} of the bod{'ies' if plural else 'y'}" if absolute else where
+        yield Meaning(tuple(map(sym, names)), where, words.unit)
+        if not s.at_rest:
+            rates = tuple(sym(x + dots) for dots in (RATE, SECOND) for x in names)
+            theirs = (
+                "their velocities and accelerations" if plural else "its velocity and acceleration"
+            )
+            yield Meaning(rates, theirs, f"{words.unit}/s, {words.unit}/s²")
+        driven = [i for i in joints if s.motor(i) != ex.ZERO]
+        if motors and driven:
+            plural = "s" if len(driven) > 1 else ""
+            yield Meaning(
+                tuple(map(s.motor, driven)),
+                f"torque{plural} on the bod{'ies' if plural else 'y'}"
+                if absolute
+                else f"{words.effort}{plural} of the motor{plural}",
+                words.effort_unit,
+            )
+
+
+def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
+    """Those that occur; of motion alone the lengths from joint to joint and to the tip."""
+    used = set(s.symbols.ring.names)
+    found: dict[tuple[str, str], dict[str, None]] = {}
+    for parameter, words, unit in in_model(s, moved):
+        if parameter.name in used:
+            found.setdefault((parameter.name, unit), {})[words] = None
+    alike: dict[tuple[str, str], list[str]] = {}
+    for (name, unit), told in found.items():
+        words = "; also ".join(filter(None, told)) or "length in the place of a joint or body"
+        alike.setdefault((words, unit), []).append(name)
+    for (words, unit), names in alike.items():
+        words = (
+            words
+            if len(names) == 1
+            else words.replace("entry", "entries").replace("distance", "distances")
+        )
+        yield Meaning(tuple(map(sym, names)), words, unit)
+    gravity = s.layout.order.gravity
+    if gravity and s.weighs and not moved:
+        yield Meaning((sym(gravity),), "acceleration of gravity", ACCELERATION)
+
+
+def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
+    """Generic symbols of the steps that no row explains yet."""
+    told = {(x.name, x.bold) for row in rows for x in row.symbols if isinstance(x, Symbol)}
+    lines = (line for step in steps for line in step.equations)
+    used = {(x.name, x.bold) for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
+    n = r"\d+"
+    for pattern, symbol, words, unit in (
+        (f"m{n}", sym_of("m_i"), "mass of body i", KILOGRAM),
+        (
+            f"I{n}",
+            sym_of("I_i") if s.planar else vec("I_i"),
+            "inertia of body i about its centre of mass" + ", a matrix" * (not s.planar),
+            INERTIA,
+        ),
+        (f"z{n}", vec("z_i"), f"direction of a {joints_that(s, turn=True)} joint's axis", ""),
+        (f"R{n}_{n}", _ROTATION, "turns components in the axes of body i to those of body k", ""),
+    ):
+        known = (symbol.name, symbol.bold) in told
+        if not known and any(re.fullmatch(pattern, x) and bold == symbol.bold for x, bold in used):
+            yield Meaning((symbol,), words, unit)
+
+
+_ROTATION = Symbol("R_i,k", "R", ("i",), high="k")
+
+
+def in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
+    """The model's parameters, what each is and its unit; of motion alone no masses and centres."""
+    for i in s.order:
+        yield from _of_joint(s, i)
+        if not moved:
+            yield from _of_body(s, i)
+    yield from _of_loops(s)
+    model = s.symbols.model
+    if s.load or moved or (model.tip and (model.formulas or s.symbols.formulas)):
+        frame = model.frame()
+        yield from placed(frame.placement, f"from joint {s.numbers[s.tip]} to the tip")
+    standing = {parameter.name for parameter in each_parameter(replace(model, formulas=()))}
+    for parameter in each_parameter(model.formulas):
+        if parameter.name not in standing:
+            yield parameter, "number by which others are given", ""
+
+
+def _of_loops(s: Setting) -> Iterator[tuple[Parameter, str, str]]:
+    frames = {frame.name: frame for frame in s.symbols.model.frames}
+    for loop in s.symbols.model.loops:
+        for name in loop.frames:
+            body = frames[name].body + 1
+            start = f"joint {body}" if body else "the base's origin"
+            yield from placed(frames[name].placement, f"from {start} to {literal(name)}")
+        for parameter in each_parameter(loop.distance):
+            yield parameter, f"length of the rod {literal(loop.name)}", METER
+
+
+def _of_joint(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
+    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+    start = f"joint {parent}" if parent else "the base's origin"
+    body = s.symbols.model.bodies[n - 1]
+    yield from placed(body.joint.placement, f"from {start} to joint {n}")
+    for number, value in zip(body.kind.numbers, body.joint.numbers, strict=True):
+        for parameter in each_parameter(value):
+            yield parameter, f"{number.what} of joint {n}", number.unit
+
+
+def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
+    n = s.numbers[i]
+    body = s.symbols.model.bodies[n - 1]
+    for part in body.inertias:
+        for parameter in each_parameter(part.inertia.mass):
+            yield parameter, f"mass of body {n}", KILOGRAM
+        centre = f"distance from joint {n} to the centre of mass of body {n}"
+        bare = all(isinstance(x, float) and x == 0.0 for x in part.inertia.com)
+        yield from placed(part.placement, centre.removeprefix("distance ") if bare else "")
+        for x in part.inertia.com:
+            for parameter in each_parameter(x):
+                yield parameter, centre if x is parameter else "", METER
+        for parameter in each_parameter(part.inertia.tensor):
+            yield parameter, _inertia(parameter, part.inertia.tensor, n), INERTIA
+    for field, (words, units) in _DRIVE.items():
+        for parameter in each_parameter(getattr(body.joint.drive, field)):
+            yield parameter, f"{words} of joint {n}", units[0 if s.turns(i) else 1]
+
+
+def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
+    """What a parameter is in an inertia; of diagonal entries the axes, unless its name tells."""
+    if len(tensor) == 1:
+        return f"moment of inertia of body {n} about its centre of mass"
+    entries = ("x", "", "", "y", "", "z")
+    axes = [axis for axis, x in zip(entries, tensor, strict=True) if x == parameter]
+    if axes and all(axes) and not re.search("[xyz]{2}$", parameter.name):
+        plural = "axes" if len(axes) > 1 else "axis"
+        return f"moment of inertia of body {n} about {plural} {listed(axes)} through its centre"
+    return f"entry of the inertia matrix of body {n} about its centre of mass"
+
+
+def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
+    """Lengths and angles of a constant pose."""
+    for step in placement.steps:
+        turn = isinstance(step, AxisRotation)
+        for x in step.by if isinstance(step, Shift) else (step.angle,) if turn else ():
+            told = f"{'angle' if turn else 'distance'} {words}" if words else ""
+            for parameter in each_parameter(x):
+                yield parameter, told if x is parameter else "", "rad" if turn else METER
+
+
+_DRIVE = {
+    "viscous": ("viscous friction", ("N m s/rad", "N s/m")),
+    "coulomb": ("Coulomb friction", (MOMENT, NEWTON)),
+    "rotor": ("rotor inertia", (INERTIA, KILOGRAM)),
+    "gear": ("gear ratio", ("", "")),
+    "stiffness": ("stiffness of the spring", ("N m/rad", "N/m")),
+    "rest": ("rest position of the spring", ("rad", METER)),
+}
+
+
+# ---------------------------------------------------------------- rows that several methods
+# introduce
+def vectors(s: Setting) -> Iterator[Meaning]:
+    """The vectors along the bodies, and the directions of the joints."""
+    if s.load or any(map(s.tree.children, s.order)):
+        yield from meanings(s, "s{n}")
+    yield from meanings(s, "sc{n}")
+    if not s.planar:
+        turning = joints_that(s, turn=True)
+        if turning:
+            yield Meaning((sym("z_i", True),), f"direction of a {turning} joint's axis", "")
+    sliding = joints_that(s, turn=False)
+    if sliding:
+        yield Meaning((sym("u_i", True),), f"direction of a {sliding} joint's slide", "")
+
+
+def joint_moments(s: Setting) -> Iterator[Meaning]:
+    """Those that are not a motor's torque and no more."""
+    if not all(map(s.is_pin, s.order)):
+        yield from meanings(s, "M{n}")
+
+
+def loop_equations(s: Setting) -> Meaning:
+    """A loop equation."""
+    meaning = "a loop equation, zero where the loop is closed"
+    return Meaning((sym("Phi_k"),), meaning, _loop_units(s, "m", "m²", "1"))
+
+
+def multipliers(s: Setting) -> Meaning:
+    """The unknown components of what a loop does."""
+    meaning = "multiplier of loop equation k: the loop's constraint force"
+    return Meaning((sym("lam_k"),), meaning, _loop_units(s, "N", "N/m", "N m"))
+
+
+def _loop_units(s: Setting, point: str, rod: str, turn: str) -> str:
+    """Of equations that hold points, a rod's distance squared and directions: those that occur."""
+    closures = [loop.closure for loop in s.tree.loops]
+    occurring = {
+        point: any(x.point or x.slides for x in closures),
+        rod: any(x.distance for x in closures),
+        turn: any(x.turns for x in closures),
+    }
+    return ", ".join(unit for unit, occurs in occurring.items() if occurs)

@@ -1,0 +1,252 @@
+"""A recursion told module by module: what a line needs of the lines before stands there by name, so
+that it holds the numbers and the coordinate of one joint and of no other.
+
+The recursion is run over polynomials in the components of its own vectors: each vector, once
+computed, is kept, and what follows from it is given names for its components.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Self
+
+from freebody.algorithms.kinematics import BodyMotions
+from freebody.algorithms.rnea import Recursion, rnea
+from freebody.elementary import Scalar
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Expression, Symbol
+from freebody.expressions.polynomials.symbols import symbols
+from freebody.expressions.polynomials.textbook_form import Layout, Poly, starts_with_minus
+from freebody.expressions.printed_names import sym, vec
+from freebody.lazy import cached_property
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector
+from freebody_textbook.derivation import Step
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.render.rows import part
+
+_LETTERS = {
+    "w": ("omega", ""),
+    "wd": ("omega", "_d"),
+    "v": ("v", ""),
+    "vd": ("v", "_d"),
+    "vd_com": ("vc", "_d"),
+    "F": ("fc", ""),
+    "N": ("nc", ""),
+    "field": ("g", ""),
+}
+"""Letter and dots of the vectors of one body, by their names in the recursion."""
+_BETWEEN = ("f", "n")
+"""The vectors that have the number of the body before, too."""
+AXES = "xyz"
+
+
+@dataclass(frozen=True)
+class _NamedLayout(Layout):
+    """How polynomials with components in them are printed."""
+
+    names: tuple[tuple[str, Symbol], ...] = ()
+
+    @cached_property
+    def _symbol_of(self) -> dict[str, Symbol]:
+        return dict(self.names)
+
+    def symbol(self, name: str) -> Expression:
+        """A component as the lines of its vector have it; any other generator as ever."""
+        return self._symbol_of.get(name) or super().symbol(name)
+
+    @cached_property
+    def _waves(self) -> dict[str, Expression]:
+        """The sines and cosines, by their generators."""
+        ring = self.symbols.ring
+        made = (f(sym(x)) for x in ring.angles for f in (ex.sin, ex.cos))
+        return dict(zip(ring.index, made, strict=False))
+
+    def form(self, x: Trig) -> Expression:
+        """Sums of components and rates, with the numbers of the joint before each; what a sine or a
+        cosine turns in brackets before it."""
+        by_wave: dict[tuple, dict[tuple, Poly]] = {}
+        for powers, coefficient in x.terms():
+            wave = tuple((n, e) for n, e in powers.items() if n in self._waves)
+            moving = tuple((n, e) for n, e in powers.items() if n in self.order.moving)
+            rest = tuple(item for item in powers.items() if item not in (*wave, *moving))
+            turned = by_wave.setdefault(wave, {}).setdefault(moving, {})
+            turned[rest] = coefficient
+        return ex.add(*(self._turned(w, by_wave[w]) for w in sorted(by_wave, key=self._late)))
+
+    def _late(self, wave: tuple) -> tuple:
+        """What is not turned first."""
+        return len(wave), [list(self._waves).index(n) ^ 1 for n, _ in wave]  # cosines first
+
+    def _turned(self, wave: tuple, parts: dict[tuple, Poly]) -> Expression:
+        order = sorted(parts, key=lambda m: (sum(e for _, e in m), self.monomial_rank(m)))
+        sizes = {abs(c) for part in parts.values() for c in part.values()}
+        size = sizes.pop() if len(parts) > 1 and len(sizes) == 1 else Fraction(1)
+        total = ex.add(*(self._moved(parts[m], m, size) for m in order))
+        if (wave or size != 1) and starts_with_minus(total):
+            size, total = -size, ex.neg_each(total)
+        waves = (ex.power(self._waves[n], e) for n, e in wave)
+        return ex.mul(self.order.number(size), total, *waves)
+
+    def _moved(self, coefficient: Poly, moving: tuple, size: Fraction) -> Expression:
+        """coefficient / size · moving."""
+        front = self._plain({m: c / size for m, c in coefficient.items()})
+        if moving and starts_with_minus(front):
+            return ex.neg(ex.mul(ex.neg_each(front), *self._monomial(moving)))
+        return ex.mul(front, *self._monomial(moving))
+
+
+class ModularSetting(Setting):
+    """A setting in space whose recursion is modular: its vectors hold the components of others."""
+
+    @classmethod
+    def of(cls, s: Setting) -> Self:
+        """The same robot."""
+        given, count = s.symbols.given or s.symbols.model, len(s.symbols.model.bodies)
+        names = (
+            generator(quantity, n, axis)
+            for n in range(1, count + 1)
+            for quantity in (*_LETTERS, *_BETWEEN)
+            for axis in AXES
+        )
+        extra = (*s.symbols.extra, *names, *cls.more_names(count))
+        how = {"euler": s.symbols.euler, "formulas": s.symbols.formulas}
+        made = symbols(given, s.symbols.reader.numbers, extra, **how)
+        return cls(made, s.load, s.at_rest)
+
+    @classmethod
+    def more_names(cls, count: int) -> Iterable[str]:
+        """Further generators, of a robot of so many bodies."""
+        return ()
+
+    @cached_property
+    def components(self) -> dict[str, Symbol]:
+        """By the name of its generator the symbol of each component."""
+        return {
+            generator(quantity, self.numbers[i], axis): part(self.vector(quantity, i), axis)
+            for quantity, i in self.vectors()
+            for axis in AXES
+        }
+
+    def vectors(self) -> Iterator[tuple[str, int]]:
+        """The vectors whose components have names, each with its body."""
+        yield from itertools.product((*_LETTERS, *_BETWEEN), self.order)
+
+    def vector(self, quantity: str, i: int) -> Symbol:
+        """Its symbol."""
+        n, parent = self.numbers[i], self.numbers[self.tree.bodies[i].parent]
+        if quantity in _BETWEEN:
+            return (self.naming.force if quantity == "f" else self.naming.moment)(parent, n)
+        letter, dots = _LETTERS[quantity]
+        return vec(f"{letter}{n}{dots}")
+
+    @cached_property
+    def _layout(self) -> Layout:
+        return _NamedLayout(self.symbols, tuple(self.components.items()))
+
+    @property
+    def layout(self) -> Layout:
+        """How polynomials are printed, components by their symbols."""
+        return self._layout
+
+    def show_moved(self, x: Scalar) -> Expression:
+        """A component, as any other polynomial."""
+        return self.show(x)
+
+    # ------------------------------------------------------------ the recursion
+    def _component(self, quantity: str, i: int, axis: str) -> Scalar:
+        return self.symbols.ring[generator(quantity, self.numbers[i], axis)]
+
+    def named(self, quantity: str, i: int, value: Vector) -> Vector:
+        """What follows from a vector has its components by name, but those that are zero or a rate
+        or a parameter themselves."""
+        return tuple(
+            x if self._is_plain(x) else self._component(quantity, i, axis)
+            for axis, x in zip(AXES, value, strict=True)
+        )
+
+    def _is_plain(self, x: Scalar) -> bool:
+        element, ring = self.symbols.element(x), self.symbols.ring
+        if element.is_zero:
+            return True
+        if len(element) > 1 or abs(element.leading_coefficient) != 1:
+            return False
+        waves = list(ring.index)[: 2 * len(ring.angles)]
+        ((powers, _),) = element.terms()
+        return sum(powers.values()) == 1 and not set(powers) & {*waves, *self.components}
+
+    @cached_property
+    def _runs(self) -> dict[str, tuple[Recursion, BodyMotions]]:
+        return {}
+
+    @cached_property
+    def _fields(self) -> dict[int, Vector]:
+        return {}
+
+    def _run(self, gravity: str) -> tuple[Recursion, BodyMotions]:
+        """(every vector as it comes about, the motion by names)."""
+        if gravity not in self._runs:
+            values: dict[tuple[str, int], Vector] = {}
+
+            def keep(quantity: str, i: int, value: Vector) -> Vector:
+                values[quantity, i] = value
+                return self.named(quantity, i, value)
+
+            tree, q = self.tree, self.symbols.q
+            run = rnea(tree, q, *self._rates, self.tip_load(), gravity, keep)
+            each = range(len(tree.bodies))
+            w, wd, v, vd, f, n = (
+                [values[x, i] for i in each] for x in ("w", "wd", "v", "vd", *_BETWEEN)
+            )
+            centres, F, N = (
+                [[values[x, i]] if (x, i) in values else [] for i in each]
+                for x in ("vd_com", "F", "N")
+            )
+            motion = BodyMotions(run.motion.joints, w, wd, v, vd, run.motion.rates)
+            self._fields.update({i: x for (name, i), x in values.items() if name == "field"})
+            told = Recursion(motion, centres, F, N, f, n, run.tau)
+            self._runs[gravity] = told, run.motion
+        return self._runs[gravity]
+
+    def recursion(self, gravity: str) -> Recursion:
+        """Each vector by those before."""
+        return self._run(gravity)[0]
+
+    def field_name(self, i: int) -> Expression:
+        """g_i: gravity in the axes of body i."""
+        return self.vector("field", i)
+
+    def gravity(self, i: int) -> Vector:
+        """Its components, by those in the axes of the body before."""
+        self._run("explicit")
+        return self._fields[i]
+
+    @cached_property
+    def motion(self) -> BodyMotions:
+        """Of the recursion, its vectors by name."""
+        return self._run("base")[1]
+
+
+def generator(quantity: str, n: int, axis: str) -> str:
+    """A name in the ring that no parameter has."""
+    return f"{quantity}.{n}.{axis}"
+
+
+def last_step(steps: Iterable[Step], full: str) -> Step:
+    """What the lines are together; full: how long the closed form is."""
+    lines = [line for step in steps for line in step.equations]
+    total = Counter[str]()
+    for line in lines:
+        total.update(ex.operations(line.sides[-1]))
+    return Step(
+        "All together",
+        f"The closed form is too long to read: {full}. The lines above are the same equations, "
+        "exactly: from the first to the last, "
+        f"{total['multiplications']} products and {total['additions']} sums give the torques, and "
+        "this is also how programs compute them; fb.equations gives the closed form.",
+        result=True,
+    )

@@ -1,0 +1,270 @@
+"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15;
+6.16-6.29)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from freebody.algorithms.rnea import Recursion
+from freebody.expressions import expression as ex
+from freebody.expressions.expression import Equation, Expression, eq
+from freebody.expressions.nodes import Words
+from freebody.expressions.printed_names import sym, vec
+from freebody.scalars.trig import Trig
+from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.methods import glossary
+from freebody_textbook.methods.body_quantities import meanings
+from freebody_textbook.methods.ending import ending
+from freebody_textbook.methods.geometry import geometry, rotation_name
+from freebody_textbook.methods.inward_recursion import Inward, worked
+from freebody_textbook.methods.method import Method, MethodOption, Worked
+from freebody_textbook.methods.modular import ModularSetting, last_step
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.step_reasons import coriolis
+
+GRAVITIES = ("base", "explicit")
+
+
+def work_out(setting: Setting, gravity: str, values: str) -> Worked:
+    """The steps; gravity: as acceleration -g of the base, or as each body's weight; values: in full
+    as long as they can be read, or modular."""
+    base = gravity == "base" or not setting.weighs
+    record = setting.recursion(gravity)
+    tau = tuple(setting.symbols.element(record.tau[setting.index(i)]) for i in setting.leaders)
+    names = list(symbols(setting))
+    if values == "modular" or not is_readable(setting, tau):
+        steps = modular_steps(setting, gravity)
+        names += meanings(setting, *["gravity{n}"] * (not base and not setting.planar))
+    else:
+        steps = _steps(setting, record, base)
+        steps += ending(setting)
+    title = "" if base else f"{METHOD.title}, gravity as weights"
+    return Worked(tuple(steps), tau, names, title)
+
+
+def is_readable(setting: Setting, tau: Iterable[Trig]) -> bool:
+    """Whether all torques are written out, not told by their length."""
+    return not any(isinstance(setting.show(x), Words) for x in tau)
+
+
+def modular_steps(setting: Setting, gravity: str) -> list[Step]:
+    """The recursion with each line by those before; in the plane, where all vectors have the
+    world's components, the rules alone."""
+    base = gravity == "base" or not setting.weighs
+    shown = setting if setting.planar else ModularSetting.of(setting)
+    steps = _steps(shown, shown.recursion(gravity), base, rules=setting.planar)
+    long = not setting.planar and not setting.equations.is_short
+    steps += [last_step(steps, setting.equations.length)] if long else ending(setting)
+    return steps
+
+
+def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> list[Step]:
+    outward, inward = Outward(s, record, base, rules), Inward(s, record, base, rules)
+    return [
+        geometry(s, rotations=True),
+        outward.start(),
+        *map(outward.step, s.order),
+        *map(inward.step, reversed(s.order)),
+        *inward.shared(),
+    ]
+
+
+def symbols(s: Setting) -> Iterator[Meaning]:
+    """What the recursion brings in."""
+    yield from glossary.vectors(s)
+    yield from meanings(s, "omega{n}", "vc{n}", "v{n}")
+    if s.planar:
+        yield Meaning((vec("z"),), "unit vector at right angles to the plane", "")
+    yield from meanings(s, "fc{n}", "Mc{n}", "f{h}{n}")
+    yield from glossary.joint_moments(s)
+
+
+_BY_NAME = (
+    " From here each line is written by components of the lines before, such as ω_2x, so that it "
+    "holds the numbers and the coordinate of one joint; in the coordinates of all joints the lines "
+    "grow from body to body. Velocities of points are left out: the accelerations do not need them."
+)
+
+
+_BY_RULES = (
+    " From here each vector is given by those of the previous body; all have components along "
+    "x and y, and written out in the coordinates of the joints they would grow from body to body."
+)
+
+
+class Outward:
+    """Velocities and accelerations, the values taken from the recursion's record."""
+
+    def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
+        self.s = setting
+        self.record = record
+        self.base = base
+        self.rules = rules
+        self.velocities = not isinstance(setting, ModularSetting)
+
+    def _worked(self, name: Expression, rule: Expression, value: Expression) -> Equation:
+        return worked(name, rule, value, self.rules)
+
+    def start(self) -> Step:
+        """The motion of the base."""
+        s = self.s
+        if not s.weighs:
+            reason = "The base is at rest, and there is no gravity."
+        elif self.base:
+            reason = (
+                "The base is at rest. Giving it the acceleration -g instead, upwards, accounts "
+                "for every body's weight without a further term: all accelerations below contain "
+                "it."
+            )
+        else:
+            reason = "The base is at rest; each body's weight is counted among its forces."
+        w, wd = ((sym if s.planar else vec)(name) for name in ("omega0", "omega0_d"))
+        moved = eq(vec("v0_d"), ex.neg(vec("g")) if self.base and s.weighs else ex.ZERO)
+        still = eq(vec("v0"), ex.ZERO) if self.velocities else None
+        if not self.velocities:
+            reason += _BY_NAME
+        if self.rules:
+            reason += _BY_RULES
+        return Step(
+            "Start at the base",
+            reason,
+            tuple(x for x in (eq(w, ex.ZERO), eq(wd, ex.ZERO), still, moved) if x is not None),
+        )
+
+    def step(self, i: int) -> Step:
+        """Velocities and accelerations of one body."""
+        s, n, parent = self.s, self.s.numbers[i], self.s.tree.bodies[i].parent
+        before = "the base" if parent < 0 else f"body {s.numbers[parent]}"
+        own = " and the ".join(
+            word for word, has in (("turning", s.turns(i)), ("sliding", s.slides(i))) if has
+        )
+        reason = f"The motion that body {n} takes over from {before}, plus the {own} of joint {n}"
+        extra = coriolis(s, (i,))
+        if extra:
+            reason += f"; on a rotating body it adds the Coriolis acceleration {extra}"
+        centre = self._centre(i) if i in s.weighted else []
+        lines = (*self._angular(i), *self._linear(i), *centre, *self._field(i))
+        table = _PLANAR if s.planar else _SPATIAL
+        cited = (table[True] * s.turns(i)) + (table[False] * s.slides(i))
+        return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
+
+    def _field(self, i: int) -> list[Equation]:
+        """Of a modular recursion with weights, gravity in the axes of the body."""
+        s = self.s
+        name, parent = s.field_name(i), s.tree.bodies[i].parent
+        if self.base or name == vec("g"):
+            return []
+        rule = self._carried(s.field_name(parent) if parent >= 0 else vec("g"), i)
+        return [self._worked(name, rule, s.column(s.gravity(i)))]
+
+    def _angular(self, i: int) -> list[Equation]:
+        s, motion = self.s, self.record.motion
+        parent = s.tree.bodies[i].parent
+        rows = []
+        for dots, value in (("", motion.w[i]), ("_d", motion.wd[i])):
+            before = (
+                self._carried(s.angular_name("omega", parent, dots), i) if parent >= 0 else ex.ZERO
+            )
+            own: Expression = ex.ZERO
+            if s.turns(i):
+                own = self._rate(i, dots)
+                own = own if s.planar else ex.mul(own, s.name("z", i))
+                if dots and not s.planar and parent >= 0:
+                    own = ex.add(own, self._swing(i))
+            rows.append(
+                self._worked(
+                    s.angular_name("omega", i, dots), ex.add(before, own), s.angular(value)
+                )
+            )
+        return rows
+
+    def _swing(self, i: int) -> Expression:
+        """ω × θ̇ z: the joint's own turning is carried around."""
+        s = self.s
+        before = self._carried(s.angular_name("omega", s.tree.bodies[i].parent), i)
+        return ex.cross(before, ex.mul(self._rate(i), s.name("z", i)))
+
+    def _rate(self, i: int, dots: str = "") -> Expression:
+        """The rate of joint i, or its acceleration."""
+        s = self.s.symbols
+        return self.s.show(self.s.rate(i, s.qdd if dots else s.qd))
+
+    def _carried(self, x: Expression, i: int) -> Expression:
+        """A vector of the body before, in the axes of body i."""
+        s = self.s
+        return x if s.planar else ex.mul(rotation_name(s, s.tree.bodies[i].parent, i), x)
+
+    def _linear(self, i: int) -> list[Equation]:
+        s, motion, parent = self.s, self.record.motion, self.s.tree.bodies[i].parent
+        if parent >= 0:
+            w, wd, arm = self._omega(parent, ""), self._omega(parent, "_d"), s.reach_name(parent, i)
+            speed = ex.add(s.name("v", parent), ex.cross(w, arm))
+            change = ex.add(
+                s.name("v", parent, "_d"), ex.cross(wd, arm), ex.cross(w, ex.cross(w, arm))
+            )
+        else:
+            speed, change = ex.ZERO, vec("v0_d") if self.base and s.weighs else ex.ZERO
+        rows = []
+        for dots, rule, value in (("", speed, motion.v[i]), ("_d", change, motion.vd[i])):
+            carried = rule if s.planar or rule == ex.ZERO else self._carried(rule, i)
+            if s.slides(i):
+                carried = ex.add(carried, *self._slid(i, dots))
+            rows.append(self._worked(s.name("v", i, dots), carried, s.column(s.axes(i, value))))
+        return rows if self.velocities else rows[1:]
+
+    def _slid(self, i: int, dots: str) -> list[Expression]:
+        """What a slide adds: its rate, or its acceleration and Coriolis' term."""
+        s = self.s
+        rates = self._rate(i), self._rate(i, "_d")
+        speed, change = (ex.mul(s.advance(i), x, s.axis_name(i)) for x in rates)
+        parent = s.tree.bodies[i].parent
+        still = parent < 0 or s.angular(self.record.motion.w[parent]) == ex.ZERO
+        if not dots or still:
+            return [change if dots else speed]
+        return [change, ex.mul(2, ex.cross(self._omega(i, ""), speed))]
+
+    def _omega(self, i: int, dots: str) -> Expression:
+        """ω of a body as a vector: ω z in the plane."""
+        s = self.s
+        name = s.angular_name("omega", i, dots)
+        return ex.mul(name, vec("z")) if s.planar else name
+
+    def _centre(self, i: int) -> list[Equation]:
+        s = self.s
+        w, wd, c = self._omega(i, ""), self._omega(i, "_d"), s.centre_name(i)
+        speed = ex.add(s.name("v", i), ex.cross(w, c))
+        change = ex.add(s.name("v", i, "_d"), ex.cross(wd, c), ex.cross(w, ex.cross(w, c)))
+        second = s.column(s.axes(i, self.record.vd_com[i][0]))
+        found = [self._worked(s.name("vc", i, "_d"), change, second)]
+        if self.velocities:
+            found.insert(0, self._worked(s.name("vc", i), speed, s.column(s.centre_velocity(i))))
+        return found
+
+
+_PLANAR = {
+    True: ("4.6", "4.7", "4.8", "4.9", "4.10", "4.11"),
+    False: ("4.8", "4.11", "6.24", "6.25", "6.26", "6.27"),
+}
+_SPATIAL = {
+    True: ("6.18", "6.19", "6.20", "6.21", "6.22"),
+    False: ("6.22", "6.24", "6.25", "6.26", "6.27"),
+}
+
+
+METHOD = Method(
+    "recursive",
+    "The recursive method of Newton and Euler",
+    "motion from the base outward, forces from the tip inward",
+    "lecture notes, sections 4.3 and 6.3",
+    work_out,
+    aliases=("recursive-newton-euler",),
+    options=(
+        MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),
+        MethodOption(
+            "values",
+            ("full", "modular"),
+            "written out in the joints' coordinates as long as they can be read, or each line by "
+            "those before",
+        ),
+    ),
+)

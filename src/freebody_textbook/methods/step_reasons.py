@@ -1,0 +1,230 @@
+"""Reasons of steps, in words that follow the structure of the arm."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from freebody.elementary import Scalar
+from freebody.errors import listed
+from freebody.expressions.polynomials.symbols import RATE
+from freebody.scalars.trig import Trig
+from freebody.spatial import Vector, dot
+from freebody_textbook.methods.setting import Setting
+
+GYROSCOPIC = (
+    "ω × I ω is the gyroscopic moment: the angular momentum I ω turns with the body, and turning "
+    "it takes a moment at right angles to ω, even at constant rates."
+)
+
+ABSOLUTE = (
+    "The torque τ_i of such an angle is that on body i: of its joint's motor, less those of the "
+    "motors of the joints that it carries."
+)
+"""What torques are where angles are those of the links."""
+
+
+def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
+    """What a bearing carries at constant rates where no centre of mass moves, as a sentence with a
+    blank in front; or nothing."""
+    moves = any(not s.symbols.element(x).is_zero for k in s.weighted for x in s.centre_velocity(k))
+    if s.planar or not s.turns(i) or moves:
+        return ""
+    constant, axis = tuple(_at_constant_rates(s, x) for x in moment), s.tree.bodies[i].axis
+    if all(s.symbols.element(x).is_zero for x in s.tree.space.cross(axis, constant)):
+        return ""
+    n, felt = s.numbers[i], not s.symbols.element(dot(axis, constant)).is_zero
+    return (
+        f" No centre of mass moves: the products of rates in n_{s.numbers[s.tree.bodies[i].parent]}"
+        f",{n} are gyroscopic. The bearing carries them, at right angles to the axis of joint {n}"
+        f"{'.' if felt else ', and the motor does not feel them.'}"
+    )
+
+
+def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
+    """The terms with products of rates."""
+    rates = {name + RATE for name in s.symbols.coordinates}
+    terms = s.symbols.element(x).terms()
+    kept = ((m, c) for m, c in terms if sum(e for name, e in m.items() if name in rates) == 2)
+    return s.symbols.ring.polynomial(kept)
+
+
+@dataclass(frozen=True)
+class Efforts:
+    """What the motors give, in words: `motor torques and force`."""
+
+    words: str
+    count: int
+
+    @classmethod
+    def of(cls, s: Setting) -> Efforts:
+        """Those of all joints with a motor."""
+        found = Counter(s.words(i).effort for i in s.leaders if s.driven(i))
+        named = [f"{effort}{'s' * (n > 1)}" for effort, n in found.items()]
+        return cls(f"motor {listed(named)}" if named else "", found.total())
+
+    @property
+    def verb(self) -> str:
+        """is, or are."""
+        return "is" if self.count == 1 else "are"
+
+    @property
+    def given(self) -> str:
+        """How a sentence begins that tells what is sought, these being given."""
+        return f"Given the {self.words}, the" if self.count else "The"
+
+    @property
+    def holding(self) -> str:
+        """the motor torques that hold; of a robot without motors what else keeps it at rest."""
+        one = "s" * (self.count == 1)
+        return f"the {self.words} that hold{one}" if self.count else "the conditions that keep"
+
+
+def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
+    """What acts on body i, and which laws are written; more: what acts besides."""
+    acting = f"On body {s.numbers[i]} act: {'; '.join([*_acting(s, i), *more])}."
+    if i not in s.weighted:
+        return f"{acting} It has no mass: forces, and moments about its joint, add up to zero."
+    if i != s.weighted[0]:
+        return acting
+    about = "the moments about it" if s.planar else "the moments about it, as vectors,"
+    turning = "" if s.planar or s.is_point(i) else f" {GYROSCOPIC}"
+    return (
+        f"{acting} The forces accelerate the centre of mass (Newton), "
+        f"{about} change the angular velocity (Euler).{turning}"
+    )
+
+
+def _acting(s: Setting, i: int) -> list[str]:
+    n, parent = s.numbers[i], s.numbers[s.tree.bodies[i].parent]
+    held = (
+        f"the reaction f_{parent},{n} of {'the ground' if parent == 0 else f'body {parent}'} at "
+        f"joint {n}"
+    )
+    acting = [held] if s.is_held(i) else []
+    if not s.is_pin(i):
+        acting.append(f"the moment n_{parent},{n} there")
+    elif s.driven(i):
+        acting.append(f"the torque τ_{s.naming.place(n)}")
+    for k in s.tree.children(i):
+        c = s.numbers[k]
+        moment = (
+            f" and -n_{n},{c}"
+            if not s.is_pin(k)
+            else f" and -τ_{s.naming.place(c)}"
+            if s.driven(k)
+            else ""
+        )
+        acting.append(f"-f_{n},{c}{moment}, the opposite of its action on body {c} at joint {c}")
+    if s.weighs and i in s.weighted:
+        acting.append("its weight")
+    if s.loaded(i):
+        acting.append("the load f at the tip")
+    return acting
+
+
+def working_part(s: Setting, i: int) -> str:
+    """What of the force and the moment at joint i does work along its coordinate."""
+    n = s.numbers[i]
+    if not s.turns(i):
+        return f"the force along the slide u_{n}"
+    moment = f"the moment about the axis of joint {n}"
+    return f"{moment} and pitch times the force along it" if s.slides(i) else moment
+
+
+def joints_that(s: Setting, turn: bool) -> str:
+    """What joints are called that turn their bodies, or do not: `revolute or helical`; or
+    nothing."""
+    return " or ".join(dict.fromkeys(s.words(i).joint for i in s.order if s.turns(i) == turn))
+
+
+def added_rates(s: Setting) -> str:
+    """What the joints add to the angular velocities."""
+    turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
+    if not turning:
+        return f"No joint turns a body; a {others} joint adds nothing"
+    axis = "" if s.planar else ", about its axis,"
+    added = f"A {turning} joint adds its rate{axis} to the angular velocity of the previous body"
+    return f"{added}; a {others} joint adds nothing" if others else added
+
+
+def coriolis(s: Setting, joints: Iterable[int]) -> str:
+    """Coriolis' acceleration of what slides on a turning body, 2 ω × ḋ u; nothing where none
+    does."""
+    sliding = sorted({s.turns(i) for i in joints if s.slides(i) and _carried_round(s, i)})
+    ways = {False: "2 ω × ḋ u (ḋ: the speed of sliding)", True: "2 ω × h θ̇ z (h: the pitch)"}
+    return " or ".join(ways[turns] for turns in sliding)
+
+
+def _carried_round(s: Setting, i: int) -> bool:
+    """Whether joint i stands on a body that turns."""
+    parent = s.tree.bodies[i].parent
+    return parent >= 0 and (s.turns(parent) or _carried_round(s, parent))
+
+
+def motorless(s: Setting) -> str:
+    """Which joints have no motor, as a sentence with a blank in front; or nothing."""
+    joints = [f"joint {s.numbers[i]}" for i in s.leaders if not s.driven(i)]
+    return (
+        f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor."
+        if joints
+        else ""
+    )
+
+
+def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
+    """How the reaction at joint i leaves the equations; rest: what is left besides the motor."""
+    n, torque = s.numbers[i], f"τ_{s.naming.place(s.numbers[i])}"
+    first = f"Newton's equation of body {n} gives the force at joint {n}"
+    if s.tree.children(i):
+        first += ", the forces on the next bodies being known"
+    if not s.is_alone(i):
+        last = "; the motor follows, when all reactions are known" if s.driven(i) else ""
+        return f"{first}; Euler's equation gives the moment{last}."
+    if not s.turns(i):
+        force = f"f_{s.numbers[s.tree.bodies[i].parent]},{n}"
+        along = f"the part of {force} along the slide u_{n}"
+        motor = f"the motor's force is {along}" if s.driven(i) else f"{along} has no motor"
+        return f"{first}; Euler's equation gives the moment of the guide; {motor}."
+    into = f"{first}; substituted into Euler's equation, it"
+    if s.is_pin(i):
+        left = (
+            f"the torque {torque} and {rest}" if s.driven(i) else f"{rest}, for there is no motor"
+        )
+        return f"{into} leaves {left}."
+    if not s.driven(i):
+        return f"{into} gives the moment; there is no motor to give {working_part(s, i)}."
+    if s.slides(i):
+        return f"{into} gives the moment; the torque {torque} is {working_part(s, i)}."
+    return f"{into} gives the moment, whose part about the axis is the torque {torque}."
+
+
+def substituted(s: Setting, i: int, reactions: bool) -> str:
+    """What is put in where."""
+    motor = f"the {s.words(i).effort} of motor {s.numbers[i]}"
+    if not s.driven(i):
+        motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
+    what = "force" if s.is_pin(i) else "force and the moment"
+    carried = f"the {what} that the {s.words(i).bearing} of joint {s.numbers[i]} passes on, and "
+    told = f"{carried if reactions else ''}{motor}"
+    if not s.is_alone(i):
+        told = f"the force and the moment that joint {s.numbers[i]} passes on"
+    return f"With the vectors substituted: {told}, sorted by accelerations and rates."
+
+
+def drive(s: Setting, i: int) -> str:
+    """What else the motor of joint i works against, as a sentence with a blank in front; or
+    nothing."""
+    moved = s.together(i)
+    drives = [own for k in moved if (own := s.tree.bodies[k].drive) is not None]
+    parts = [("spring", "stiffness")]
+    if not s.at_rest:
+        parts = [("rotor", "rotor"), ("friction", "viscous"), ("friction", "coulomb"), *parts]
+    found = dict.fromkeys(
+        name
+        for name, field in parts
+        if any(not s.symbols.element(getattr(own, field)).is_zero for own in drives)
+    )
+    whose = "joint's" if len(moved) == 1 else "joints'"
+    return f" The other terms are those of the {whose} {listed(found)}." if found else ""

@@ -1,0 +1,204 @@
+"""Formulas with vectors written as text, `tau1 - cross(s1, f12) = I1*omega1_d`: read, printed and
+evaluated.
+
+The grammar is that of answers (`grammar`), with a sign in every product, [a, b] for vectors and
+[[a, b], [c, d]] for matrices. It is parsed, never run. Names are those that print as in the notes:
+theta1_d is θ̇₁, sc1 is s_c1, R2_1 is R with subscript 1 and superscript 2; omega_i, omega_h, omega_k
+are those of link i, i-1 and i+1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import replace
+from typing import Any
+from unicodedata import normalize
+
+from freebody.expressions import expression as ex
+from freebody.expressions.evaluate import Rules, arithmetic, evaluate
+from freebody.expressions.expression import Equation, Expression, Symbol
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.lexemes import Lexeme, plain
+from freebody.expressions.grammar.lexer import Token, tokens
+from freebody.expressions.grammar.parser import Parser
+from freebody.expressions.grammar.source import Source, UnreadableError
+from freebody.expressions.grammar.words import Cut
+from freebody.expressions.nodes import NOWHERE
+from freebody.expressions.printed_names import GREEK, sym
+
+FUNCTIONS = (
+    "sin", "cos", "tan", "sqrt", "exp", "log", "arcsin", "arccos", "arctan", "norm", "det", "sum",
+    "diag", "skew",
+)  # fmt: skip
+"""Functions of one argument; `sum` adds up what is given for each of several bodies."""
+
+_RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
+    **{name: (1, lambda x, name=name: ex.Function(name, x)) for name in FUNCTIONS},
+    "sum": (1, lambda x: ex.Function("∑", x)),
+    "cross": (2, ex.cross),
+    "dot": (2, ex.dot),
+    "partial": (2, ex.partial),
+    "atan2": (2, lambda y, x: ex.Function("atan2", ex.arguments(y, x))),
+    "transpose": (1, ex.transposed),
+    "d_dt": (1, ex.d_dt),
+}
+"""Of each function how many arguments it has, and what it makes of them."""
+
+SPECIAL: dict[str, tuple] = {
+    "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
+}  # fmt: skip
+"""Vectors whose names are words: letter, subscripts, dots."""
+
+_PLACES = frozenset("0123456789ihk")
+_OF_WORLD = (*(f"w{k}" for k in range(10)), "w_i", "w_h", "w_k")
+"""Angular velocities with components in the world."""
+GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
+"""Endings of names that stand for a link's number."""
+
+
+class FormulaError(UnreadableError):
+    """A formula that cannot be read or evaluated."""
+
+
+class _FormulaText(Source):
+    what, longest, error = "formula", 4000, FormulaError
+
+
+def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
+    """A formula as it is printed: an equation where it has an =, else one expression.
+
+    Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
+    """
+    source = _FormulaText.of(text)
+    sides: list[list[Token]] = [[]]
+    for token in tokens(source, _FormulaLanguage())[:-1]:
+        if token.kind == "equals":
+            sides.append([])
+        elif token.text != "\n":
+            sides[-1].append(token)
+    read = [evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED) for side in sides]
+    return read[0] if len(read) == 1 else Equation(tuple(read))
+
+
+def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
+    """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with
+    a prime."""
+    if primed or "_prime" in name:
+        plain = symbol(name.replace("_prime", ""), bold)
+        return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
+    head, _, low = name.partition("_")
+    letter, up = head[:-1], head[-1:]
+    if letter.isalpha() and up in _PLACES and low in _PLACES:
+        return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
+    if name in _OF_WORLD:
+        return replace(
+            symbol("omega" + name[1:], bold), name=name
+        )  # ω with components in the world
+    own = atom(name)
+    places = own.index[0] if len(own.index) == 1 else ""
+    if not 1 <= len(places) <= 2 or not set(places) <= GENERAL.keys():
+        return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
+    letters, centre = own.letter, ""
+    if letters not in GREEK and len(letters) > 1 and letters[-1] == "c":
+        letters, centre = letters[:-1], "c"
+    first, *others = (GENERAL[place] for place in places)
+    return Symbol(name, GREEK.get(letters, letters), (centre + first, *others), own.dots, bold)
+
+
+class _FormulaLanguage:
+    """The words of formulas: names as they are written, whatever they stand for."""
+
+    functions = _RULES
+
+    def begins(self, x: Lexeme) -> bool:
+        return x.kind == "letter" or x.text == "_"
+
+    def word(self, source: Source, at: int) -> Cut:
+        items, stop = source.lexemes.items, at + 1
+        while (
+            stop < len(items)
+            and not items[stop].apart
+            and (items[stop].kind in ("letter", "digit", "mark") or items[stop].text == "_")
+        ):
+            stop += 1
+        name = normalize("NFC", plain(items[at:stop]))
+        return Cut([(name, items[at].start, items[stop - 1].end)], None, stop)
+
+
+class _FormulaParser(Parser):
+    """One side of a formula."""
+
+    implied_products = False
+    tables_anywhere = True
+    largest_exponent = 9999
+
+    def __init__(
+        self,
+        source: Source,
+        tokens: Sequence[Token],
+        bold: Collection[str],
+        primed: Collection[str],
+    ):
+        super().__init__(source, tokens)
+        self.bold, self.primed = bold, primed
+
+    def name(self) -> Expression:
+        token = self.take()
+        if self.token.text == "(":
+            known = ", ".join(sorted(_RULES))
+            self.source.fail(f"no function {token.text!r}; there are {known}", token.span)
+        return symbol(token.text, token.text in self.bold, token.text in self.primed)
+
+    def call(self) -> Expression:
+        token = self.take()
+        self.expect("open", "'('")
+        arguments = [self.expression()]
+        while self.token.kind == "comma":
+            self.take()
+            arguments.append(self.expression())
+        self.expect("close", "')'")
+        count, made = _RULES[token.text]
+        if len(arguments) != count:
+            self.source.fail(f"{token.text} is given {len(arguments)} arguments", token.span)
+        return made(*arguments)
+
+    def table(self) -> ex.Vector | ex.Matrix:
+        """[a, b] is a vector, [[a, b], [c, d]] a matrix."""
+        matrix = super().table()
+        return ex.Vector(matrix.rows[0]) if len(matrix.rows) == 1 else matrix
+
+
+def _inside(node: Expression, at: Callable[[Expression], Expression]) -> Expression:
+    return replace(node.mapped(at), span=NOWHERE)
+
+
+_PRINTED: Rules = {
+    **arithmetic(
+        ex.num,
+        total=lambda terms: ex.add(*terms),
+        product=lambda factors: ex.mul(*factors),
+        negative=ex.neg,
+        quotient=ex.div,
+        power=ex.power,
+    ),
+    ex.Number: lambda node, at: ex.num(node.value, node.decimal),
+    **dict.fromkeys(
+        (ex.Symbol, ex.Function, ex.Arguments, ex.Vector, ex.Matrix, ex.Cross, ex.Dot,
+         ex.Transposed, ex.Derivative),
+        _inside,
+    ),
+}  # fmt: skip
+"""What is read as it is printed: flat sums and products, a sign in front, a number first."""
+
+
+def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
+    """A formula, or the text itself in upright words where it is none."""
+    try:
+        return parse(text, bold, primed)
+    except FormulaError:
+        return ex.words(text)
+
+
+def names_in(node: Expression) -> list[str]:
+    """Names of the symbols of a formula, each once."""
+    return list(dict.fromkeys(part.name for part in ex.nodes(node) if isinstance(part, Symbol)))

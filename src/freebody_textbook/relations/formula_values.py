@@ -1,0 +1,275 @@
+"""The value of a formula over exact polynomials or numbers: vectors are tuples, matrices tuples of
+tuples."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from functools import reduce
+from typing import Any
+
+import numpy as np
+
+from freebody import elementary
+from freebody.arrays import Array
+from freebody.errors import UnknownNameError
+from freebody.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
+from freebody.expressions.expression import (
+    Arguments,
+    Cross,
+    Derivative,
+    Dot,
+    Expression,
+    Function,
+    Matrix,
+    Symbol,
+    Transposed,
+    Vector,
+)
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.math import tan
+from freebody.scalars.composed import Composed
+from freebody.scalars.trig import Trig, TrigRing
+from freebody.spatial import product, times, transposed
+from freebody_textbook.relations.formula import FormulaError
+
+Value = Any
+
+
+class Each(tuple):
+    """One value for each of several bodies, such as the masses m_i; `sum` adds them up."""
+
+
+def value(node: Expression, values: Mapping[str, Value]) -> Value:
+    """The value of an expression, given each symbol's by name."""
+
+    def symbol(node: Symbol, at: Any) -> Value:
+        if node.name not in values:
+            raise UnknownNameError("quantity", node.name, "the values given", values)
+        return plain(values[node.name])
+
+    try:
+        return evaluate(node, {**_RULES, Symbol: symbol})
+    except NoValue as problem:
+        raise FormulaError(problem.problem) from None
+
+
+def plain(x: Any) -> Value:
+    """Arrays and lists as tuples; scalars as they are."""
+    if isinstance(x, np.ndarray):
+        return plain(x.tolist())
+    if isinstance(x, Each):
+        return Each(map(plain, x))
+    return tuple(map(plain, x)) if isinstance(x, list | tuple) else x
+
+
+def rank(x: Value) -> int:
+    """0 of a scalar, 1 of a vector, 2 of a matrix."""
+    return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
+
+
+def shape_name(x: Value) -> str:
+    """What a value is, in words."""
+    if rank(x) == 0:
+        return "a scalar"
+    return f"a vector of {len(x)}" if rank(x) == 1 else f"a matrix of {len(x)} × {len(x[0])}"
+
+
+# ---------------------------------------------------------------- arithmetic
+def plus(a: Value, b: Value) -> Value:
+    """a + b of the same shape."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(plus, a, b)
+    if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added")
+    return tuple(map(plus, a, b)) if rank(a) else a + b
+
+
+def minus(a: Value) -> Value:
+    """-a."""
+    return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
+
+
+def multiplied(a: Value, b: Value) -> Value:
+    """a b: scalars times anything, matrices times vectors and matrices."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(multiplied, a, b)
+    match rank(a), rank(b):
+        case 0, 0:
+            return a * b
+        case 0, _:
+            return tuple(multiplied(a, x) for x in b)
+        case _, 0:
+            return tuple(multiplied(x, b) for x in a)
+        case 2, 1 if len(a[0]) == len(b):
+            return times(a, b)
+        case 2, 2 if len(a[0]) == len(b):
+            return product(a, b)
+    raise FormulaError(
+        f"{shape_name(a)} and {shape_name(b)} have no product; write dot(a, b) or cross(a, b)"
+    )
+
+
+def crossed(a: Value, b: Value) -> Value:
+    """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
+    ω z × b."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(crossed, a, b)
+    match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
+        case 3, 3:
+            return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        case 2, 2:
+            return a[0] * b[1] - a[1] * b[0]
+        case 3, 2:
+            return crossed(a, (*b, 0.0))[:2]
+        case 0, 2 if rank(a) == 0:
+            return -(a * b[1]), a * b[0]
+    raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
+
+
+def dotted(a: Value, b: Value) -> Value:
+    """a · b."""
+    if isinstance(a, Each) or isinstance(b, Each):
+        return _each(dotted, a, b)
+    if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
+        raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product")
+    return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
+
+
+def _each(rule: Any, a: Value, b: Value) -> Value:
+    n = max(len(x) for x in (a, b) if isinstance(x, Each))
+    left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
+    return Each(map(rule, left, right))
+
+
+# ---------------------------------------------------------------- functions and powers
+def _raised(base: Value, exponent: int) -> Value:
+    """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
+    if isinstance(base, Each):
+        return Each(_raised(x, exponent) for x in base)
+    match rank(base), exponent:
+        case 2, -1:
+            return plain(np.linalg.inv(_in_numbers(base)))
+        case 1, 2:
+            return dotted(base, base)
+        case 0, -1:
+            return 1 / base
+        case 0, _:
+            return base**exponent
+    raise FormulaError(f"{shape_name(base)} has no power {exponent}")
+
+
+def _in_numbers(x: Value) -> Array:
+    """A matrix of numbers as an array."""
+    if any(isinstance(entry, Trig | Composed) for row in x for entry in row):
+        raise FormulaError(f"{shape_name(x)} of polynomials is not inverted here; give it numbers")
+    return np.array(x, dtype=float)
+
+
+def _determinant(x: Value) -> Value:
+    if len(x) == 2:
+        return x[0][0] * x[1][1] - x[0][1] * x[1][0]
+    return float(np.linalg.det(_in_numbers(x)))
+
+
+def _added(x: Value) -> Value:
+    if not isinstance(x, Each):
+        raise FormulaError("∑ needs a value for each body")
+    return reduce(plus, x)
+
+
+def _norm(x: Value) -> Value:
+    return elementary.sqrt(dotted(x, x))
+
+
+def _diagonal(x: Value) -> Value:
+    return tuple(tuple(d if i == j else 0.0 for j in range(len(x))) for i, d in enumerate(x))
+
+
+def _skew(x: Value) -> Value:
+    """The matrix of x × …"""
+    a, b, c = x
+    return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
+
+
+_FUNCTIONS: dict[str, Any] = {
+    "sin": elementary.sin, "cos": elementary.cos, "tan": tan, "sqrt": elementary.sqrt,
+    "exp": elementary.exp, "log": elementary.log, "sgn": elementary.sign,
+    "arcsin": math.asin, "arccos": math.acos, "arctan": math.atan,
+    "norm": _norm, "atan2": lambda yx: math.atan2(*yx), "det": _determinant, "∑": _added,
+    "diag": _diagonal, "skew": _skew,
+}  # fmt: skip
+
+
+def _derivative(node: Derivative, at: Any) -> Value:
+    return _slope(at(node.of), _variable(at(node.by)) if node.partial else None)
+
+
+def _variable(x: Value) -> str:
+    """The name of a symbol of a ring."""
+    names = x.ring.names if isinstance(x, Trig) else x.variables if isinstance(x, Composed) else ()
+    for name in names:
+        if x == (x.ring[name] if isinstance(x, Trig) else Composed.variable(name)):
+            return name
+    raise FormulaError("a partial derivative is taken by a coordinate, a rate or a parameter")
+
+
+def _slope(x: Value, by: str | None) -> Value:
+    """The partial derivative by a symbol, or the time derivative."""
+    if rank(x):
+        return tuple(_slope(entry, by) for entry in x)
+    if isinstance(x, Composed):
+        return x.derivative(by or "t")
+    if not isinstance(x, Trig):
+        raise FormulaError("only exact polynomials are differentiated")
+    return x.derivative(by) if by is not None else x.along(time_rates(x.ring))
+
+
+def time_rates(ring: TrigRing) -> dict[str, Trig]:
+    """The time derivative of each coordinate and rate of a ring."""
+    first = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
+    return first | {x + RATE: ring[x + SECOND] for x in ring.names if x + SECOND in ring.index}
+
+
+def divided(a: Value, b: Value) -> Value:
+    """a / b: anything by a scalar; exact where both are whole."""
+    if isinstance(a, tuple):
+        return type(a)(divided(x, b) for x in a)
+    if rank(b):
+        raise FormulaError(f"{shape_name(b)} cannot be divided by")
+    return Fraction(a, b) if isinstance(a, int) and isinstance(b, int) else a / b
+
+
+def _applied(function: Any, x: Value, name: str) -> Value:
+    """A function of each of several values, but for the sum, which takes them together."""
+    return Each(map(function, x)) if isinstance(x, Each) and name != "∑" else function(x)
+
+
+def _stacked(entries: list[Value]) -> Value:
+    """A vector; of entries that are given for several bodies a vector for each."""
+    counts = {len(x) for x in entries if isinstance(x, Each)}
+    if not counts:
+        return tuple(entries)
+    rows = [x if isinstance(x, Each) else Each((x,) * max(counts)) for x in entries]
+    return Each(zip(*rows, strict=True))
+
+
+_RULES: Rules = {
+    **arithmetic(
+        lambda number: int(number) if number.denominator == 1 else number,
+        total=lambda terms: reduce(plus, terms),
+        product=lambda factors: reduce(multiplied, factors),
+        negative=minus,
+        quotient=divided,
+        power=_raised,
+    ),
+    Transposed: lambda node, at: transposed(at(node.operand)),
+    Function: lambda node, at: _applied(_FUNCTIONS[node.name], at(node.argument), node.name),
+    Cross: lambda node, at: crossed(at(node.left), at(node.right)),
+    Derivative: _derivative,
+    Dot: lambda node, at: dotted(at(node.left), at(node.right)),
+    Arguments: lambda node, at: tuple(map(at, node.entries)),
+    Vector: lambda node, at: _stacked(list(map(at, node.entries))),
+    Matrix: lambda node, at: tuple(tuple(map(at, row)) for row in node.rows),
+}

@@ -1,0 +1,367 @@
+"""A derivation as text for a terminal, Markdown, a LaTeX document and an HTML page: one walk over
+its blocks, and a record for each kind of document that says how they are written."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from freebody.expressions.nodes import Expression
+from freebody.expressions.typesetting.literal import declared, literal
+from freebody.expressions.typesetting.mathml import lean, mathml
+from freebody.outputs.page import SHEETS, math_style, policy
+from freebody.outputs.text import legal
+from freebody_textbook.render import page, term_sources
+from freebody_textbook.render.equation_numbers import cited
+from freebody_textbook.render.living_parts import STYLE, LivingParts
+from freebody_textbook.render.paper import STATE, STEPS
+from freebody_textbook.render.prose import Medium, markdown_prose, tex_prose, text_prose, web_prose
+from freebody_textbook.render.short_lines import LARGEST, short_lines
+from freebody_textbook.render.small_screens import NARROW, SCROLLED, TOUCHED
+
+if TYPE_CHECKING:
+    from freebody_textbook.derivation import Derivation, Meaning, Step
+
+Figures = Mapping[str, str]
+"""SVG text by the name that a step gives its figure."""
+
+Rows = Sequence[tuple[str, str, str]]
+"""Of the table of symbols: symbols, meaning, unit or ""."""
+
+SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
+TALLEST = 40
+"""Lines that a frame around a result may hold, so that it fits on a page."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Document:
+    """How the blocks of a document are written: templates for words that `prose` has set."""
+
+    prose: Medium
+    symbol: Callable[[Expression], str]
+    equations: Callable[[Step], str]
+    listed: Callable[[list[str]], str] = ", ".join
+    """Symbols of one meaning."""
+    wrap: Callable[[str, str], str] = lambda words, indent: words
+    rows: Callable[[_Document, Rows], str] = lambda self, rows: "".join(
+        self.row.format(*row) for row in rows
+    )
+    title: str
+    underline: str = ""
+    """What a title is underlined with, as many letters as it has."""
+    given: str = "{}"
+    row: str = ""
+    """Of the table of symbols."""
+    table: str = "{}"
+    terms: str = "{}"
+    """The table of what terms are, without unit."""
+    figure: str = ""
+    opening: str = ""
+    """What stands before the first step."""
+    heading: str
+    """Of a step: its number, what is done, and `notes` with the notes' equation numbers."""
+    number: str = "{}. "
+    notes: str
+    reason: str = "{}"
+    end: str = ""
+    """Of a step."""
+    source: str
+    between: str = "\n"
+
+    def __call__(self, derivation: Derivation, figures: Figures | None = None) -> str:
+        """The document; a figure stands where a step first asks for it."""
+        return self.of(derivation)._written(derivation, figures)
+
+    def of(self, derivation: Derivation) -> _Document:
+        """The same with symbols in sentences as the equations have them."""
+        planar = derivation.equations.symbols.model.dim == 2
+        return replace(self, prose=self.prose.planar) if planar else self
+
+    def _written(self, derivation: Derivation, figures: Figures | None) -> str:
+        left, prose = dict(figures or {}), self.prose
+        title = prose(_title(derivation))
+        blocks = [self.title.format(title), self.underline * _cells(title)]
+        blocks += [
+            self.given.format(self.wrap(prose(words), ""))
+            for words in derivation.given.splitlines()
+        ]
+        if "overview" in left:
+            blocks.append(self.figure.format(left.pop("overview")))
+        if derivation.given:
+            blocks.append(self.table.format(self._rows(derivation.glossary)))
+        blocks.append(self.opening)
+        for number, step in enumerate(derivation.steps, 1):
+            blocks.append(self.step(step, self.number.format(number), left))
+        blocks.append(self.source.format(self.wrap(prose(_source(derivation)), "")))
+        return self.between.join(filter(None, blocks))
+
+    def step(self, step: Step, number: str = "", left: dict[str, str] | None = None) -> str:
+        """One of the steps, with its figure if that is left."""
+        notes = self.notes.format(self.prose(cited(step.notes))) if step.notes else ""
+        blocks = [
+            self.heading.format(number, self.prose(step.operation), notes),
+            self.reason.format(self.wrap(self.prose(step.reason), "   ")),
+        ]
+        blocks.append(self.equations(step) if step.equations else "")
+        if left and step.figure in left:
+            blocks.append(self.figure.format(left.pop(step.figure)))
+        blocks.append(self.terms.format(self._rows(step.terms)) if step.terms else "")
+        return self.between.join(filter(None, [*blocks, self.end]))
+
+    def _rows(self, table: Sequence[Meaning]) -> str:
+        prose = self.prose
+        rows = [
+            (self.listed(list(map(self.symbol, m.symbols))), prose(m.words), prose(m.unit))
+            for m in table
+        ]
+        return self.rows(self, rows)
+
+
+# ---------------------------------------------------------------- text
+def text(derivation: Derivation, width: int = 100) -> str:
+    """For a terminal."""
+    return _terminal(width)(derivation)
+
+
+def step_text(step: Step, width: int = 100) -> str:
+    """One step for a terminal, without its number."""
+    return _terminal(width).step(step).lstrip("\n")
+
+
+def _terminal(width: int) -> _Document:
+    return _Document(
+        prose=text_prose,
+        symbol=str,
+        equations=lambda step: _text_equations(step, width),
+        wrap=lambda words, indent: textwrap.fill(
+            words, width, initial_indent=indent, subsequent_indent=indent
+        ),
+        rows=lambda _, rows: _text_table(rows, width),
+        title="{}",
+        underline="=",
+        given="\n{}",
+        table="\n{}",
+        terms="\n{}",
+        heading="\n{}{}{}",
+        notes="  [notes {}]",
+        source="\n{}",
+    )
+
+
+def _text_equations(step: Step, width: int) -> str:
+    lines = page.text([step.equations], width - 8).splitlines()
+    if not step.result:
+        return "\n" + textwrap.indent("\n".join(lines), "      ")
+    size = max(map(_cells, lines))
+    inside = [f"   │ {line}{' ' * (size - _cells(line))} │" for line in lines]
+    return "\n".join(["", f"   ┌{'─' * (size + 2)}┐", *inside, f"   └{'─' * (size + 2)}┘"])
+
+
+def _cells(line: str) -> int:
+    """Columns that a line takes: combining dots take none."""
+    return len(re.sub("[\u0300-\u036f]", "", line))
+
+
+def _text_table(rows: Rows, width: int) -> str:
+    size = min(24, max((_cells(names) for names, _, _ in rows), default=0))
+    lines = []
+    for names, words, unit in rows:
+        pad = " " * max(1, size + 2 - _cells(names))
+        lines += textwrap.wrap(
+            f"{names}{pad}{words}" + (f" [{unit}]" if unit else ""), width - 3,
+            initial_indent="   ", subsequent_indent=" " * (size + 5),
+            drop_whitespace=True, break_long_words=False, break_on_hyphens=False,
+        )  # fmt: skip
+    return "\n".join(lines)
+
+
+# ---------------------------------------------------------------- Markdown and LaTeX
+def _framed(step: Step) -> str:
+    """Its equations as LaTeX, with a frame around a result that fits into one."""
+    formula = page.latex([step.equations])
+    return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
+
+
+def _fits(step: Step, formula: str) -> bool:
+    """Whether a step is a result that a frame can hold."""
+    return step.result and len(formula.splitlines()) <= TALLEST
+
+
+def _display(step: Step) -> str:
+    if _fits(step, page.latex([step.equations])):
+        return f"\\[\n{_framed(step)}\n\\]"
+    return page.latex([step.equations], "align*")
+
+
+_MARKDOWN = _Document(
+    prose=markdown_prose,
+    symbol=lambda symbol: f"${symbol.latex()}$",
+    equations=lambda step: f"$$\n{_framed(step)}\n$$",
+    title="# {}",
+    row="\n| {} | {} | {} |",
+    table="| symbol | meaning | unit |\n|---|---|---|{}",
+    terms="| term | what it is | |\n|---|---|---|{}",
+    figure="![]({})",
+    heading="## {}{}{}",
+    notes=" — notes {}",
+    source="*{}*",
+    between="\n\n",
+)
+
+_LATEX = _Document(
+    prose=tex_prose,
+    symbol=_MARKDOWN.symbol,
+    equations=_display,
+    title=r"{{\LARGE\bfseries {}\par}}\bigskip",
+    given="{}\n",
+    row="\n{} & {} & {} \\\\",
+    table="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
+    "\\end{{center}}",
+    terms="\\begin{{center}}\\small\n\\begin{{tabular}}{{lp{{70mm}}l}}{}\n\\end{{tabular}}\n"
+    "\\end{{center}}",
+    heading=r"\section{{{1}{2}}}",
+    notes=r"\hfill{{\normalfont\small notes {}}}",
+    source=r"\medskip\textit{{{}}}",
+)
+
+_PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
+\usepackage[utf8]{inputenc}
+\usepackage[T1]{fontenc}
+\usepackage{amsmath,amssymb}
+\usepackage[margin=22mm]{geometry}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{4pt}
+\raggedbottom
+\allowdisplaybreaks"""
+
+
+def markdown(derivation: Derivation, images: Figures | None = None) -> str:
+    """Markdown with formulas between dollar signs; images: paths of drawings by the names of
+    figures."""
+    return legal(_MARKDOWN(derivation, images) + "\n")
+
+
+def latex(derivation: Derivation) -> str:
+    """A LaTeX document that needs amsmath and T1 fonts only."""
+    inside = _LATEX(derivation)
+    lines = [_PREAMBLE, *declared(inside), r"\begin{document}", inside, r"\end{document}"]
+    return legal("\n".join(lines) + "\n")
+
+
+# ---------------------------------------------------------------- HTML
+NOTEBOOK_STYLE = f"{page.STYLE}{term_sources.STYLE}section>details>summary>h2{{display:inline}}"
+"""What steps need where they stand in a page of others, such as a notebook."""
+
+body = _Document(
+    prose=web_prose,
+    symbol=lambda symbol: mathml(symbol, display=False),
+    equations=lambda step: (
+        f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
+        f"{term_sources.legend(step.equations)}"
+    ),
+    listed=lambda symbols: " ".join(
+        [*(f"<span>{x},</span>" for x in symbols[:-1]), *symbols[-1:]]  # no comma begins a line
+    ),
+    title="<h1>{}</h1>",
+    given="<p>{}</p>",
+    row="<tr><td>{}</td><td>{}</td><td>{}</td></tr>",
+    table='<details><summary>Symbols and units</summary><table class="symbols"><tbody>{}</tbody>'
+    "</table></details>",
+    terms='<table class="symbols"><tbody>{}</tbody></table>',
+    figure="<figure>{}</figure>",
+    heading='<section><details open=""><summary><h2><span>{}</span> {}{}</h2></summary>',
+    number="{}",
+    notes=' <small class="notes">notes {}</small>',
+    reason="<p>{}</p>",
+    end="</details></section>",
+    source='<p class="source">{}</p>',
+)
+"""The steps as HTML, without a page around them."""
+
+
+def tried(living: LivingParts) -> _Document:
+    """The steps as HTML, with the living parts."""
+    return replace(
+        body,
+        opening=living.panel,
+        equations=lambda step: body.equations(step) + living.below.get(step, ""),
+    )
+
+
+def on_phones(document: _Document, steps: Sequence[Step], room: int) -> _Document:
+    """The same with equations in short lines too, of `room` bytes at most."""
+    short = short_lines(steps, room)
+    return replace(document, equations=lambda step: short.get(step, "") + document.equations(step))
+
+
+def html(
+    derivation: Derivation,
+    figures: Figures | None = None,
+    style: str = "",
+    living: LivingParts | None = None,
+) -> str:
+    """One page that fetches nothing; `style` is for the figures, `living` makes it one that can be
+    tried."""
+    title, inside, scripts = web_prose(_title(derivation)), body, []
+    if living is not None:
+        inside = tried(living)
+        scripts, style = [legal(living.script)], style + STYLE + STATE
+    kind = ' class="living"' if living else ""
+    run = "".join(f"<script>{text}</script>" for text in scripts)
+
+    def written(document: _Document) -> str:
+        return legal(
+            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
+            '<meta name="viewport" content="width=device-width, initial-scale=1">'
+            '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
+            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{_STYLE}{page.STYLE}"
+            f"{term_sources.STYLE}{STEPS}{SCROLLED}{TOUCHED}{NARROW}</style></head>\n<body>"
+            f"<main{kind}>\n"
+            f"{lean(document(derivation, figures))}\n</main>{run}</body></html>\n"
+        )
+
+    left = LARGEST - len(written(inside).encode())
+    return written(on_phones(inside, derivation.steps, left))
+
+
+_STYLE = """
+body{font:17px/1.6 system-ui,sans-serif;margin:0;color:#1b2430;
+--paper:#fff;background:var(--paper)}
+main{max-width:60rem;margin:0 auto;padding:2rem 1.2rem 4rem}
+h1{font-size:1.9rem;line-height:1.25}
+h2{font-size:1.2rem;margin:2.4rem 0 .3rem}h2 span{color:#8a94a3;margin-right:.4em}
+summary{cursor:pointer}section>details>summary{margin:2.4rem 0 .3rem}summary h2{display:inline}
+h2 .notes{font-weight:400;color:#5a6675;font-size:.85rem;margin-left:.4em}
+p{max-width:44rem}.equations{overflow-x:auto;padding:.3rem 0}
+.result{border:1.5px solid #8a94a3;border-radius:.4rem;padding:.8rem;margin-top:.8rem}
+.symbols{border-collapse:collapse;font-size:.92rem;margin:1rem 0}
+.symbols td{padding:.12rem 1.2rem .12rem 0;vertical-align:baseline}
+.symbols td:last-child,.symbols span{white-space:nowrap}
+math{font-size:1.2rem}p math,td math{font-size:1.1em}
+figure{margin:1rem 0;text-align:center}figure svg{max-width:100%;height:auto}
+.source{color:#5a6675;font-size:.9rem;margin-top:3rem}
+@media screen and (prefers-color-scheme:dark){body{color:#e4e9f0;--paper:#14181e}
+.source,h2 .notes{color:#9aa6b5}}
+"""
+
+
+# ---------------------------------------------------------------- shared
+def _title(derivation: Derivation) -> str:
+    model = derivation.equations.symbols.model
+    return f"{literal(model.name)}: {derivation.title}"
+
+
+def _source(derivation: Derivation) -> str:
+    numbered = any(step.notes for step in derivation.steps)
+    source = derivation.equations.symbols.model.source
+    written = derivation.lettering.notation
+    parts = [
+        f"Method: {derivation.reference}" if derivation.reference else "",
+        f"Equation numbers: {SOURCE}." if numbered else "",
+        f"Letters: {literal(written.source or written.title)}" if written.name != "notes" else "",
+        f"Robot: {literal(source.rstrip('.'))}" if source else "",
+    ]
+    return " ".join(part if part.endswith(".") else part + "." for part in parts if part)
