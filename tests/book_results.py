@@ -28,7 +28,7 @@ class Result:
     options: dict[str, Any] = field(default_factory=dict)
 
 
-def _link(name: str, mass: str = "", com: str = "", inertia: str = "") -> str:
+def link(name: str, mass: str = "", com: str = "", inertia: str = "") -> str:
     lines = ["[[link]]", f'name = "{name}"']
     lines += [f'mass = "{mass}"'] if mass else []
     lines += [f'com = ["{com}", 0]'] if com else []
@@ -36,23 +36,23 @@ def _link(name: str, mass: str = "", com: str = "", inertia: str = "") -> str:
     return "\n".join(lines) + "\n"
 
 
-def _joint(name: str, kind: str, parent: str, child: str, more: str = "") -> str:
+def joint(name: str, kind: str, parent: str, child: str, more: str = "") -> str:
     return f'[[joint]]\nname = "{name}"\nkind = "{kind}"\nparent = "{parent}"\nchild = "{child}"\n{more}\n'
 
 
-def _frame(name: str, parent: str, origin: str) -> str:
+def frame(name: str, parent: str, origin: str) -> str:
     return f'[[frame]]\nname = "{name}"\nparent = "{parent}"\norigin = {origin}\n'
 
 
-def _loop(first: str, second: str) -> str:
+def loop(first: str, second: str) -> str:
     return f'[[loop]]\nname = "pin"\nkind = "revolute"\nframes = ["{first}", "{second}"]\n'
 
 
-def _head(name: str, tip: str) -> str:
-    return f'name = "{name}"\ndim = 2\ntip = "{tip}"\n' + _link("ground")
+def head(name: str, tip: str) -> str:
+    return f'name = "{name}"\ndim = 2\ntip = "{tip}"\n' + link("ground")
 
 
-def _numbers(values: dict[str, float], home: dict[str, str]) -> str:
+def numbers(values: dict[str, float], home: dict[str, str]) -> str:
     told = "[parameters]\n" + "".join(f"{x} = {y}\n" for x, y in values.items())
     return told + "[home]\n" + "".join(f"{x} = {y}\n" for x, y in home.items())
 
@@ -68,48 +68,48 @@ PARALLEL = {"a": 0.4, "d": 1.0, "lc1": 0.2, "m1": 1.0, "I1": 0.02, "lc2": 0.5, "
 FLIP = '"180 deg"'
 
 TOML = {
-    "offset slider-crank": _head("offset", "slider")
-    + _link("crank", "m1", "lc1", "I1") + _link("rod", "m2", "lc2", "I2") + _link("slider", "m3")
-    + _joint("crank", "revolute", "ground", "crank")
-    + _joint("rod", "revolute", "crank", "rod", f'origin = ["l1", 0]\n{PASSIVE}')
-    + _joint("guide", "prismatic", "ground", "slider", f'origin = [0, "e"]\naxis = "x"\n{PASSIVE}')
-    + _frame("end", "rod", '["l2", 0]') + _loop("slider", "end")
-    + _numbers({"g": 9.81, **OFFSET}, {"crank": '"50 deg"', "rod": '"-65 deg"', "guide": "0.7"}),
-    "quick-return": _head("quick_return", "block")
-    + _link("crank", "m1", "", "I1") + _link("rocker", "m2", "lc2", "I2") + _link("block", "m3")
-    + _joint("crank", "revolute", "ground", "crank", 'origin = ["d", 0]')
-    + _joint("rocker", "revolute", "ground", "rocker", PASSIVE)
-    + _joint("slide", "prismatic", "rocker", "block", f'axis = "x"\n{PASSIVE}')
-    + _frame("end", "crank", '["r", 0]') + _loop("block", "end")
-    + _numbers({"g": 9.81, **WHIT}, {"crank": '"60 deg"', "rocker": '"16 deg"', "slide": "0.62"}),
-    "scotch yoke": _head("yoke", "yoke")
-    + _link("crank", "m1", "lc1", "I1") + _link("yoke", "m2") + _link("block")
-    + _joint("crank", "revolute", "ground", "crank")
-    + _joint("guide", "prismatic", "ground", "yoke", f'axis = "x"\n{PASSIVE}')
-    + _joint("slot", "prismatic", "yoke", "block", f'axis = "y"\n{PASSIVE}')
-    + _frame("end", "crank", '["r", 0]') + _loop("block", "end")
-    + _numbers({"g": 9.81, **YOKE}, {"crank": '"50 deg"', "guide": "0.1", "slot": "0.11"}),
-    "trammel": _head("trammel", "end")
-    + _link("shoe1", "m1") + _link("bar", "m2", "lc2", "I2") + _link("shoe3", "m3")
-    + _joint("along", "prismatic", "ground", "shoe1", 'axis = "x"')
-    + _joint("bar", "revolute", "shoe1", "bar", PASSIVE)
-    + _joint("up", "prismatic", "ground", "shoe3", f'axis = "y"\n{PASSIVE}')
-    + _frame("end", "bar", '["l", 0]') + _loop("shoe3", "end")
-    + _numbers({"g": 9.81, **TRAMMEL}, {"along": "0.5", "bar": '"128 deg"', "up": "0.62"}),
-    "parallelogram": _head("parallelogram", "P")
-    + _link("crank", "m1", "lc1", "I1") + _link("coupler", "m2", "lc2", "I2")
-    + _link("rocker", "m3", "lc3", "I3")
-    + _joint("crank", "revolute", "ground", "crank")
-    + _joint("coupler", "revolute", "crank", "coupler", f'origin = ["a", 0]\n{PASSIVE}')
-    + _joint("rocker", "revolute", "ground", "rocker", f'origin = ["d", 0]\n{PASSIVE}')
-    + _frame("P", "coupler", '["d", 0]') + _frame("end", "rocker", '["a", 0]') + _loop("end", "P")
-    + _numbers({"g": 9.81, **PARALLEL},
+    "offset slider-crank": head("offset", "slider")
+    + link("crank", "m1", "lc1", "I1") + link("rod", "m2", "lc2", "I2") + link("slider", "m3")
+    + joint("crank", "revolute", "ground", "crank")
+    + joint("rod", "revolute", "crank", "rod", f'origin = ["l1", 0]\n{PASSIVE}')
+    + joint("guide", "prismatic", "ground", "slider", f'origin = [0, "e"]\naxis = "x"\n{PASSIVE}')
+    + frame("end", "rod", '["l2", 0]') + loop("slider", "end")
+    + numbers({"g": 9.81, **OFFSET}, {"crank": '"50 deg"', "rod": '"-65 deg"', "guide": "0.7"}),
+    "quick-return": head("quick_return", "block")
+    + link("crank", "m1", "", "I1") + link("rocker", "m2", "lc2", "I2") + link("block", "m3")
+    + joint("crank", "revolute", "ground", "crank", 'origin = ["d", 0]')
+    + joint("rocker", "revolute", "ground", "rocker", PASSIVE)
+    + joint("slide", "prismatic", "rocker", "block", f'axis = "x"\n{PASSIVE}')
+    + frame("end", "crank", '["r", 0]') + loop("block", "end")
+    + numbers({"g": 9.81, **WHIT}, {"crank": '"60 deg"', "rocker": '"16 deg"', "slide": "0.62"}),
+    "scotch yoke": head("yoke", "yoke")
+    + link("crank", "m1", "lc1", "I1") + link("yoke", "m2") + link("block")
+    + joint("crank", "revolute", "ground", "crank")
+    + joint("guide", "prismatic", "ground", "yoke", f'axis = "x"\n{PASSIVE}')
+    + joint("slot", "prismatic", "yoke", "block", f'axis = "y"\n{PASSIVE}')
+    + frame("end", "crank", '["r", 0]') + loop("block", "end")
+    + numbers({"g": 9.81, **YOKE}, {"crank": '"50 deg"', "guide": "0.1", "slot": "0.11"}),
+    "trammel": head("trammel", "end")
+    + link("shoe1", "m1") + link("bar", "m2", "lc2", "I2") + link("shoe3", "m3")
+    + joint("along", "prismatic", "ground", "shoe1", 'axis = "x"')
+    + joint("bar", "revolute", "shoe1", "bar", PASSIVE)
+    + joint("up", "prismatic", "ground", "shoe3", f'axis = "y"\n{PASSIVE}')
+    + frame("end", "bar", '["l", 0]') + loop("shoe3", "end")
+    + numbers({"g": 9.81, **TRAMMEL}, {"along": "0.5", "bar": '"128 deg"', "up": "0.62"}),
+    "parallelogram": head("parallelogram", "P")
+    + link("crank", "m1", "lc1", "I1") + link("coupler", "m2", "lc2", "I2")
+    + link("rocker", "m3", "lc3", "I3")
+    + joint("crank", "revolute", "ground", "crank")
+    + joint("coupler", "revolute", "crank", "coupler", f'origin = ["a", 0]\n{PASSIVE}')
+    + joint("rocker", "revolute", "ground", "rocker", f'origin = ["d", 0]\n{PASSIVE}')
+    + frame("P", "coupler", '["d", 0]') + frame("end", "rocker", '["a", 0]') + loop("end", "P")
+    + numbers({"g": 9.81, **PARALLEL},
                {"crank": '"60 deg"', "coupler": '"-60 deg"', "rocker": '"60 deg"'}),
 }  # fmt: skip
 WORDS = {"PR": "PR", "RRP": "RRP", "RPR": "RPR", "PRR": "PRR", "my 2R": "RR", "my 3R": "RRR"}
 
 
-def _bar(foot: tuple[Any, Any], i: int, phi: Any) -> Body:
+def bar(foot: tuple[Any, Any], i: int, phi: Any) -> Body:
     centre = S(f"lc{i}")
     at = (foot[0] + centre * cos(phi), foot[1] + centre * sin(phi))
     return Body(S(f"m{i}"), S(f"I{i}"), at, phi)
@@ -126,48 +126,48 @@ def own_mechanism(robot: str) -> Mechanism:
     if robot == "offset slider-crank":
         pin = (S("l1") * cos(a), S("l1") * sin(a))
         d = S("d3")
-        bodies = (_bar((ZERO, ZERO), 1, a), _bar(pin, 2, a + b), Body(S("m3"), 0, (d, S("e"))))
+        bodies = (bar((ZERO, ZERO), 1, a), bar(pin, 2, a + b), Body(S("m3"), 0, (d, S("e"))))
         loops = (pin[0] + S("l2") * cos(a + b) - d, pin[1] + S("l2") * sin(a + b) - S("e"))
         home = {"th1": math.radians(50), "th2": math.radians(-65), "d3": 0.7}
-        return _closed(robot, ("th1", "th2", "d3"), bodies, OFFSET, ("th2", "d3"), loops, home)
+        return closed_chain(robot, ("th1", "th2", "d3"), bodies, OFFSET, ("th2", "d3"), loops, home)
     if robot == "quick-return":
         d = S("d3")
         pin = (S("d") + S("r") * cos(a), S("r") * sin(a))
         bodies = (
             Body(S("m1"), S("I1"), (S("d"), ZERO), a),
-            _bar((ZERO, ZERO), 2, b),
+            bar((ZERO, ZERO), 2, b),
             Body(S("m3"), 0, (d * cos(b), d * sin(b)), b),
         )
         loops = (pin[0] - d * cos(b), pin[1] - d * sin(b))
         home = {"th1": math.radians(60), "th2": math.radians(16), "d3": 0.62}
-        return _closed(robot, ("th1", "th2", "d3"), bodies, WHIT, ("th2", "d3"), loops, home)
+        return closed_chain(robot, ("th1", "th2", "d3"), bodies, WHIT, ("th2", "d3"), loops, home)
     if robot == "scotch yoke":
         x, y = S("d2"), S("d3")
-        bodies = (_bar((ZERO, ZERO), 1, a), Body(S("m2"), 0, (x, ZERO)), Body(0, 0, (x, y)))
+        bodies = (bar((ZERO, ZERO), 1, a), Body(S("m2"), 0, (x, ZERO)), Body(0, 0, (x, y)))
         loops = (S("r") * cos(a) - x, S("r") * sin(a) - y)
         home = {"th1": math.radians(50), "d2": 0.1, "d3": 0.11}
-        return _closed(robot, ("th1", "d2", "d3"), bodies, YOKE, ("d2", "d3"), loops, home)
+        return closed_chain(robot, ("th1", "d2", "d3"), bodies, YOKE, ("d2", "d3"), loops, home)
     if robot == "trammel":
         x, y = S("d1"), S("d3")
-        bodies = (Body(S("m1"), 0, (x, ZERO)), _bar((x, ZERO), 2, b), Body(S("m3"), 0, (ZERO, y)))
+        bodies = (Body(S("m1"), 0, (x, ZERO)), bar((x, ZERO), 2, b), Body(S("m3"), 0, (ZERO, y)))
         loops = (x + S("l") * cos(b), S("l") * sin(b) - y)
         home = {"d1": 0.5, "th2": math.radians(128), "d3": 0.62}
-        return _closed(robot, ("d1", "th2", "d3"), bodies, TRAMMEL, ("th2", "d3"), loops, home)
+        return closed_chain(robot, ("d1", "th2", "d3"), bodies, TRAMMEL, ("th2", "d3"), loops, home)
     if robot == "parallelogram":
         c = S("th3")
         pin = (S("a") * cos(a), S("a") * sin(a))
-        bodies = (_bar((ZERO, ZERO), 1, a), _bar(pin, 2, a + b), _bar((S("d"), ZERO), 3, c))
+        bodies = (bar((ZERO, ZERO), 1, a), bar(pin, 2, a + b), bar((S("d"), ZERO), 3, c))
         loops = (
             pin[0] + S("d") * cos(a + b) - S("d") - S("a") * cos(c),
             pin[1] + S("d") * sin(a + b) - S("a") * sin(c),
         )
         home = {x: math.radians(y) for x, y in (("th1", 60), ("th2", -60), ("th3", 60))}
         coordinates = ("th1", "th2", "th3")
-        return _closed(robot, coordinates, bodies, PARALLEL, ("th2", "th3"), loops, home)
+        return closed_chain(robot, coordinates, bodies, PARALLEL, ("th2", "th3"), loops, home)
     return mechanism(robot)
 
 
-def _closed(
+def closed_chain(
     robot: str, coordinates: Any, bodies: Any, values: Any, passive: Any, loops: Any, home: Any
 ) -> Mechanism:
     return Mechanism(robot, coordinates, bodies, G | values, passive, loops, (), home, serial=False)

@@ -1,7 +1,7 @@
 """`fb.check` examined from outside: thousands of right lines, mistakes, and results from books.
 
-Lines, spellings and the proof of what is right or wrong come from `check_lines` and `book_results`,
-which know nothing of how `check` reads or judges.
+Lines, spellings and the proof of what is right or wrong come from `check_lines`, `book_results` and
+`exam_results`, which know nothing of how `check` reads or judges.
 """
 
 import functools
@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-import book_results
+import exam_results
 import freebody as fb
+from book_results import RESULTS, TOML, WORDS, Result
 from check_lines.claims import Claim, gap
 from check_lines.lines import Line, mutants, of_these, right_lines
 from check_lines.trees import tree, two_valued
@@ -90,43 +91,45 @@ def test_all_mistakes_are_caught() -> None:
 
 @functools.cache
 def proven(robot: str) -> tuple[bool, dict[str, np.ndarray]]:
-    own = book_results.own_mechanism(robot)
+    own = exam_results.own_mechanism(robot)
     return bool(own.loops), own.states(8)
 
 
 @pytest.fixture(scope="module")
 def robots(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], fb.Model]:
     folder: Path = tmp_path_factory.mktemp("robots")
+    words, files = WORDS | exam_results.WORDS, TOML | exam_results.TOML
 
     @functools.cache
     def robot(name: str) -> fb.Model:
-        if name in book_results.WORDS:
-            return fb.planar(book_results.WORDS[name])
-        if name in book_results.TOML:
+        if name in words:
+            return fb.planar(words[name])
+        if name in files:
             path = folder / f"{name}.toml"
-            path.write_text(book_results.TOML[name], encoding="utf-8")
+            path.write_text(files[name], encoding="utf-8")
             return fb.load(path)
-        return fb.load(name)
+        return fb.load(exam_results.LOADED.get(name, name))
 
     return robot
 
 
-@pytest.mark.parametrize("one", book_results.RESULTS, ids=lambda x: x.title)
-def test_results_are_right_in_numbers(one: book_results.Result) -> None:
-    left, _, right = one.formula.partition(" = ")
-    claim = Claim(one.robot, "result", tree(left), tree(right))
+@pytest.mark.parametrize("one", [*RESULTS, *exam_results.RESULTS], ids=lambda x: x.title)
+def test_results_are_right_in_numbers(one: Result) -> None:
     closed, env = proven(one.robot)
-    count = two_valued(claim.left) + two_valued(claim.right)
-    with np.errstate(all="ignore"):
-        gaps = [
-            gap(claim, env, tuple(choice >> i & 1 for i in range(count)))
-            for choice in range(1 if closed else 2**count)
-        ]
-    assert (np.min(gaps, axis=0) < 1e-8).all()
+    for formula in one.formula.split("; "):
+        left, _, right = formula.partition(" = ")
+        claim = Claim(one.robot, "result", tree(left), tree(right))
+        count = two_valued(claim.left) + two_valued(claim.right)
+        with np.errstate(all="ignore"):
+            gaps = [
+                gap(claim, env, tuple(choice >> i & 1 for i in range(count)))
+                for choice in range(1 if closed else 2**count)
+            ]
+        assert (np.min(gaps, axis=0) < 1e-8).all(), formula
 
 
-def test_results_from_books(robots: Callable[[str], fb.Model]) -> None:
-    results = book_results.RESULTS
+@pytest.mark.parametrize("results", [RESULTS, exam_results.RESULTS], ids=["books", "exams"])
+def test_results_from_books(results: Sequence[Result], robots: Callable[[str], fb.Model]) -> None:
     assert len(results) >= 60
     assert sum(proven(x.robot)[0] for x in results) >= len(results) / 3
     found = [(x.title, *judged(robots(x.robot), x.answer, x.options)) for x in results]

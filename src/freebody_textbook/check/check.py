@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from freebody.errors import UnknownNameError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.notations.notation import BookNotation, notation_of
 from freebody.formats import read_file
@@ -31,6 +31,10 @@ from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.verdict_at_states import ONE_ASSEMBLY
 from freebody_textbook.derive import freed
 
+_ABSOLUTE = (
+    "This would be right if all angles were measured from the x axis; here each is measured from "
+    "the previous link. An answer with the first is read with absolute=True, --absolute."
+)
 MOST_EXPLAINED = 12
 """Wrong equations of one answer that are looked into."""
 LARGEST_FILE = 4_000_000
@@ -98,16 +102,20 @@ def check(
     document, own = document_of(answer, form), own_names.as_texts(names or {})
     formulas = document.lexemes
     written = as_written(freed(model, style.parameters), formulas, own)
-    loads = named_in(written, formulas)
-    where = in_notation(equations_of(written, loads), style, absolute)
+    equations = equations_of(written, named_in(written, formulas))
+    where = in_notation(equations, style, absolute)
     asked = _WholeAnswer(document, own, style, at, tolerance)
     first = found = asked.judged(where)
     for opposed in senses.others(where, first.wrong, document.formulas):
-        own = asked.judged(replace(where, opposed=opposed))
-        if own.right > found.right and senses.are_meant(
-            asked.needed(own), own.where.loads, own.righted(first)
+        turned = asked.judged(replace(where, opposed=opposed))
+        if turned.right > found.right and senses.are_meant(
+            asked.needed(turned), turned.where.loads, turned.righted(first)
         ):
-            found = own.instead_of(first)
+            found = turned.instead_of(first)
+    if found.is_unexplained and where.system is not None and not absolute:
+        with suppress(FreebodyError):  # no angles in a plane
+            from_x = replace(in_notation(equations, style, True), opposed=found.where.opposed)
+            found = found.explained_by(asked.judged(from_x), _ABSOLUTE)
     return found.verdict
 
 
@@ -192,11 +200,31 @@ class _Judged:
         rows = zip(self.claims, self.verdict.equations, before.verdict.equations, strict=False)
         return [claim for claim, own, other in rows if own.equal and not other.equal]
 
+    @property
+    def is_unexplained(self) -> bool:
+        """Whether something is wrong of which nothing is said."""
+        return any(map(_says_nothing, self.verdict.equations))
+
+    def explained_by(self, other: _Judged, cause: str) -> _Judged:
+        """The same, with a cause of what is wrong here without a word, and right there."""
+        rows = self.verdict.equations, other.verdict.equations
+        if len(rows[0]) != len(rows[1]):
+            return self
+        equations = (
+            replace(own, causes=(cause,)) if _says_nothing(own) and there.equal else own
+            for own, there in zip(*rows, strict=True)
+        )
+        return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
+
     def instead_of(self, before: _Judged) -> _Judged:
         """The same, with a note on what is right in the answer's own senses only."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
+
+
+def _says_nothing(x: EquationVerdict) -> bool:
+    return not (x.equal or x.findings or x.causes)
 
 
 @contextmanager

@@ -16,8 +16,8 @@ from freebody_textbook.check.numbers.written_units import UNITS
 
 _CHARACTERS = (
     "LETTERS", "LETTER_COMMANDS", "FONTS", "ACCENTS", "MARKS", "PRIMES", "STARS", "LOW", "HIGH",
-    "OPERATORS", "BRACKETS", "VULGAR_FRACTIONS", "FRACTIONS", "FUNCTION_COMMANDS", "MATRICES",
-    "SILENT_COMMANDS", "SILENT", "SIGNS", "KINDS_OF_SIGNS", "ANY_MARK",
+    "OPERATORS", "BRACKETS", "VULGAR_FRACTIONS", "FRACTIONS", "FUNCTION_COMMANDS", "RECIPROCALS",
+    "MATRICES", "SILENT_COMMANDS", "SILENT", "SIGNS", "KINDS_OF_SIGNS", "ANY_MARK",
 )  # fmt: skip
 _MENTIONED = re.compile(r"[%@](?:not_)?(\w+)")
 _ASKED = ("@number", "%name", "@at_rest", "@condition")

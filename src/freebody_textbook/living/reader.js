@@ -75,6 +75,7 @@ class Reader {
   // plane; a raised dot between vectors is the product of numbers.
   multiplied(factors, sign, factor) {
     const left = productOf(factors), sides = [left, factor];
+    if (sign === "@" && !sides.every(mayBeTable)) throw unreadable("'@' has no meaning here: it stands between vectors and matrices");
     const dotted = ["\u00b7", "\u22c5", "\u2219", "\u2022", "\\cdot"].includes(sign);
     const before = (left.is === "product" ? left.parts : [left]).some(isBoth) && isTable(factor);
     const may = isBoth(factor) && factor.t[0].length === 1;
@@ -91,7 +92,7 @@ class Reader {
         const exponent = this.exponent();
         if (exponent !== 1) node = {is: "power", parts: [node], exponent};
       } else if (this.token.kind === "transpose") {
-        this.take();
+        if (this.take().text === "'" && !mayBeTable(node)) throw unreadable("a prime stands behind what is no vector or matrix");
         node = {is: "transposed", parts: [node]};
       } else if (this.token.kind === "degree") node = this.degrees(node);
       else return node;
@@ -214,6 +215,7 @@ class Reader {
   call() {
     const token = this.take(), word = page.functions[token.text];
     if (word === "Derivative") return this.rate();
+    if (word === "jacobian") throw undecided("A derivative");
     if (word === "Matrix") {
       this.at--;
       return this.table();
@@ -229,7 +231,10 @@ class Reader {
     if (has(INVERSE, word)) return this.inverse(token, word);
     const power = this.token.kind === "power" || this.isOperator("^") ? this.exponent() : 1;
     if (power === -1 && has(INVERSE, `arc${word}`)) return this.inverse(token, `arc${word}`);
-    const node = {is: word, parts: [this.argument(token)]};
+    const under = table.RECIPROCALS[word];
+    if (under && power === -1) throw undecided("An inverse of it");
+    const own = {is: under || word, parts: [this.argument(token)]};
+    const node = under ? {is: "quotient", parts: [numberNode(1), own]} : own;
     return power === 1 ? node : {is: "power", parts: [node], exponent: power};
   }
   // Derivative(theta1(t), t) and Derivative(theta1(t), (t, 2)) of a coordinate, as SymPy prints them.

@@ -229,11 +229,15 @@ class Parser(ABC):
                     replace(node, span=span) if exponent == 1 else Power(node, exponent, span=span)
                 )
             elif self.token.kind == "transpose":
-                node = Transposed(node, span=(node.span[0], self.take().end))
+                node = self.transposed(node)
             elif self.token.kind == "degree":
                 node = self.degrees(node)
             else:
                 return node
+
+    def transposed(self, node: Expression) -> Expression:
+        """What stands in front of the mark of a transpose."""
+        return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
         """A number in radians, where ° stands behind it."""

@@ -10,7 +10,7 @@ from typing import Literal
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.lexer import Token
-from freebody.expressions.nodes import Expression, Matrix, Number
+from freebody.expressions.nodes import Expression, Matrix, Number, nodes
 from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
 from freebody_textbook.check.algebra.answer_tree import Named
@@ -50,6 +50,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """The claims of one equation, whatever acts on the robot."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
+        self._refuse_motion(line)
         if self._restates_a_parameter(line):
             return []
         if self.is_of_angles(line):
@@ -80,6 +81,26 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             whole = [*(x for x in named if isinstance(x, Token)), *side]
             found += self.in_some_axes(whole, stated)
         return found
+
+    def _refuse_motion(self, line: Line) -> None:
+        """Refuse what moves beside virtual displacements: read as rates, what does no work along
+        the motion would vanish."""
+        variations = self.vocabulary.variations
+        inside = [token for side in line for token in side if token.kind == "name"]
+        if variations.isdisjoint(token.start for token in inside):
+            return
+        for token in inside:
+            if token.start not in variations and self._is_moving(token):
+                self.source.fail(
+                    "beside virtual displacements stands what has rates in it, which is not read",
+                    token.span,
+                    "Write the equation of motion, or the power with rates, tau1*dtheta1 = dE/dt.",
+                )
+
+    def _is_moving(self, token: Token) -> bool:
+        """Whether rates or accelerations are in what a name stands for."""
+        node = self.parse((token,))
+        return any(self._moves(x.value) for x in nodes(node) if isinstance(x, Named))
 
     def _restates_a_parameter(self, line: Line) -> bool:
         """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is

@@ -219,11 +219,12 @@ def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple
 
 
 def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
-    """Names before a = that mean nothing else: the user introduces them."""
+    """Names before a = that mean nothing else: the user introduces them. Letters of vectors are
+    noted as given."""
     source, lexemes = reading.source, reading.source.lexemes
     places = {lexemes.at(piece.start) for piece in reading.pieces}
     places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}
-    found = []
+    found, given = [], set[str]()
     for k in sorted(places | {0}):
         k = _ALIGNED.end(lexemes, k)
         if k >= len(lexemes) or lexemes[k].text == "_" or not words.begins(lexemes[k]):
@@ -234,8 +235,13 @@ def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
             continue
         if k in reading.in_sums:
             continue
-        if _IS.at(lexemes, word.at) and vocabulary.cut(source, word) is None:
+        if not _IS.at(lexemes, word.at):
+            continue
+        if vocabulary.cut(source, word) is None:
             found.append(word.plain)
+        elif word.plain in vocabulary.alone and len(word.plain) == 1:
+            given.add(word.plain)
+    vocabulary.given |= given
     return found
 
 

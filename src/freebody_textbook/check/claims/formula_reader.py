@@ -39,6 +39,8 @@ from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.states.state_values import functions_of
 
+_TABLES = ("Matrix", "jacobian")
+"""Functions that make a vector or matrix."""
 _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
 """What identities of sines and cosines are made of."""
 
@@ -277,7 +279,11 @@ class FormulaReader:
             depth += {"open": 1, "close": -1}.get(token.kind, 0)
             if depth == 0 or (depth == 1 and token.kind in ("comma", "line", "row")):
                 return depth == 1
-        return side[0].kind == "begin"
+        return side[0].kind == "begin" or self._function(side[0]) in _TABLES
+
+    def _function(self, token: Token) -> str:
+        """What a token is called that is a function's name, else ""."""
+        return self.vocabulary.functions[token.text] if token.kind == "function" else ""
 
 
 def entry_label(label: str, target: AskedQuantity) -> str:

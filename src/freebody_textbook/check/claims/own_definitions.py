@@ -49,7 +49,7 @@ class OwnDefinitions(SolvedQuantities):
         for line in lines:
             name = line[0][0].text if len(line[0]) == 1 and len(line) > 1 else ""
             with suppress(AnswerError):  # told where the line is read
-                if self._is_own_scalar(name, line):
+                if self._is_own_scalar(name, line, lines):
                     found.add(name)
         return found
 
@@ -81,7 +81,7 @@ class OwnDefinitions(SolvedQuantities):
             name in self.targets.names
             and not self._is_own_h(name, line, lines)
             and not self._is_own_number(name, line, lines)
-            and not self._is_own_scalar(name, line)
+            and not self._is_own_scalar(name, line, lines)
         ):
             return []
         if self._repeats_a_formula(name, line):
@@ -203,9 +203,14 @@ class OwnDefinitions(SolvedQuantities):
         by_number = isinstance(node, Matrix) or functions_of(node)
         return None if by_number else self.quotient(node)
 
-    def _is_own_scalar(self, name: str, line: Line) -> bool:
-        """Whether a name of a body's vector is given to one number."""
-        if name not in self.targets.soft or name in self.targets.single:
+    def _is_own_scalar(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+        """Whether a name of a body's vector is given to one number, or the letter of another vector
+        with which other lines are written, as a ratio n."""
+        if name in self.targets.single:
+            return False
+        is_vector = len(self.targets.tables.get(name, ())) > 1
+        is_letter = is_vector and len(name) == 1 and name not in self.vocabulary.symbols
+        if name not in self.targets.soft and not (is_letter and self._is_used(name, line, lines)):
             return False
         return not (self._is_zero_vector(name, line) or isinstance(self.parse(line[1]), Matrix))
 

@@ -13,7 +13,7 @@ from freebody.expressions.nodes import Expression, Matrix, Negative, Number, Sum
 from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Named
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import (
     Value,
     difference,
@@ -87,8 +87,12 @@ class UnnamedEquations(FormulaReader):
         several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
         if len(torques) > 1 and asked > torques:
             return True
-        vectors = self.setting.system is None and any(map(self._is_vector, sum(line, ())))
-        vectors = vectors and all(isinstance(x, Matrix) for x in map(self.parse, line))
+        named = [token.text for token in sum(line, ()) if self._is_vector(token)]
+        vectors = self.setting.system is None and bool(named)
+        vectors = vectors and (
+            not self.targets.alone.isdisjoint(named)  # q̇ᵀ (Ṁ - 2 C) q̇ = 0
+            or all(isinstance(x, Matrix) for x in map(self.parse, line))
+        )
         return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
 
     def _by_loops(self, line: Line, between: bool, asked: bool) -> list[Claim]:
@@ -207,6 +211,11 @@ class UnnamedEquations(FormulaReader):
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
         derivative, times any number; None of an equation in which something presses."""
         node, value = self._difference(line)
+        if isinstance(node, Wave):
+            self.source.fail(
+                "this tells a pose, such as a singular one, which is not read of closed chains",
+                node.span,
+            )
         above, below = pair(value)
         used = generators_in(above)
         if any(map(is_multiplier, used)) or self.setting.order.gravity in used:

@@ -29,7 +29,7 @@ _WRAPPERS = re.compile(
 )
 _RATIONAL = re.compile(r"(?<![\w.])(?:Rational|S)\(\s*(\d{1,9})\s*(?:,\s*(\d{1,9})\s*)?\)")
 _RATE = re.compile(r"(?<![\w.])([A-Za-z]\w{0,30})\x1f*\.diff\(\s*t\s*(?:,\s*([12])\s*|,\s*t\s*)?\)")
-_DIFF = ".diff("
+_OF_METHODS = (".diff(", ".jacobian(")
 _ENTRY = re.compile(r"(?<![\w.\])])([A-Za-z]+)\[\s?([0-7])\s?(?:(?:,|\]\[)\s?([0-7])\s?)?\]")
 """M[0, 1], tau[0], counted from 0: M12, tau1."""
 _FUNCTION = re.compile(
@@ -132,14 +132,15 @@ def _plain(whole: Blanks, start: int, end: int) -> None:
 
 
 def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
-    """diff(x, y) for each x.diff(y)."""
-    while True:
-        inside = "".join(whole.characters[start:end])
-        at = inside.find(_DIFF)
-        if at < 0:
-            return
-        first, behind = _begun(inside, at), at + len(_DIFF)
-        whole.put(start + first, start + behind, f"diff({inside[first:at]},")
+    """diff(x, y) for each x.diff(y), and jacobian likewise."""
+    for method in _OF_METHODS:
+        while True:
+            inside = "".join(whole.characters[start:end])
+            at = inside.find(method)
+            if at < 0:
+                break
+            first, behind = _begun(inside, at), at + len(method)
+            whole.put(start + first, start + behind, f"{method[1:]}{inside[first:at]},")
 
 
 def _begun(text: str, end: int) -> int:

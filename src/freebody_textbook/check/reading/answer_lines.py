@@ -121,7 +121,8 @@ class DocumentReader:
             return True
         try:
             spelt = words.spell(source, word.start)
-            return spelt.at == word.stop and self.vocabulary.cut(source, spelt) is not None
+            pieces = self.vocabulary.cut(source, spelt)
+            return pieces is not None and pieces[-1][2] == source.lexemes[word.stop - 1].end
         except FreebodyError:  # it may be read in two ways
             return True
 

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.parser import Parser
+from freebody.expressions.grammar.tables.characters import TOTAL
 from freebody.expressions.nodes import Expression, Matrix, Span
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.algebra.quotients import (
+    generator,
+    inverted,
+    negative,
+    pair,
+    plus,
+    times,
+)
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.reading.circular_answers import uses
@@ -29,7 +37,8 @@ class DerivativeParser(Parser):
     others: dict[Expression, Matrix]
     """The vectors and matrices that names of scalars also stand for."""
 
-    def differentiated(self, start: int) -> Expression:
+    def differentiated(self, first: Token) -> Expression:
+        """What stands behind ∂, or the d of a derivative by a coordinate."""
         of = None if self.is_operator("/") else self._operand()
         if not self.is_operator("/"):
             self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
@@ -37,27 +46,50 @@ class DerivativeParser(Parser):
         self.expect("partial", "∂")
         by = self.expect("name", "what is differentiated by")
         of = self._operand() if of is None else of
-        span = self.since(start)
+        span = self.since(first.start)
         self.vocabulary.uses[self.source[span]] = tuple(
             use.target for use in uses(of, self.quantities, self.vocabulary)
         )
         of = worked_out(of, self.others)
         names = self._variables(by)
         if not isinstance(of, Matrix) and len(names) == 1:
-            return self._slope(of, names[0], span)
-        rows = [row[0] for row in of.rows] if isinstance(of, Matrix) else [of]
-        if isinstance(of, Matrix) and len(of.rows[0]) > 1:
+            total = first.text == TOTAL and names[0] in self.vocabulary.setting.symbols.rates
+            slope = self._along_motion if total else self._slope
+            return slope(of, names[0], span)
+        slopes = self._slopes(of, names, span)
+        return (
+            slopes
+            if isinstance(of, Matrix)
+            else Matrix(tuple(zip(*slopes.rows, strict=True)), span=span)
+        )
+
+    def _slopes(self, of: Expression, names: Sequence[str], span: Span) -> Matrix:
+        """The derivatives of a vector or an expression, a row each."""
+        rows = [x for row in of.rows for x in row] if isinstance(of, Matrix) else [of]
+        if isinstance(of, Matrix) and 1 not in (len(of.rows), len(of.rows[0])):
             self.source.fail("a vector or one expression is differentiated", of.span)
-        table = [[self._slope(x, name, span) for name in names] for x in rows]
-        if not isinstance(of, Matrix):
-            table = [[x] for x in table[0]]
-        return Matrix(tuple(map(tuple, table)), span=span)
+        table = (tuple(self._slope(x, name, span) for name in names) for x in rows)
+        return Matrix(tuple(table), span=span)
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
         """One derivative."""
         value = self.reader.read(of)
         rates = self.vocabulary.setting.symbols.rates
         slope = value.along(rates) if by == "t" else value.derivative(by)
+        return Named(self.source[span], slope, is_derivative=True, span=span)
+
+    def _along_motion(self, of: Expression, by: str, span: Span) -> Expression:
+        """The derivative by a coordinate, all others following where the loops let one move freely,
+        as of an inertia J(θ1): the ratio of the rates."""
+        setting = self.vocabulary.setting
+        if setting.system is None:
+            return self._slope(of, by, span)
+        if len(setting.symbols.coordinates) - len(setting.system.loops.names) != 1:
+            self.source.fail("several coordinates move freely: write ∂ or the rates", span)
+        rates = setting.symbols.rates
+        above, below = pair(self.reader.quotient(of))
+        change = plus(times(above.along(rates), below), negative(times(above, below.along(rates))))
+        slope = times(change, inverted(times(times(below, below), rates[by])))
         return Named(self.source[span], slope, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:
@@ -100,6 +132,23 @@ class DerivativeParser(Parser):
             self.source.fail("a derivative must be the first or second one", span)
         own = by_time and generator(value) is not None
         return Named(self.source[span], value, is_derivative=not own, span=span)
+
+    def jacobian(self, token: Token) -> Expression:
+        """jacobian([x; y], [q1; q2])."""
+        self.expect("open", "'('")
+        of = self._vector(self.expression())
+        self.expect("comma", "the comma of jacobian(what, by what)")
+        by = self._vector(self.expression())
+        span = (token.start, self.expect("close", "')'").end)
+        entries = [x for row in by.rows for x in row] if isinstance(by, Matrix) else [by]
+        names = [generator(self.reader.read(x)) or "" for x in entries]
+        if not all(names):
+            self.source.fail("this is no vector of coordinates to differentiate by", by.span)
+        return self._slopes(of, names, span)
+
+    def _vector(self, node: Expression) -> Expression:
+        """What a node is, the vector or matrix if it may be one."""
+        return self.others.get(node) or worked_out(node, self.others)
 
     def _differentiated_by(self) -> tuple[str, int]:
         """The variable, t for the time, and how often: t, (t, 2), t, 2 or another expression."""

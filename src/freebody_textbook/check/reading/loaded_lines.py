@@ -20,7 +20,19 @@ def loads(lines: Iterable[Line], vocabulary: Vocabulary, targets: Targets) -> fr
 
 def told(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
     """What a line's quantities tell of: "rate", "motion" and "weight"."""
-    return frozenset(x for name in _names(line) for x in _of_name(name, vocabulary, targets)[0])
+    inside = [token for side in line for token in side if token.kind == "name"]
+    varied = [x.text for x in inside if x.start in vocabulary.variations]
+    others = [x.text for x in inside if x.start not in vocabulary.variations]
+    found = {x for name in others for x in _of_name(name, vocabulary, targets)[0]}
+    return frozenset(found | {"weight"} if _weighs(varied, targets) else found)
+
+
+def _weighs(varied: Iterable[str], targets: Targets) -> bool:
+    """Whether the weights do work along virtual displacements, which tell of no motion, as in
+    δV."""
+    asked = (targets.single[name] for name in varied if name in targets.single)
+    terms = (powers for x in asked for powers, _ in x.polynomial().terms())
+    return any(targets.setting.order.gravity in powers for powers in terms)
 
 
 def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[str], set[str]]:

@@ -12,6 +12,7 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.parser import PI, around, product_of
 from freebody.expressions.grammar.source import Source
+from freebody.expressions.grammar.tables.characters import PRIME, RECIPROCALS
 from freebody.expressions.nodes import (
     Arguments,
     Cross,
@@ -73,7 +74,7 @@ class AnswerParser(DerivativeParser):
             return self.bracket() if self.token.kind == "open" else super().primary()
         first = self.take()
         self._deeper(first)
-        node = self.differentiated(first.start)
+        node = self.differentiated(first)
         self.depth -= 1
         return node
 
@@ -90,6 +91,12 @@ class AnswerParser(DerivativeParser):
             if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
                 return True
         return False
+
+    def transposed(self, node: Expression) -> Expression:
+        """A vector or matrix only, where the mark is MATLAB's, that of derivatives elsewhere."""
+        if self.token.text == PRIME and not self._may_be_table(node):
+            self.source.fail("a prime stands behind what is no vector or matrix", self.token.span)
+        return super().transposed(node)
 
     def makes_table(self, function: Token) -> bool:
         return self._function(function) == "Matrix"
@@ -157,6 +164,10 @@ class AnswerParser(DerivativeParser):
         """A × between vectors is the cross product, and so that of an angular velocity and a
         vector in the plane; between a number and a vector it may be either."""
         left = product_of(factors)
+        if sign.written == "@" and not (self._may_be_table(left) and self._may_be_table(factor)):
+            self.source.fail(
+                "'@' has no meaning here: it stands between vectors and matrices", sign.span
+            )
         sides = [self._is_table(y) for y in (left, factor)]
         if self._is_dot(sign, left, factor):
             return [Dot(left, factor, span=around(left, factor))]
@@ -215,6 +226,8 @@ class AnswerParser(DerivativeParser):
         function = self._function(token)
         if function == "Derivative":
             return self.derivative(token)
+        if function == "jacobian":
+            return self.jacobian(token)
         if function == "Matrix":
             self.at -= 1
             return self.table()
@@ -225,6 +238,12 @@ class AnswerParser(DerivativeParser):
         exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
         if exponent == -1 and function in ("sin", "cos", "tan"):
             return self._inverse_function(token, f"arc{function}")
+        if exponent == -1 and function in RECIPROCALS:
+            self.source.fail(
+                f"the inverse function of {function} is not read: write it by arctan, arccos or "
+                "arcsin",
+                token.span,
+            )
         argument = self._argument(token)
         span = self.since(token.start)
         if function == "sgn":
@@ -251,7 +270,11 @@ class AnswerParser(DerivativeParser):
         return Function(function, arguments, span=self.since(token.start))
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
-        """sin, cos or tan of a sum of angles; of a half of one, or of arccos x, in numbers."""
+        """sin, cos, tan or 1 over one of a sum of angles; of a half of one, or of arccos x, in
+        numbers."""
+        if function in RECIPROCALS:
+            below = self._wave(RECIPROCALS[function], argument, span)
+            return Quotient(Number(Fraction(1), span=span), below, span=span)
         if any(isinstance(x, Function) for x in nodes(argument)):
             return Function(function, argument, span=span)
         angle = self.reader.angle(argument)

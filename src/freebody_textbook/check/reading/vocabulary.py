@@ -4,7 +4,7 @@ quantities."""
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
@@ -15,6 +15,7 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.grammar.lexemes import Lexeme
 from freebody.expressions.grammar.source import Source
+from freebody.expressions.grammar.tables.characters import DOT, PRIME, PRIMES, RECIPROCALS
 from freebody.expressions.nodes import Expression, Matrix
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody.identifiers import word_set
@@ -32,14 +33,17 @@ if TYPE_CHECKING:
 
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
-    "tan": "tan", "Tan": "tan", "sgn": "sgn", "sign": "sgn",
-    "Derivative": "Derivative", "diff": "Derivative", "Matrix": "Matrix", "array": "Matrix",
+    "tan": "tan", "Tan": "tan", **{x: x for x in RECIPROCALS}, "cosec": "csc",
+    "sgn": "sgn", "sign": "sgn",
+    "Derivative": "Derivative", "diff": "Derivative", "jacobian": "jacobian",
+    "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",
     "acos": "arccos", "arccos": "arccos", "Acos": "arccos", "asin": "arcsin", "arcsin": "arcsin",
     "Asin": "arcsin", "atan": "arctan", "arctan": "arctan", "Atan": "arctan", "atan2": "atan2",
     "Atan2": "atan2", "ATAN2": "atan2", "arctan2": "atan2", "sqrt": "sqrt",
 }  # fmt: skip
-_NOT_POLYNOMIAL = word_set("cot exp log ln")
+_NOT_POLYNOMIAL = word_set("exp log ln")
+VARIATION = "delta"
 _MOST_IN_SUM, _FEW = 6, 3
 """Angles of which sums of any number have names, θ123456; of more angles those of a few."""
 _BARE = str.maketrans("", "", "_{}\\")
@@ -75,6 +79,10 @@ class Vocabulary:
     """Vectors and matrices of the user's own."""
     trees: dict[str, Expression] = field(default_factory=dict)
     """Names of the user's own for what holds roots or inverse functions."""
+    given: set[str] = field(default_factory=set)
+    """Letters of vectors that lines give: they may be numbers, and so stand side by side, 4AC."""
+    variations: set[int] = field(default_factory=set)
+    """Where virtual displacements stand."""
     _known: frozenset[str] | None = None
     _inside_words: frozenset[str] = frozenset()
     """Those that may be a part of a longer word."""
@@ -168,19 +176,36 @@ class Vocabulary:
     def word(self, source: Source, at: int) -> words.Cut:
         """The names that the word there is made of."""
         word = words.spell(source, at)
+        if word.plain == VARIATION and VARIATION not in self.known:
+            word = _joined(source, word)
         pieces = self.cut(source, word)
         if pieces is None:
             self._unknown(source, word)
         named = [(self.aliases.get(x, x), start, end) for x, start, end in pieces]
-        return words.Cut(named, word.power, word.at)
+        transposed = pieces[-1][2] < word.end
+        return words.Cut(named, word.power, word.at - transposed)
 
     def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
-        the equations of motion, Mq̈."""
+        the equations of motion, Mq̈, and letters that lines give."""
         known = self.known
         known = known if word.plain in known else self._inside_words
         found = words.cut(source, word, known, self.functions)
-        return words.cut(source, word, self._glued, ()) if found is None else found  # Mq̈
+        if found is None:
+            found = words.cut(source, word, self._glued, ())  # Mq̈
+        if found is None and self.given:
+            found = words.cut(source, word, self._inside_words | self.given, self.functions)
+        if found is None and word.plain.startswith(VARIATION):
+            found = self._varied(word)
+        return _before_prime(source, word, self.alone) if found is None else found
+
+    def _varied(self, word: words.Word) -> list[words.Piece] | None:
+        """A virtual displacement δθ1 as the rate θ̇1: the coefficients of both are the same."""
+        rate = DOT + word.plain.removeprefix(VARIATION)
+        if rate not in self.known:
+            return None
+        self.variations.add(word.start)
+        return [(rate, word.start, word.end)]
 
     def _unknown(self, source: Source, spelt: words.Word) -> NoReturn:
         """Raise the error for a word that is no name."""
@@ -353,3 +378,23 @@ class Vocabulary:
             for letter, function in (("c", "cos"), ("s", "sin")):
                 angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))
                 yield letter + numbers, (function, angle)
+
+
+def _joined(source: Source, word: words.Word) -> words.Word:
+    """The δ of \\delta\\theta_1 with the name behind it."""
+    if word.at == len(source.lexemes) or not words.begins(source.lexemes[word.at]):
+        return word
+    behind = words.spell(source, word.at)
+    plain = word.plain + behind.plain
+    return words.Word(word.start, behind.at, behind.end, plain, power=behind.power)
+
+
+def _before_prime(
+    source: Source, word: words.Word, vectors: Collection[str]
+) -> list[words.Piece] | None:
+    """A vector or matrix with a prime behind it that marks its transpose, qd' of MATLAB, without
+    the prime."""
+    items, plain = source.lexemes.items, word.plain.removesuffix(PRIME)
+    if plain == word.plain or plain not in vectors or items[word.at - 1].text not in PRIMES:
+        return None
+    return [(plain, word.start, items[word.at - 2].end)]

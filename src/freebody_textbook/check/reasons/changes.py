@@ -272,18 +272,30 @@ def _chains(x: Subject) -> dict[int, list[str]]:
 
 # ---------------------------------------------------------------- equations of the bodies
 def believed(*beliefs: Belief, of_next: bool = False) -> Change:
-    """Other equations of the body to which the answer belongs, or of all; of_next: only of bodies
-    that carry others."""
+    """Other equations of the body to which the answer belongs, of one that it carries, or of all,
+    where the first is told that matters; of_next: only of bodies that carry others."""
 
     def change(x: Subject) -> Iterator[Changed]:
         every = range(len(x.bodies.bodies)) if x.about else ()
         for i in x.about:
-            groups = [(i,), *[every] * (len(every) > 1)]
-            for of in groups if x.bodies.s.tree.children(i) or not of_next else ():
-                for belief in beliefs:
-                    yield from ((_names(x, i), value) for value in _under(x, i, of, belief))
+            own = [j for j in _carried(x, i) if x.bodies.s.tree.children(j) or not of_next]
+            for belief in beliefs if i in own else ():
+                alone = {j: list(_under(x, i, (j,), belief)) for j in own}
+                matter = [j for j in own if any(value != x.value for value in alone[j])]
+                if len(every) > 1:
+                    first = next(iter(matter), i)
+                    alone[first] = [*alone[first], *_under(x, i, every, belief)]
+                yield from ((_names(x, j), value) for j in own for value in alone[j])
 
     return change
+
+
+def _carried(x: Subject, i: int) -> list[int]:
+    """A body and those that it carries."""
+    found = [i]
+    for j in found:
+        found += x.bodies.s.tree.children(j)
+    return found
 
 
 def arms(*often: int, of_next: bool = False) -> Change:

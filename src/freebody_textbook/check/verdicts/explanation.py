@@ -11,7 +11,7 @@ from freebody.expressions.grammar.lexer import tokens
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.finite_field_tree import Workspace
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.reading import AnswerParser
@@ -28,6 +28,7 @@ from freebody_textbook.check.reasons.small_changes import Repair
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.verdict import Mistake
 from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge
@@ -69,6 +70,8 @@ class Explanation:
         if any(isinstance(x, Trig) and is_too_long(x) for x in sides):
             own = self.forward.single()
             return [self.wording.of_repair(own, self.work) if own else self._unexplained()]
+        if self._is_reduced:
+            return []
         single = self._single()
         if single is not None:
             return [single]
@@ -76,6 +79,17 @@ class Explanation:
         if several and len(several) <= len(self.rows):
             return several
         return first([self.wording.of_difference(row) for row in self.rows])
+
+    @property
+    def _is_reduced(self) -> bool:
+        """Whether only the right equation has multipliers: the loops give the terms of both in many
+        ways, and no single one is missing."""
+        found = (
+            {name for x in pair(side) for powers, _ in x.terms() for name in powers}
+            for side in (self.claim.value, self.right)
+        )
+        yours, right = (any(name.startswith(MULTIPLIER) for name in names) for names in found)
+        return right and not yours
 
     def _unexplained(self) -> Mistake:
         return Mistake("term", "The answers have too many terms to be compared one by one.")

@@ -12,6 +12,7 @@ from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.state_values import StateValues
 from freebody_textbook.check.verdict import Example
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 from freebody_textbook.relations.formula_values import occurs, typical_value
 
 
@@ -42,13 +43,18 @@ def example_at(
 ) -> Example | None:
     """One of the states, and both results there: the values of the symbols that a tree and the
     right value have; None where one of them is no number."""
-    pieces = [y for x in nodes(tree) if isinstance(x, Named) for y in pair(x.value)]
-    pieces += pair(right)
+    written = [y for x in nodes(tree) if isinstance(x, Named) for y in pair(x.value)]
     waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
+
+    def is_told(name: str) -> bool:
+        """Multipliers only where the answer has them."""
+        of = written if name.startswith(MULTIPLIER) else [*written, *pair(right)]
+        return name in waves or any(occurs(name, piece) for piece in of)
+
     values = {
         name: float(f"{states.generator(name)[k]:.4g}")
         for name in setting.ring.names
-        if name in waves or any(occurs(name, piece) for piece in pieces)
+        if is_told(name)
     }
     sides = states.at(tree, {}), states.of(right)
     yours, own = (0.0 if x.vanishes[k] else float(x.value[k]) for x in sides)

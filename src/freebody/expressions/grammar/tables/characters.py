@@ -61,9 +61,9 @@ LOW = {c: str(k) for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")} | {
 HIGH = {c: str(k) for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")} | {"⁻": "-", "⁺": ""}
 
 OPERATORS = {
-    "+": "+", "^": "^", "**": "^", "*": "*", "·": "*", "⋅": "*", "×": "*", "∗": "*", "∙": "*",
-    "•": "*", "\\cdot": "*", "\\times": "*", "\\ast": "*", "-": "-", "−": "-", "–": "-", "—": "-",
-    "‐": "-", "/": "/", "÷": "/", "∕": "/", "⁄": "/",
+    "+": "+", "^": "^", "**": "^", "*": "*", "@": "*", "·": "*", "⋅": "*", "×": "*", "∗": "*",
+    "∙": "*", "•": "*", "\\cdot": "*", "\\times": "*", "\\ast": "*", "-": "-", "−": "-", "–": "-",
+    "—": "-", "‐": "-", "/": "/", "÷": "/", "∕": "/", "⁄": "/",
 }  # fmt: skip
 BRACKETS = {"(": ")", "[": "]", "{": "}", "\\{": "\\}"}
 VULGAR_FRACTIONS = {
@@ -71,8 +71,11 @@ VULGAR_FRACTIONS = {
     "⅛": (1, 8), "⅜": (3, 8),
 }  # fmt: skip
 FRACTIONS = ("\\frac", "\\tfrac", "\\dfrac")
+RECIPROCALS = {"cot": "tan", "sec": "cos", "csc": "sin"}
+"""Functions that are 1 over another."""
 FUNCTION_COMMANDS = (
-    "sin", "cos", "tan", "sqrt", "exp", "log", "ln", "arctan", "arccos", "arcsin", "sgn",
+    "sin", "cos", "tan", "cot", "sec", "csc", "sqrt", "exp", "log", "ln", "arctan", "arccos",
+    "arcsin", "sgn",
 )  # fmt: skip
 MATRICES = ("matrix", "pmatrix", "bmatrix", "Bmatrix", "vmatrix", "smallmatrix", "array")
 """LaTeX environments that hold a matrix; other environments are passed over."""
@@ -89,9 +92,12 @@ FILL = "\x1f"
 """A blank that is shown with what stands before it, where a text was made shorter."""
 SIGNS = ("**", "==", "<=", ">=", "!=", ":=")
 """Signs of two characters."""
+TOTAL = "\ue01b"
+"""The d of a derivative by a coordinate, as spellings have it."""
 KINDS_OF_SIGNS = {
-    "∂": "partial", "\\partial": "partial", "ᵀ": "transpose", "=": "equals", "==": "equals",
-    ",": "comma", "&": "amp", "°": "degree", ";": "line", "\n": "line",
+    "∂": "partial", TOTAL: "partial", "\\partial": "partial", "ᵀ": "transpose",
+    "'": "transpose", "=": "equals", "==": "equals", ",": "comma", "&": "amp", "°": "degree",
+    ";": "line", "\n": "line",
 }  # fmt: skip
 """What further signs are among tokens."""
 ANY_MARK = "\u0300-\u036f\u20d7˙¨"

@@ -5,6 +5,8 @@ In what is put, $name is what the pattern kept by that name, plain($name) its fi
 frame($name) the frame that they tell, #determinant the mark of a determinant, and ␣ a blank.
 """
 
+from freebody.expressions.grammar.tables.characters import TOTAL
+
 LABEL = "label"
 """Said of a spelling where what is left out belongs to no label."""
 
@@ -12,8 +14,10 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     # ± in front of a function of two values: each is looked at.
     ("< ± | \\pm > &< %digit{0,2} %times? < @two_valued | √ > >", "+"),
     ("√", "\\sqrt"),
-    # dL/dθ1, as one types ∂L/∂θ1.
-    ("%fresh d of:~%energy / d !< t %ends > &~%letter", "∂ $of / ∂"),
+    # dL/dθ1, as one types ∂L/∂θ1, and \\frac{dJ}{d\\theta_1}.
+    ("%fresh d of:~%differentiated / d !< t %ends > &~%letter", f"{TOTAL} $of / {TOTAL}"),
+    ("%frac { @d of:< @content{1,30} > } { @d by:< %angle_letter @subscript? > }",
+     f"{TOTAL} $of / {TOTAL} $by"),
     # |v_c2|².
     ("%bar of:< %not_bar_or_equals{1,12} > %bar &< ² | ^ {? 2 >", "$of"),
     # ω2 x r2, as one types it.
@@ -24,8 +28,7 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("^ { %minus < T | \\top | 1 < \\top | T > > }", "⁻ ¹ ᵀ"),
     ("^ < T %ends | \\top | \\intercal | { < @roman_T | \\top | \\intercal > } >", "ᵀ"),
     # J.T @ F of NumPy, transpose(J).
-    ("--%name_end ~. ~T @", "ᵀ *"),
-    ("--%name_end ~. ~T %ends", "ᵀ"),
+    ("--%term_end ~. ~T %ends", "ᵀ"),
     ("%fresh transpose ( of:%name{1,4} )", "( $of ) ᵀ"),
     # \\arctan2 and SymPy's \\operatorname{atan_{2}}.
     ("\\arctan ~2 &(", "a t a n 2"),
