@@ -100,7 +100,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _is_moving(self, token: Token) -> bool:
         """Whether rates or accelerations are in what a name stands for."""
         node = self.parse((token,))
-        return any(self._moves(x.value) for x in nodes(node) if isinstance(x, Named))
+        return any(_rates(x.value) != "none" for x in nodes(node) if isinstance(x, Named))
 
     def _restates_a_parameter(self, line: Line) -> bool:
         """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
