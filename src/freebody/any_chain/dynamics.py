@@ -16,8 +16,8 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
 from freebody.trees.public_calls import (
-    Vector,
-    Wrenches,
+    FrameWrenchTable,
+    JointVector,
     careful,
     checked_inputs,
     checked_reference,
@@ -28,12 +28,12 @@ from freebody.trees.special_joints import refuse_passive
 
 def inverse_dynamics(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    qdd: Vector,
-    wrenches: Wrenches = None,
+    q: JointVector,
+    qd: JointVector,
+    qdd: JointVector,
+    wrenches: FrameWrenchTable = None,
     actuated: Sequence[str] | None = None,
-    forces: Vector | None = None,
+    forces: JointVector | None = None,
 ) -> Array:
     """Joint torques tau that a motion needs: M q̈ + c + g + friction + springs + rotors - Σ Jᵀ w -
     forces, by recursive Newton-Euler.
@@ -92,7 +92,11 @@ def inverse_dynamics(
 
 
 def _inverse_dynamics(
-    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+    function: str,
+    model: Model,
+    inputs: tuple[JointVector, ...],
+    _: None,
+    wrenches: FrameWrenchTable,
 ) -> Any:
     require_model(function, model)
     if model.loops:
@@ -105,11 +109,11 @@ def _inverse_dynamics(
 
 def forward_dynamics(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    tau: Vector,
-    wrenches: Wrenches = None,
-    forces: Vector | None = None,
+    q: JointVector,
+    qd: JointVector,
+    tau: JointVector,
+    wrenches: FrameWrenchTable = None,
+    forces: JointVector | None = None,
 ) -> Array:
     """Accelerations q̈ under joint torques (3.29), of closed chains (5.29), with dependent equations
     and at singular positions too, where a motion keeps its branch.
@@ -152,7 +156,7 @@ def forward_dynamics(
 
 
 def _checked(
-    function: str, model: Model, given: dict[str, Vector], wrenches: Wrenches
+    function: str, model: Model, given: dict[str, JointVector], wrenches: FrameWrenchTable
 ) -> tuple[list[Array], dict[str, Array] | None]:
     """The inputs as finite arrays of one batch shape, and the wrenches by frame."""
     frames, arrays = checked_inputs(function, model, given, wrenches)
@@ -161,7 +165,11 @@ def _checked(
 
 
 def _forward_dynamics(
-    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+    function: str,
+    model: Model,
+    inputs: tuple[JointVector, ...],
+    _: None,
+    wrenches: FrameWrenchTable,
 ) -> Array:
     require_model(function, model)
     if model.loops:
@@ -174,7 +182,7 @@ def _forward_dynamics(
     return result
 
 
-def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
+def static_torque(model: Model, q: JointVector, wrenches: FrameWrenchTable = None) -> Array:
     """Torques that hold the arm at rest: g + springs - Σ Jᵀ w (2.41-2.49).
 
     Parameters
@@ -203,7 +211,11 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches = None) -> Array:
 
 
 def _static_torque(
-    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+    function: str,
+    model: Model,
+    inputs: tuple[JointVector, ...],
+    _: None,
+    wrenches: FrameWrenchTable,
 ) -> Any:
     require_model(function, model)
     if model.loops:
@@ -215,10 +227,10 @@ def _static_torque(
 
 def joint_wrenches(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    qdd: Vector,
-    wrenches: Wrenches = None,
+    q: JointVector,
+    qd: JointVector,
+    qdd: JointVector,
+    wrenches: FrameWrenchTable = None,
     reference: Literal["world", "child"] = "world",
 ) -> Array:
     """Reaction wrench of every joint in a motion: the total that the parent exerts on the child, at
@@ -254,7 +266,11 @@ def joint_wrenches(
 
 
 def _joint_wrenches(
-    key: tuple[str, Any], model: Model, inputs: tuple[Vector, ...], option: Any, wrenches: Wrenches
+    key: tuple[str, Any],
+    model: Model,
+    inputs: tuple[JointVector, ...],
+    option: Any,
+    wrenches: FrameWrenchTable,
 ) -> Array:
     function, reference = key
     require_model(function, model)

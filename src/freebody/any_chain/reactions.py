@@ -30,7 +30,12 @@ from freebody.loops.scaled_equations import (
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
-from freebody.trees.public_calls import Vector, Wrenches, checked_inputs, checked_reference
+from freebody.trees.public_calls import (
+    FrameWrenchTable,
+    JointVector,
+    checked_inputs,
+    checked_reference,
+)
 from freebody.trees.special_joints import refuse_passive
 from freebody.values import ByValue
 
@@ -102,14 +107,14 @@ class Reactions(Tabled, ByValue):
 
 def reactions(
     model: Model,
-    q: Vector,
-    qd: Vector,
+    q: JointVector,
+    qd: JointVector,
     *,
-    tau: Vector | None = None,
-    qdd: Vector | None = None,
-    wrenches: Wrenches = None,
+    tau: JointVector | None = None,
+    qdd: JointVector | None = None,
+    wrenches: FrameWrenchTable = None,
     actuated: Sequence[str] | None = None,
-    forces: Vector | None = None,
+    forces: JointVector | None = None,
     reference: Literal["world", "child"] = "world",
 ) -> Reactions:
     """All reactions of a tree or closed chain in a state: of every joint and loop, and whether the

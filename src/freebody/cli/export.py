@@ -12,14 +12,14 @@ from freebody.cli import options, terminal
 EXAMPLE = "Example: freebody export ur5e inverse_dynamics mass_matrix --language c --out controller"
 
 
-_Quantities = Annotated[
+QuantitiesArgument = Annotated[
     list[str],
     typer.Argument(
         metavar="QUANTITY…",
         help="What the function computes: inverse_dynamics, mass_matrix, jacobian, …",
     ),
 ]
-_Language = Annotated[
+LanguageOption = Annotated[
     str,
     typer.Option(
         help="c, cpp, javascript, javascript-script, rust, julia, matlab, numpy, jax, "
@@ -30,7 +30,7 @@ _Out = Annotated[
     Path | None,
     typer.Option(metavar="DIR", help="Folder for the files. Default: export-ROBOT."),
 ]
-_Name = Annotated[
+WordOption = Annotated[
     str | None,
     typer.Option(metavar="WORD", help="Name of the function. Default: from the quantities."),
 ]
@@ -41,11 +41,11 @@ _NumberType = Annotated[
 _Reference = Annotated[
     str, typer.Option(help="Axes of Jacobians and wrenches: world, body or child.")
 ]
-_Wrenches = Annotated[
+WrenchFramesOption = Annotated[
     list[str] | None,
     typer.Option(metavar="FRAME", help="A frame that carries a wrench; may be repeated."),
 ]
-_Inputs = Annotated[
+InputsOption = Annotated[
     list[str] | None,
     typer.Option(
         "--input",
@@ -61,7 +61,7 @@ _By = Annotated[
         "or p for the numbers of --input; may be repeated.",
     ),
 ]
-_Rows = Annotated[
+RowsOption = Annotated[
     list[str] | None,
     typer.Option(
         metavar="ROW",
@@ -73,17 +73,17 @@ _Rows = Annotated[
 @options.reading("tip", "base", "convention", "parameters")
 def export(
     robot: options.GivenRobot,
-    quantities: _Quantities,
-    language: _Language = "c",
+    quantities: QuantitiesArgument,
+    language: LanguageOption = "c",
     out: _Out = None,
-    name: _Name = None,
+    name: WordOption = None,
     dtype: _NumberType = "float64",
     frame: options.FrameOption = None,
     reference: _Reference = "world",
-    wrench: _Wrenches = None,
-    inputs: _Inputs = None,
+    wrench: WrenchFramesOption = None,
+    inputs: InputsOption = None,
     by: _By = None,
-    row: _Rows = None,
+    row: RowsOption = None,
 ) -> None:
     """Write what freebody computes for a robot as source text that needs nothing else, with a
     self-test.

@@ -17,7 +17,7 @@ from typing import Any
 from freebody.algorithms import kinematics as algorithms
 from freebody.algorithms.kinematics import Column, Pose, ancestors, joint_poses
 from freebody.errors import FreebodyError
-from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
@@ -47,12 +47,12 @@ class Kinematics(InTextbookForm):
         return [self.symbols.element(x) for x in self._pose[1]]
 
     @cached_property
-    def rotation(self) -> Entries:
+    def rotation(self) -> PolynomialRows:
         """Axes of the frame, as columns."""
         return [[self.symbols.element(x) for x in row] for row in self._pose[0]]
 
     @cached_property
-    def J(self) -> Entries:
+    def J(self) -> PolynomialRows:
         """Jacobian, rows linear then angular (plane: ẋ, ẏ, ω); the notes' J (2.19) is its first
         rows."""
         s = self.symbols
@@ -60,7 +60,7 @@ class Kinematics(InTextbookForm):
         return [s.of_angles([s.element(x) for x in row]) for row in rows]
 
     @cached_property
-    def J_dot(self) -> Entries:
+    def J_dot(self) -> PolynomialRows:
         """Time derivative of J, by its entries' (2.24)."""
         return [[x.along(self.symbols.rates) for x in row] for row in self.J]
 

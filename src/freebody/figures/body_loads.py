@@ -23,7 +23,7 @@ from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
-from freebody.trees.public_calls import Wrenches, wrenches_by_frame
+from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 NOISE = 1e-9
 """Share of the largest force or moment on the mechanism: components below are rounding, and 0 in
@@ -78,7 +78,7 @@ def moment(arm: Array, force: Array) -> Array:
 
 
 def body_loads(
-    names: Naming, pose: Skeleton, q: Array, qd: Array, qdd: Array, wrenches: Wrenches
+    names: Naming, pose: Skeleton, q: Array, qd: Array, qdd: Array, wrenches: FrameWrenchTable
 ) -> tuple[BodyLoads, ...]:
     """The loads on every body in a state: q (nq,); qd, qdd (nv,); wrenches as for
     `inverse_dynamics`."""

@@ -13,13 +13,15 @@ from freebody.figures.view import View
 from freebody.model.model import Model
 from freebody.reach.ellipsoids import Ellipsoids, ellipsoids
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 
 _SHARE = 0.3  # of the robot's size: the longest half-axis
 _SLIM = 1e-3  # of the largest singular value: forces along smaller ones do not fit on a page
 
 
-def ellipsoid_diagram(model: Model, q: Vector | None = None, frame: str | None = None) -> Figure:
+def ellipsoid_diagram(
+    model: Model, q: JointVector | None = None, frame: str | None = None
+) -> Figure:
     """A robot with the ellipsoids of its tip's velocities and forces, and their axes.
 
     q: (nq,); default: a pose in which the robot is clearly visible. frame: name, default the tip.

@@ -20,7 +20,7 @@ from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_val
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.outputs.number_text import significant
-from freebody.trees.public_calls import Vector, Wrenches
+from freebody.trees.public_calls import FrameWrenchTable, JointVector
 
 PANEL, TALLEST = 430.0, 400.0
 """Size of one diagram, pixels."""
@@ -64,11 +64,11 @@ class FreeBodyDiagram(Figure):
 
 def free_body_diagram(
     model: Model,
-    q: Vector | None = None,
+    q: JointVector | None = None,
     body: str | int | None = None,
-    qd: Vector | None = None,
-    qdd: Vector | None = None,
-    wrenches: Wrenches = None,
+    qd: JointVector | None = None,
+    qdd: JointVector | None = None,
+    wrenches: FrameWrenchTable = None,
     *,
     labels: str | None = None,
     show: str | Sequence[str] = (),

@@ -21,7 +21,7 @@ from freebody.figures.skeleton import extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT, best_view
 from freebody.model.model import Model
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 
 WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
@@ -51,10 +51,10 @@ _DEFAULT = {2: ("geometry", "vectors"), 3: ("frames", "normals")}
 
 def kinematic_diagram(
     model: Model,
-    q: Vector | None = None,
+    q: JointVector | None = None,
     show: str | Sequence[str] | None = None,
-    qd: Vector | None = None,
-    qdd: Vector | None = None,
+    qd: JointVector | None = None,
+    qdd: JointVector | None = None,
     *,
     labels: str = "names",
     notation: str | PathLike[str] | BookNotation | None = None,

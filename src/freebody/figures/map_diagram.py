@@ -16,7 +16,7 @@ from freebody.figures.snapshot import snapshot
 from freebody.figures.view import FLAT, View, best_view
 from freebody.model.model import Model
 from freebody.outputs.number_text import shortest
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 
 _EVEN = 1e-6  # of a cell: so even are the steps of a grid
 _FROM_ABOVE = 45.0
@@ -26,7 +26,7 @@ def map_diagram(
     model: Model,
     points: ArrayLike,
     values: ArrayLike,
-    q: Vector | None = None,
+    q: JointVector | None = None,
     *,
     title: str = "",
 ) -> Figure:

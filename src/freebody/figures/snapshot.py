@@ -30,7 +30,7 @@ from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
-from freebody.trees.public_calls import Wrenches, single_vector
+from freebody.trees.public_calls import FrameWrenchTable, single_vector
 from freebody.trees.states import integrate, neutral
 
 _PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))
@@ -48,7 +48,7 @@ class Snapshot:
     q: Array
     qd: Array
     qdd: Array
-    wrenches: Wrenches
+    wrenches: FrameWrenchTable
     names: DrawingNames
     links: frozenset[int] = frozenset()
     """Bodies that stand for nothing, between joints that replace another; they are not drawn."""
@@ -124,7 +124,7 @@ def snapshot(
     q: Any = None,
     qd: Any = None,
     qdd: Any = None,
-    wrenches: Wrenches = None,
+    wrenches: FrameWrenchTable = None,
     caller: str = "a drawing",
     notation: BookNotation | str | PathLike[str] | None = None,
 ) -> Snapshot:
@@ -159,7 +159,7 @@ def _seen_well(model: Model) -> Array:
     return assemble(model) if model.home else assemble(model, clear_pose(model))
 
 
-def resting_pose(model: Model, wrenches: Wrenches) -> Array | None:
+def resting_pose(model: Model, wrenches: FrameWrenchTable) -> Array | None:
     """A pose at which an arm's joints without motor rest by themselves; None where it has none, or
     none was found."""
     free = list(model.passive)
@@ -184,7 +184,7 @@ def _consistent_rates(model: Model, q: Array) -> Array:
     return loop_velocity(model, q, rates) if model.loops else rates
 
 
-def _consistent_second(model: Model, q: Array, qd: Array, wrenches: Wrenches) -> Array:
+def _consistent_second(model: Model, q: Array, qd: Array, wrenches: FrameWrenchTable) -> Array:
     """Accelerations that the loops allow; of an arm's joints without motor those that need none."""
     second = _cycled(model, _SECOND)
     if model.loops:

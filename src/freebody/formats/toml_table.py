@@ -39,7 +39,7 @@ UNITS: dict[str, dict[str, float]] = {
 }
 """Units that a number may have when it is written as text, in SI units."""
 _REQUIRED = object()
-_Word = TypeVar("_Word", bound=str)
+_TextChoice = TypeVar("_TextChoice", bound=str)
 
 
 def table_of(file: str, text: str) -> TomlTable:
@@ -130,7 +130,9 @@ class TomlTable:
             self.refuse(f"{key} is {shown(value)}, expected true or false.", key)
         return value
 
-    def choice(self, key: str, allowed: Collection[_Word], default: Any = _REQUIRED) -> _Word:
+    def choice(
+        self, key: str, allowed: Collection[_TextChoice], default: Any = _REQUIRED
+    ) -> _TextChoice:
         """One of some words."""
         value = self.text(key, default)
         for word in allowed:

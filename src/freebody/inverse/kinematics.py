@@ -30,7 +30,7 @@ from freebody.inverse.ways.many_starts import by_search
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.targets import Kernel
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 
 LIMITS = get_args(LimitsChoice)
 _NONE = np.zeros(())
@@ -52,7 +52,7 @@ def inverse_kinematics(
     frame: str | None = None,
     task: str | Sequence[str] | None = None,
     *,
-    q0: Vector | None = None,
+    q0: JointVector | None = None,
     limits: LimitsChoice = "mark",
     redundancy: ArrayLike | None = None,
     starts: int | None = None,
@@ -162,7 +162,7 @@ def _checked_problem(
     target: ArrayLike,
     frame: str | None,
     task: str | Sequence[str] | None,
-    q0: Vector | None,
+    q0: JointVector | None,
     limits: LimitsChoice,
     starts: int | None,
     seed: int | None,

@@ -21,7 +21,7 @@ from freebody.model.model_argument import require_one
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.operational_space import as_it_is
-from freebody.trees.public_calls import Vector, common_batch, evaluate, finite_vector
+from freebody.trees.public_calls import JointVector, common_batch, evaluate, finite_vector
 
 SINGULAR = 1e-10
 """A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian
@@ -30,7 +30,7 @@ has no inverse."""
 
 def inverse_velocity(
     model: Model,
-    q: Vector,
+    q: JointVector,
     V: ArrayLike,
     frame: str | None = None,
     task: str | Sequence[str] | None = None,
@@ -75,8 +75,8 @@ def inverse_velocity(
 
 def inverse_acceleration(
     model: Model,
-    q: Vector,
-    qd: Vector,
+    q: JointVector,
+    qd: JointVector,
     A: ArrayLike,
     frame: str | None = None,
     task: str | Sequence[str] | None = None,
@@ -111,10 +111,10 @@ def inverse_acceleration(
 def _solved(
     function: str,
     model: Model,
-    q: Vector,
+    q: JointVector,
     letter: str,
     given: ArrayLike,
-    qd: Vector | None,
+    qd: JointVector | None,
     frame: str | None,
     task: str | Sequence[str] | None,
     damping: float | None,

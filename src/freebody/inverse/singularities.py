@@ -19,7 +19,7 @@ from freebody.inverse.problem.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian, jacobian_derivatives
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.trees.states import generic_state, integrate
 
 SHORT = 20_000
@@ -84,7 +84,7 @@ class Singularities(Titled):
         return "\n".join([*lines, *self.notes])
 
     # ------------------------------------------------------------ numbers
-    def measure(self, q: Vector) -> Array:
+    def measure(self, q: JointVector) -> Array:
         """Smallest singular value (...) of the counted rows of J at q (..., nq), lengths over the
         arm's length.
 
@@ -92,7 +92,7 @@ class Singularities(Titled):
         """
         return np.linalg.svd(self._scaled(q), compute_uv=False)[..., -1].astype(float, copy=False)
 
-    def _scaled(self, q: Vector) -> Array:
+    def _scaled(self, q: JointVector) -> Array:
         names = row_names(self.model.dim)
         rows = [names.index(row) for row in self.rows]
         J = jacobian(self.model, finite_vector("singularities", self.model, "q", q), self.frame)

@@ -14,7 +14,7 @@ from freebody.elementary import Scalar
 from freebody.errors import SingularError, UnknownNameError
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.formulas.inverse import known_branches
-from freebody.kernels.formulas.record import Dimensions, Evaluate
+from freebody.kernels.formulas.record import Dimensions, Evaluation
 from freebody.model.families import FamilyError
 from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
@@ -45,7 +45,7 @@ def program(
     outputs = _outputs(model, names, option, fixed)
     sizes = _directions(model, inputs, by)
 
-    def traced(ways: dict[str, Evaluate]) -> Program:
+    def traced(ways: dict[str, Evaluation]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
             given, tree = _lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
             if all(FORMULAS[name].by_motion for name in names):
@@ -76,7 +76,7 @@ _SMALL = 12
 """Coordinates up to which two ways to the same values are both traced."""
 
 
-def _other_ways(names: tuple[str, ...]) -> dict[str, Evaluate]:
+def _other_ways(names: tuple[str, ...]) -> dict[str, Evaluation]:
     """Each formula's second way, or its first where it has one only; none where all have one."""
     if all(FORMULAS[name].another is None for name in names):
         return {}

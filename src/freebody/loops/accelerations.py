@@ -49,7 +49,7 @@ from freebody.loops.scaled_equations import (
 from freebody.model.families import member_at
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.trees.public_calls import Vector, Wrenches, attempt, checked_inputs
+from freebody.trees.public_calls import FrameWrenchTable, JointVector, attempt, checked_inputs
 from freebody.trees.special_joints import massless
 from freebody.trees.states import difference, integrate
 
@@ -68,7 +68,9 @@ _STUCK = "cannot stay closed at these rates{}: the mechanism is locked"
 """Sentence of `require_consistent` about accelerations that were found."""
 
 
-def forward_dynamics(model: Model, q: Vector, qd: Vector, tau: Vector, wrenches: Wrenches) -> Array:
+def forward_dynamics(
+    model: Model, q: JointVector, qd: JointVector, tau: JointVector, wrenches: FrameWrenchTable
+) -> Array:
     """Accelerations of a closed chain: `fb.forward_dynamics`."""
     option = _solution(model, "state")
     if option is not None:

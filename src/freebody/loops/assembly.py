@@ -29,7 +29,7 @@ from freebody.loops.scaled_equations import (
     shortest_way,
 )
 from freebody.model.model import Model
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.trees.states import home_guess, integrate
 
 _STARTS = 200  # of `assembly_modes`
@@ -37,7 +37,9 @@ _RESTARTS = 32
 _NEARLY = 0.02  # gap, relative to the length, that rounded numbers may be the reason of
 
 
-def assemble(model: Model, q: Vector | None = None, free: Sequence[str] | None = None) -> Array:
+def assemble(
+    model: Model, q: JointVector | None = None, free: Sequence[str] | None = None
+) -> Array:
     """The position near a guess at which every loop is closed, to rounding.
 
     Levenberg-Marquardt on Φ (5.21). Where the search from the guess ends with a gap, other starts
@@ -91,7 +93,7 @@ def _as_rounded(model: Model, guess: Array, moving: Sequence[int], best: Array) 
     return closed[0] if good[0] else None
 
 
-def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
+def _completed(model: Model, q: JointVector | None, moving: Sequence[int]) -> JointVector:
     """The guess, with the home's values where it does not name what may move."""
     home = home_guess(model)
     if q is None:
@@ -108,7 +110,7 @@ def _completed(model: Model, q: Vector | None, moving: Sequence[int]) -> Vector:
 
 
 def assembly_modes(
-    model: Model, q: Vector, free: Sequence[str] | None = None, starts: int | None = None
+    model: Model, q: JointVector, free: Sequence[str] | None = None, starts: int | None = None
 ) -> Array:
     """All closed positions that were found with the fixed coordinates of a position, nearest first.
 

@@ -26,7 +26,7 @@ from freebody.loops.scaled_equations import (
     rate_scale,
 )
 from freebody.model.model import Model
-from freebody.trees.public_calls import Vector, Wrenches, attempt, checked_inputs
+from freebody.trees.public_calls import FrameWrenchTable, JointVector, attempt, checked_inputs
 
 # part of a mechanism's motion, all coordinates as angles, by which a drive that stands still moves
 _STILL = 1e-12
@@ -38,12 +38,12 @@ _WOULD_OPEN = (
 
 def inverse_dynamics(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    qdd: Vector,
-    wrenches: Wrenches,
+    q: JointVector,
+    qd: JointVector,
+    qdd: JointVector,
+    wrenches: FrameWrenchTable,
     actuated: Sequence[str] | None = None,
-    forces: Vector | None = None,
+    forces: JointVector | None = None,
 ) -> Array:
     """Torques of the drives in a motion: `fb.inverse_dynamics` of a closed chain."""
     if forces is None:
@@ -84,7 +84,7 @@ def motion_torques(
     return tau
 
 
-def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
+def static_torque(model: Model, q: JointVector, wrenches: FrameWrenchTable) -> Array:
     """Torques of the drives at rest: `fb.static_torque` of a closed chain."""
     found = _attempted("static_torque", model, (q,), wrenches)
     if found is not None:
@@ -103,8 +103,8 @@ def static_torque(model: Model, q: Vector, wrenches: Wrenches) -> Array:
 def _attempted(
     function: str,
     model: Model,
-    inputs: tuple[Vector, ...],
-    wrenches: Wrenches,
+    inputs: tuple[JointVector, ...],
+    wrenches: FrameWrenchTable,
     actuated: Sequence[str] | None = None,
 ) -> Array | None:
     """The torques of the drives where a kernel is sure of them."""

@@ -22,7 +22,7 @@ from freebody.loops.scaled_equations import RANK, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.values import ByValue
 
 
@@ -73,7 +73,7 @@ class InputOutput(Titled, ByValue):
 
 def input_output(
     model: Model,
-    q: Vector,
+    q: JointVector,
     *,
     frame: str | None = None,
     rows: Sequence[str] | None = None,

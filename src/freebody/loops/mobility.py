@@ -19,7 +19,7 @@ from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import null_space, row_names
 from freebody.model.model import Model
 from freebody.outputs.display import InWords, counted
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.values import ByValue
 
 
@@ -83,7 +83,7 @@ class Mobility(InWords, ByValue):
         return "\n".join(lines)
 
 
-def mobility(model: Model, q: Vector) -> Mobility:
+def mobility(model: Model, q: JointVector) -> Mobility:
     """Mobility at the closed position q (nq,), and in general: at positions reached from it by
     finite motions.
 

@@ -25,12 +25,12 @@ from freebody.loops.equations import (
 from freebody.loops.independent_equations import idle_coordinates, partition_of_loops
 from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
-from freebody.trees.public_calls import Vector, attempt, common_batch, finite_vector
+from freebody.trees.public_calls import JointVector, attempt, common_batch, finite_vector
 
 _LOOSE = 1e-9  # singular values of Φ_q from which coordinates follow from the others
 
 
-def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
+def loop_velocity(model: Model, q: JointVector, rates: JointVector) -> Array:
     """Rates that keep every loop closed at a closed position (2.35, 5.22).
 
     Parameters
@@ -62,7 +62,9 @@ def loop_velocity(model: Model, q: Vector, rates: Vector) -> Array:
     return _consistent("loop_velocity", model, {"q": at}, rates)
 
 
-def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector) -> Array:
+def loop_acceleration(
+    model: Model, q: JointVector, qd: JointVector, accelerations: JointVector
+) -> Array:
     """Accelerations that keep every loop closed in a closed state (5.28).
 
     Parameters
@@ -91,7 +93,7 @@ def loop_acceleration(model: Model, q: Vector, qd: Vector, accelerations: Vector
     return _consistent("loop_acceleration", model, {"q": at, "qd": rates}, accelerations)
 
 
-def _attempted(function: str, model: Model, *inputs: Vector) -> Array | None:
+def _attempted(function: str, model: Model, *inputs: JointVector) -> Array | None:
     """Rates by a kernel where it is sure of them, for a whole vector; else None."""
     chosen = None if isinstance(inputs[-1], Mapping) else partition_of_loops(model)
     if chosen is None:

@@ -38,7 +38,7 @@ _MOST_STEPS = 1000
 MimicPolicy = Literal["follow", "free"]
 BasePolicy = Literal["fixed", "free"]
 Policy = Literal["warn", "refuse", "ignore"]
-_Part = TypeVar("_Part", Link, Joint)
+_LinkOrJoint = TypeVar("_LinkOrJoint", Link, Joint)
 
 
 def build_model(
@@ -237,9 +237,9 @@ class _DescriptionChecks:
             raise FileError(self.description.file, line, problem)
         raise ModelError(f"{self.description.name!r}: {problem}")
 
-    def unique(self, what: str, parts: Sequence[_Part]) -> dict[str, _Part]:
+    def unique(self, what: str, parts: Sequence[_LinkOrJoint]) -> dict[str, _LinkOrJoint]:
         """The parts by name; refuses one without and two of the same."""
-        named: dict[str, _Part] = {}
+        named: dict[str, _LinkOrJoint] = {}
         for part in parts:
             if not part.name:
                 self.refuse(f"a {what} has no name; give it one.", part.line)

@@ -19,7 +19,7 @@ from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument
 from freebody.reach.jacobian_rows import OfRows
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 from freebody.values import ByValue
 
 if TYPE_CHECKING:
@@ -99,7 +99,7 @@ class Dexterity(Tabled, ByValue):
 
 def dexterity(
     model: Model,
-    q: Vector,
+    q: JointVector,
     frame: str | None = None,
     task: str | Sequence[str] = "pose",
     *,

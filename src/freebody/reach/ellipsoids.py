@@ -17,7 +17,7 @@ from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument
 from freebody.reach.jacobian_rows import OfRows
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 from freebody.values import ByValue
 
 
@@ -69,7 +69,7 @@ class Ellipsoids(Tabled, ByValue):
 
 
 def ellipsoids(
-    model: Model, q: Vector, frame: str | None = None, task: str | Sequence[str] = "position"
+    model: Model, q: JointVector, frame: str | None = None, task: str | Sequence[str] = "position"
 ) -> Ellipsoids:
     """The axes of a frame's velocity ellipsoid, and of its force ellipsoid, at each posture.
 

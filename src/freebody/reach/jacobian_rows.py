@@ -22,7 +22,7 @@ from freebody.program import Argument, Program, trace
 from freebody.spatial import Matrix, scale
 from freebody.trees.closer_looks import closer_where_unclear
 from freebody.trees.kinematics import jacobian
-from freebody.trees.public_calls import Vector, evaluate, finite_vector, refuse_overflow
+from freebody.trees.public_calls import JointVector, evaluate, finite_vector, refuse_overflow
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class OfRows:
     evaluate: Callable[[Matrix], tuple[tuple[Any, ...], Scalar]]
     look: Callable[[Array], Array | tuple[Array, ...]]
 
-    def at(self, model: Model, option: Option, q: Vector, length: float = 1.0) -> Any:
+    def at(self, model: Model, option: Option, q: JointVector, length: float = 1.0) -> Any:
         """The outputs at q (..., nq), which is checked; length: m. option: frame and rows."""
         key = self.function, option
         return evaluate(key, model, (q, length), None, None, self._answer)

@@ -30,7 +30,7 @@ from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.values import ByValue
 from freebody.ways_out.scalar_formulas import formula
 
@@ -103,11 +103,11 @@ class PayloadMap(Tabled, ByValue):
 
 def payload_map(
     model: Model,
-    q: Vector,
+    q: JointVector,
     frame: str | None = None,
     *,
-    effort: Vector | None = None,
-    point: Vector | None = None,
+    effort: JointVector | None = None,
+    point: JointVector | None = None,
 ) -> PayloadMap:
     """The largest mass that a robot holds at rest at each posture, and the joint that limits it.
 
@@ -165,7 +165,7 @@ def _efforts(model: Model) -> Array:
     return efforts
 
 
-def _given(model: Model, effort: Vector) -> Array:
+def _given(model: Model, effort: JointVector) -> Array:
     """Efforts (..., nv) as they are given."""
     if isinstance(effort, Mapping) and model.loops:
         others = dict.fromkeys(set(model.velocity_names) - set(_driven_names(model)), _UNLIMITED)
@@ -177,7 +177,7 @@ def _driven_names(model: Model) -> list[str]:
     return [model.velocity_names[k] for k in model.driven]
 
 
-def _point(model: Model, point: Vector) -> Array:
+def _point(model: Model, point: JointVector) -> Array:
     names = ("x", "y", "z")[: model.dim]
     array = as_floats(
         "payload_map", "point", aligned("payload_map", "point", point, names, ("axis",))
@@ -189,11 +189,11 @@ def _point(model: Model, point: Vector) -> Array:
     return array
 
 
-Held = tuple[Scalar, Scalar, Scalar]
+HeldLoad = tuple[Scalar, Scalar, Scalar]
 """A mass, the joint that limits it, and 1 where that is overloaded."""
 
 
-def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
+def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) -> HeldLoad:
     """Mass, joint and overload at each posture by one kernel of the model."""
     key = ("payload_map", frame)
     found = model.compiled.get(key)
@@ -209,7 +209,7 @@ def _compiled(model: Model, frame: str) -> Kernel:
     static, d = formula(model, "static_torque"), model.dim
     field = tuple(map(float, model.gravity))
 
-    def largest(q: Any, effort: Any, point: Any) -> Held:
+    def largest(q: Any, effort: Any, point: Any) -> HeldLoad:
         arm = times(tuple(row[:d] for row in pose(q)[:d]), point)
         weight = of_dimension(d).moment(arm, field)
         slopes = [-dot(column, (*field, *weight)) for column in transposed(jacobian(q), model.nv)]
@@ -222,10 +222,12 @@ def _compiled(model: Model, frame: str) -> Kernel:
 _OUTPUTS = [Argument(name, ()) for name in ("mass", "joint", "overloaded")]
 
 
-def _held(torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[Scalar]) -> Held:
+def _held(
+    torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[Scalar]
+) -> HeldLoad:
     """Mass, joint and overload from torques at rest (nv,) without payload, and from what a kilogram
     adds to them."""
-    best: Held = (_UNLIMITED, 0.0, 0.0)
+    best: HeldLoad = (_UNLIMITED, 0.0, 0.0)
     for k, (torque, slope) in enumerate(zip(torques, slopes, strict=True)):
         over = less(effort[k], absolute(torque))
         left = effort[k] - where(less(0.0, slope), torque, -torque)
@@ -239,7 +241,7 @@ def _held(torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[
     return best
 
 
-def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array) -> Held:
+def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array) -> HeldLoad:
     """Mass, joint and overload by the torques of the chain at rest, without payload and under the
     weight of a kilogram, which serves closed chains and families."""
     d, field = model.dim, model.gravity

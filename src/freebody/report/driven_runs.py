@@ -52,7 +52,7 @@ _NODES = np.append(DOP853.C, 1.0)
 _WEIGHTS = [*(row[:k] for k, row in enumerate(DOP853.A)), DOP853.B]
 """Weights of the slopes before each stage; the last leads to the end of the step."""
 
-_Slope = Callable[[float, Array], Any]
+_AccelerationLaw = Callable[[float, Array], Any]
 
 
 def land(
@@ -176,7 +176,8 @@ def _in_steps(reference: MotionReference, allowed: Ranges, parts: int) -> tuple[
 
 
 def _run(
-    rate: _Slope, slope: _Slope, stretch: tuple[float, float], y: Array, method: str,
+    rate: _AccelerationLaw, slope: _AccelerationLaw, stretch: tuple[float, float], y: Array,
+    method: str,
     among_jumps: bool, **more: Any,
 ) -> Any:  # fmt: skip
     """A stretch by one of the integrators of `TOLERANCE`; among jumps it is tried in one step."""

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 DATA, REPORT = "study.nc", "report.html"
 
-_Table = tuple[list[str], Iterable[Iterable[Any]]]
+_HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows."""
 
 _DRIVES = ("tau", *variables.PARTS, "power")
@@ -51,7 +51,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 def makers(study: Study, report: bool) -> Makers:
     """Functions that make study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
     reactions_summary.csv, checks.csv, and report.html if asked for."""
-    tables: dict[str, Callable[[], _Table]] = {
+    tables: dict[str, Callable[[], _HeadAndRows]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),
         "torques.csv": lambda: _torques(study),
         "reactions.csv": lambda: _reactions(study),
@@ -106,12 +106,12 @@ def netcdf(study: Study) -> bytes:
     return bytes(whole.assign_coords(labels).to_netcdf(engine="scipy"))
 
 
-def _csv(table: Callable[[], _Table]) -> str:
+def _csv(table: Callable[[], _HeadAndRows]) -> str:
     header, rows = table()
     return csv_text([header, *rows])
 
 
-def _torques(study: Study) -> _Table:
+def _torques(study: Study) -> _HeadAndRows:
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
     for k, name in enumerate(study.model.velocity_names):
@@ -122,7 +122,7 @@ def _torques(study: Study) -> _Table:
     return header, np.column_stack(columns)
 
 
-def _reactions(study: Study) -> _Table:
+def _reactions(study: Study) -> _HeadAndRows:
     """World axes."""
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
@@ -137,7 +137,7 @@ def _reactions(study: Study) -> _Table:
     return header, np.column_stack(columns)
 
 
-def _summary(summary: xr.Dataset, dim: str) -> _Table:
+def _summary(summary: xr.Dataset, dim: str) -> _HeadAndRows:
     names = [str(name) for name in summary.data_vars if summary[name].dims == (dim,)]
     extra = ["unit", "effort_unit"] if dim == "coordinate" else []
     header = [dim, *extra, *(f"{name} ({summary[name].attrs['units']})" for name in names)]
@@ -145,7 +145,7 @@ def _summary(summary: xr.Dataset, dim: str) -> _Table:
     return header, zip(*words, *(summary[name].values for name in names), strict=True)
 
 
-def _checks(study: Study) -> _Table:
+def _checks(study: Study) -> _HeadAndRows:
     return ["check", "value", "bar", "passed", "what"], [
         [check.name, check.value, check.bar, check.passed, check.text] for check in study.checks
     ]

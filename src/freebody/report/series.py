@@ -33,13 +33,13 @@ from freebody.trees import dynamics, kinematics
 if TYPE_CHECKING:
     import xarray as xr
 
-_Arrays = dict[str, Any]
+_ArraysByName = dict[str, Any]
 """Arrays by the names of variables."""
 
 
 def series(model: Model, motion: Motion) -> xr.Dataset:
     """The dataset that `Study.data` describes."""
-    found: _Arrays = {}
+    found: _ArraysByName = {}
     for part in (_motion, torques, _reactions, _bodies, _energies):
         found |= part(model, motion)
     if (tip := model.tip) is not None:
@@ -80,11 +80,11 @@ def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
     return dataset(_motion(model, motion) | torques(model, motion), coordinates(model, motion.t))
 
 
-def _motion(model: Model, motion: Motion) -> _Arrays:
+def _motion(model: Model, motion: Motion) -> _ArraysByName:
     return {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
 
 
-def torques(model: Model, motion: Motion) -> _Arrays:
+def torques(model: Model, motion: Motion) -> _ArraysByName:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     viscous, _, rotor = drive_arrays(model)
@@ -117,7 +117,7 @@ def _coulomb(model: Model, qd: Array) -> Array:
     return drive_arrays(model)[1] * np.sign(qd)
 
 
-def _reactions(model: Model, motion: Motion) -> _Arrays:
+def _reactions(model: Model, motion: Motion) -> _ArraysByName:
     at, d = (motion.q, motion.qd, motion.qdd), model.dim
     world = joint_wrenches(model, *at, reference="world")
     child = joint_wrenches(model, *at, reference="child")
@@ -127,7 +127,7 @@ def _reactions(model: Model, motion: Motion) -> _Arrays:
     return found | bearing_loads(model, *parts[2:])
 
 
-def _bodies(model: Model, motion: Motion) -> _Arrays:
+def _bodies(model: Model, motion: Motion) -> _ArraysByName:
     tree: Tree = model.tree
     world = world_poses(tree, joint_poses(tree, tuple(motion.q.T)))
     origins, centres = [], []
@@ -143,7 +143,7 @@ def _columns(vector: tuple[Any, ...], samples: int) -> Array:
     return np.stack([np.broadcast_to(x, (samples,)) for x in vector], axis=-1)
 
 
-def _tip(model: Model, tip: str, motion: Motion) -> _Arrays:
+def _tip(model: Model, tip: str, motion: Motion) -> _ArraysByName:
     d = model.dim
     T = kinematics.forward_kinematics(model, motion.q, tip)
     V = kinematics.velocity(model, motion.q, motion.qd, tip)

@@ -27,7 +27,7 @@ from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.target import KernelError
 
 Tensor = Any  # torch.Tensor; a type checker without PyTorch would know nothing of it
-Positions = tuple[int, ...]
+ArgumentNumbers = tuple[int, ...]
 
 DTYPES = {torch.float64: "float64", torch.float32: "float32"}
 """Types of number that kernels compute with."""
@@ -42,7 +42,7 @@ class TensorProgram:
     def __init__(self, program: Program, target: str, dtype: Any):
         self.program, self.target, self.dtype = program, target, dtype
         self.key = f"{program.name} {target} {DTYPES[dtype]} {program.digest}"
-        self._derivatives: dict[tuple[Positions, ...], TensorProgram] = {}
+        self._derivatives: dict[tuple[ArgumentNumbers, ...], TensorProgram] = {}
 
     @classmethod
     def of(cls, program: Program, target: str, dtype: Any) -> TensorProgram:
@@ -55,16 +55,16 @@ class TensorProgram:
         """The kernel that computes the program."""
         return compile_program(self.program, target=self.target, dtype=DTYPES[self.dtype])
 
-    def gradient(self, by: Positions, of: Positions) -> TensorProgram:
+    def gradient(self, by: ArgumentNumbers, of: ArgumentNumbers) -> TensorProgram:
         """Inputs and weights of the outputs `of` to the gradient by the inputs `by`."""
         return self._derivative((by, of), gradient)
 
-    def along(self, by: Positions) -> TensorProgram:
+    def along(self, by: ArgumentNumbers) -> TensorProgram:
         """Inputs and directions of those `by` to the change of the outputs."""
         return self._derivative((by,), directional)
 
     def _derivative(
-        self, which: tuple[Positions, ...], made: Callable[..., Program]
+        self, which: tuple[ArgumentNumbers, ...], made: Callable[..., Program]
     ) -> TensorProgram:
         if which not in self._derivatives:
             program = made(self.program, *which)

@@ -21,10 +21,10 @@ from freebody.trees.operational_space import (
     operational_option,
     refuse_dependent_rows,
 )
-from freebody.trees.public_calls import Vector, evaluate, labels, vector
+from freebody.trees.public_calls import JointVector, evaluate, labels, vector
 
 
-def default_pd_gains(model: Model, q: Vector) -> tuple[Array, Array]:
+def default_pd_gains(model: Model, q: JointVector) -> tuple[Array, Array]:
     """(kp, kd) (nv,) with which each coordinate alone, its inertia that at q, returns to its goal
     at 10 rad/s, critically damped: 100 m and 20 m."""
     inertia = np.diagonal(mass_matrix(model, q))
@@ -34,7 +34,14 @@ def default_pd_gains(model: Model, q: Vector) -> tuple[Array, Array]:
 _RATE = 10.0  # rad/s
 
 
-def pd_gravity(model: Model, q: Vector, qd: Vector, q_ref: Vector, kp: Vector, kd: Vector) -> Array:
+def pd_gravity(
+    model: Model,
+    q: JointVector,
+    qd: JointVector,
+    q_ref: JointVector,
+    kp: JointVector,
+    kd: JointVector,
+) -> Array:
     """PD control with gravity compensation: tau = g + springs + kp (q_ref ⊖ q) - kd q̇.
 
     With kp and kd above 0 the robot comes to rest at q_ref alone. `fb.simulate` and `fb.export`
@@ -70,13 +77,13 @@ def pd_gravity(model: Model, q: Vector, qd: Vector, q_ref: Vector, kp: Vector, k
 
 def computed_torque(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    q_ref: Vector,
-    qd_ref: Vector,
-    qdd_ref: Vector,
-    kp: Vector,
-    kd: Vector,
+    q: JointVector,
+    qd: JointVector,
+    q_ref: JointVector,
+    qd_ref: JointVector,
+    qdd_ref: JointVector,
+    kp: JointVector,
+    kd: JointVector,
 ) -> Array:
     """Computed torque M (q̈_ref + kd ė + kp e) + c + g + friction + springs, so that ë + kd ė + kp
     e = 0.
@@ -113,14 +120,14 @@ def computed_torque(
 
 def operational_space_control(
     model: Model,
-    q: Vector,
-    qd: Vector,
+    q: JointVector,
+    qd: JointVector,
     pose_ref: ArrayLike,
-    V_ref: Vector,
-    A_ref: Vector,
-    kp_task: Vector,
-    kd_task: Vector,
-    tau_null: Vector | None = None,
+    V_ref: JointVector,
+    A_ref: JointVector,
+    kp_task: JointVector,
+    kd_task: JointVector,
+    tau_null: JointVector | None = None,
     frame: str | None = None,
     rows: Sequence[str] | None = None,
 ) -> Array:
@@ -180,12 +187,12 @@ def operational_space_control(
 
 def impedance(
     model: Model,
-    q: Vector,
-    qd: Vector,
+    q: JointVector,
+    qd: JointVector,
     pose_ref: ArrayLike,
-    V_ref: Vector,
-    stiffness: Vector,
-    damping: Vector,
+    V_ref: JointVector,
+    stiffness: JointVector,
+    damping: JointVector,
     frame: str | None = None,
     rows: Sequence[str] | None = None,
 ) -> Array:
@@ -212,12 +219,12 @@ def impedance(
 def admittance(
     model: Model,
     h: float,
-    offset: Vector,
-    offset_rate: Vector,
-    w_ext: Vector,
-    inertia: Vector,
-    stiffness: Vector,
-    damping: Vector,
+    offset: JointVector,
+    offset_rate: JointVector,
+    w_ext: JointVector,
+    inertia: JointVector,
+    stiffness: JointVector,
+    damping: JointVector,
     rows: Sequence[str] | None = None,
 ) -> tuple[Array, Array]:
     """(offset, rate) after h seconds, each (..., r), of inertia ẍ + damping ẋ + stiffness x =
@@ -248,12 +255,12 @@ def admittance(
 
 def momentum_observer(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    tau: Vector,
+    q: JointVector,
+    qd: JointVector,
+    tau: JointVector,
     h: float,
-    integral: Vector,
-    ko: Vector,
+    integral: JointVector,
+    ko: JointVector,
 ) -> tuple[Array, Array]:
     """(r, integral), each (..., nv): the torque that acts besides tau, by the generalized momentum,
     and what the next call is to be given.

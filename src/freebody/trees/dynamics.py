@@ -18,8 +18,8 @@ from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import (
     CallKey,
-    Vector,
-    Wrenches,
+    FrameWrenchTable,
+    JointVector,
     careful,
     evaluate,
     finite_vector,
@@ -28,7 +28,11 @@ from freebody.trees.special_joints import refuse_massless, refuse_passive
 
 
 def where_all_move_mass(
-    function: str, model: Model, inputs: tuple[Vector, ...], _: None, wrenches: Wrenches
+    function: str,
+    model: Model,
+    inputs: tuple[JointVector, ...],
+    _: None,
+    wrenches: FrameWrenchTable,
 ) -> Any:
     """Answer as `careful` does, where each joint moves some inertia; refuse other models."""
     require_model(function, model)
@@ -49,7 +53,7 @@ def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
 
 
 def inverse_dynamics_derivatives(
-    model: Model, q: Vector, qd: Vector, qdd: Vector
+    model: Model, q: JointVector, qd: JointVector, qdd: JointVector
 ) -> tuple[Array, Array, Array]:
     """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant),
     springs, rotors included.
@@ -61,7 +65,7 @@ def inverse_dynamics_derivatives(
 
 
 def inverse_dynamics_second_derivatives(
-    model: Model, q: Vector, qd: Vector, qdd: Vector
+    model: Model, q: JointVector, qd: JointVector, qdd: JointVector
 ) -> tuple[Array, Array, Array, Array]:
     """Second derivatives of tau, each (..., nv, nv, nv), the last axis the last direction of
     differentiation.
@@ -74,7 +78,7 @@ def inverse_dynamics_second_derivatives(
 
 
 def forward_dynamics_derivatives(
-    model: Model, q: Vector, qd: Vector, tau: Vector
+    model: Model, q: JointVector, qd: JointVector, tau: JointVector
 ) -> tuple[Array, Array, Array]:
     """(∂q̈/∂q, ∂q̈/∂q̇, ∂q̈/∂tau = M⁻¹), each (..., nv, nv), on the tangent space; arguments as for
     `forward_dynamics`.
@@ -90,19 +94,19 @@ def forward_dynamics_derivatives(
 
 
 def _forward_derivatives(
-    function: str, model: Model, inputs: tuple[Vector, ...], *_: None
+    function: str, model: Model, inputs: tuple[JointVector, ...], *_: None
 ) -> tuple[Array, ...]:
     result = where_all_move_mass(function, model, inputs, None, None)
     refuse_singular(function, model, np.diagonal(result[2], axis1=-2, axis2=-1))
     return result
 
 
-def mass_matrix(model: Model, q: Vector) -> Array:
+def mass_matrix(model: Model, q: JointVector) -> Array:
     """M (..., nv, nv), rotors included, by composite bodies. q: (..., nq)."""
     return evaluate("mass_matrix", model, (q,))
 
 
-def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
+def coriolis_matrix(model: Model, q: JointVector, qd: JointVector) -> Array:
     """C (..., nv, nv): C q̇ is the velocity term and Ṁ - 2C is skew-symmetric (Christoffel).
 
     q: (..., nq); qd: (..., nv). With free or spherical joints the matrix of Echeandia and Wensing
@@ -111,17 +115,17 @@ def coriolis_matrix(model: Model, q: Vector, qd: Vector) -> Array:
     return evaluate("coriolis_matrix", model, (q, qd))
 
 
-def bias(model: Model, q: Vector, qd: Vector) -> Array:
+def bias(model: Model, q: JointVector, qd: JointVector) -> Array:
     """c + g, friction and springs (..., nv): the inverse dynamics at zero acceleration."""
     return evaluate("bias", model, (q, qd))
 
 
-def gravity_torque(model: Model, q: Vector) -> Array:
+def gravity_torque(model: Model, q: JointVector) -> Array:
     """g (..., nv): the torque that holds the arm at rest against gravity, springs not included."""
     return evaluate("gravity_torque", model, (q,))
 
 
-def tip_wrench(model: Model, q: Vector, tau: Vector, frame: str | None = None) -> Array:
+def tip_wrench(model: Model, q: JointVector, tau: JointVector, frame: str | None = None) -> Array:
     """Wrench (..., 6) that the arm exerts on its surroundings with torques tau (..., nv): J⁻ᵀ tau
     (2.51).
 
@@ -173,12 +177,12 @@ _SINGULAR = 1e-12
 """A ratio of smallest to largest singular value below which the Jacobian has no inverse."""
 
 
-def kinetic_energy(model: Model, q: Vector, qd: Vector) -> Array:
+def kinetic_energy(model: Model, q: JointVector, qd: JointVector) -> Array:
     """T (...) in J, rotors included (5.1-5.3)."""
     return evaluate("kinetic_energy", model, (q, qd))
 
 
-def potential_energy(model: Model, q: Vector) -> Array:
+def potential_energy(model: Model, q: JointVector) -> Array:
     """V (...) in J: gravity, zero at the world's origin, and springs (5.4, 5.5).
 
     The weight of all links counts, as in `model.mass` and `center_of_mass`: links fixed to the base
@@ -187,7 +191,9 @@ def potential_energy(model: Model, q: Vector) -> Array:
     return evaluate("potential_energy", model, (q,))
 
 
-def momentum(model: Model, q: Vector, qd: Vector, about: ArrayLike | None = None) -> Array:
+def momentum(
+    model: Model, q: JointVector, qd: JointVector, about: ArrayLike | None = None
+) -> Array:
     """Linear (kg m/s), then angular momentum (kg m²/s), (..., 6), about a point of the world
     (default its origin).
 

@@ -13,12 +13,12 @@ from freebody.kernels.formulas import Option
 from freebody.model.families import of_member
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.trees.public_calls import Vector, careful, checked_reference, evaluate
+from freebody.trees.public_calls import JointVector, careful, checked_reference, evaluate
 
 FrameAxes = Literal["world", "body"]
 
 
-def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Array:
+def forward_kinematics(model: Model, q: JointVector, frame: str | None = None) -> Array:
     """Pose T_WF of a frame in the world (2.10-2.13).
 
     Parameters
@@ -42,7 +42,11 @@ def forward_kinematics(model: Model, q: Vector, frame: str | None = None) -> Arr
 
 
 def velocity(
-    model: Model, q: Vector, qd: Vector, frame: str | None = None, point: ArrayLike | None = None
+    model: Model,
+    q: JointVector,
+    qd: JointVector,
+    frame: str | None = None,
+    point: ArrayLike | None = None,
 ) -> Array:
     """Velocity of a frame, or of a point fixed to it.
 
@@ -71,9 +75,9 @@ def velocity(
 
 def acceleration(
     model: Model,
-    q: Vector,
-    qd: Vector,
-    qdd: Vector,
+    q: JointVector,
+    qd: JointVector,
+    qdd: JointVector,
     frame: str | None = None,
     point: ArrayLike | None = None,
 ) -> Array:
@@ -101,7 +105,7 @@ def acceleration(
 
 
 def jacobian(
-    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
+    model: Model, q: JointVector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """Jacobian of a frame: its velocity is J q̇.
 
@@ -125,7 +129,11 @@ def jacobian(
 
 
 def jacobian_dot(
-    model: Model, q: Vector, qd: Vector, frame: str | None = None, reference: FrameAxes = "world"
+    model: Model,
+    q: JointVector,
+    qd: JointVector,
+    frame: str | None = None,
+    reference: FrameAxes = "world",
 ) -> Array:
     """Time derivative (..., 6, nv) of `jacobian` along qd (..., nv): acceleration = J qdd + J̇ qd
     (2.24)."""
@@ -133,7 +141,7 @@ def jacobian_dot(
 
 
 def jacobian_derivatives(
-    model: Model, q: Vector, frame: str | None = None, reference: FrameAxes = "world"
+    model: Model, q: JointVector, frame: str | None = None, reference: FrameAxes = "world"
 ) -> Array:
     """∂J/∂q (..., 6, nv, nv), (..., 3, nv, nv) in the plane, the last axis the direction, on the
     tangent space.
@@ -143,7 +151,7 @@ def jacobian_derivatives(
     return evaluate(("jacobian_derivatives", frame, reference), model, (q,), _of_frame)
 
 
-def center_of_mass(model: Model, q: Vector) -> Array:
+def center_of_mass(model: Model, q: JointVector) -> Array:
     """Centre of mass (..., dim) of all links, the base's included, in the world (m) (1.15).
 
     q: (..., nq). Raises SingularError without mass.
@@ -151,7 +159,9 @@ def center_of_mass(model: Model, q: Vector) -> Array:
     return evaluate("center_of_mass", model, (q,), None, None, _center_of_mass)
 
 
-def _center_of_mass(function: str, model: Model, inputs: tuple[Vector, ...], *_: None) -> Array:
+def _center_of_mass(
+    function: str, model: Model, inputs: tuple[JointVector, ...], *_: None
+) -> Array:
     require_model(function, model)
     nothing = np.argwhere(np.asarray(model.mass) == 0.0)
     if len(nothing):

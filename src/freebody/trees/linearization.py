@@ -9,7 +9,7 @@ from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError
 from freebody.model.model import Model
 from freebody.trees.dynamics import forward_dynamics_derivatives
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 
 _SYMMETRIC = 1e-9
 """How far from symmetric a matrix may be by rounding, relative to its largest entry."""
@@ -19,7 +19,7 @@ _ROUNDED = 1e-10
 
 
 def linearize(
-    model: Model, q: Vector, qd: Vector, tau: Vector, step: float | None = None
+    model: Model, q: JointVector, qd: JointVector, tau: JointVector, step: float | None = None
 ) -> tuple[Array, Array]:
     """(A, B) of ẋ = A x + B u: how a small deviation x = (δq, δq̇) from the motion through a state
     changes with that of the drives' torques, u.

@@ -24,18 +24,18 @@ from freebody.spatial import of_dimension
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.dynamics import bias, mass_matrix, where_all_move_mass
 from freebody.trees.kinematics import jacobian, jacobian_dot
-from freebody.trees.public_calls import Vector, careful, evaluate, refuse_overflow
+from freebody.trees.public_calls import JointVector, careful, evaluate, refuse_overflow
 from freebody.trees.special_joints import refuse_massless, refuse_passive
 
 
-def mass_matrix_inverse(model: Model, q: Vector) -> Array:
+def mass_matrix_inverse(model: Model, q: JointVector) -> Array:
     """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no
     inertia."""
     return evaluate("mass_matrix_inverse", model, (q,), None, None, where_all_move_mass)
 
 
 def operational_space_inertia(
-    model: Model, q: Vector, frame: str | None = None, rows: Sequence[str] | None = None
+    model: Model, q: JointVector, frame: str | None = None, rows: Sequence[str] | None = None
 ) -> Array:
     """Λ = (J M⁻¹ Jᵀ)⁻¹ (..., r, r) of a frame's motion, rows linear then angular, world axes
     (Khatib 1987).
@@ -51,7 +51,11 @@ def operational_space_inertia(
 
 
 def operational_space_bias(
-    model: Model, q: Vector, qd: Vector, frame: str | None = None, rows: Sequence[str] | None = None
+    model: Model,
+    q: JointVector,
+    qd: JointVector,
+    frame: str | None = None,
+    rows: Sequence[str] | None = None,
 ) -> Array:
     """μ (..., r) with Λ ẍ + μ = the wrench at the frame that produces ẍ: velocity, gravity,
     friction, springs.
@@ -79,7 +83,7 @@ def as_it_is(model: Model, option: Option) -> Option:
     return option
 
 
-def refuse_dependent_rows(function: str, model: Model, q: Vector, option: Option) -> None:
+def refuse_dependent_rows(function: str, model: Model, q: JointVector, option: Option) -> None:
     """Raise SingularError where the arm cannot move the frame along all rows."""
     option = Option(option.frame, rows=option.rows)
     answer = looking_closer(partial(_inertia, function))
@@ -122,7 +126,7 @@ _DEPENDENT = 1e-10
 """Smallest singular value, relative to the largest, of rows that depend on one another."""
 
 
-def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
+def centroidal_momentum_matrix(model: Model, q: JointVector) -> Array:
     """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then
     angular, world axes.
 
@@ -135,7 +139,7 @@ def centroidal_momentum_matrix(model: Model, q: Vector) -> Array:
 
 
 def _centroidal_momentum_matrix(
-    function: str, model: Model, inputs: tuple[Vector, ...], *_: None
+    function: str, model: Model, inputs: tuple[JointVector, ...], *_: None
 ) -> Array:
     require_model(function, model)
     if not _moves_mass(model):
@@ -151,12 +155,12 @@ def _moves_mass(model: Model) -> bool:
     return bool(np.all(total != 0.0))
 
 
-def regressor(model: Model, q: Vector, qd: Vector, qdd: Vector) -> Array:
+def regressor(model: Model, q: JointVector, qd: JointVector, qdd: JointVector) -> Array:
     """Y (..., nv, p) with tau = Y π, π = `fb.inertial_parameters(model)`, in its order."""
     return evaluate("regressor", model, (q, qd, qdd))
 
 
-def energy_regressor(model: Model, q: Vector, qd: Vector) -> Array:
+def energy_regressor(model: Model, q: JointVector, qd: JointVector) -> Array:
     """(..., 2, p): kinetic and potential energy (without the constants of springs and of links
     fixed to the base) as linear functions of π."""
     return evaluate("energy_regressor", model, (q, qd))
@@ -172,7 +176,7 @@ def inertial_parameters(model: Model) -> dict[str, Any]:
 
 
 def forward_dynamics_parameter_derivatives(
-    model: Model, q: Vector, qd: Vector, tau: Vector
+    model: Model, q: JointVector, qd: JointVector, tau: JointVector
 ) -> Array:
     """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is
     ∂tau/∂π.

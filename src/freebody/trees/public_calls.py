@@ -21,8 +21,8 @@ from freebody.model.model_argument import require_model
 from freebody.outputs.number_text import compared
 from freebody.targets.finite_check import HUGE, UNIT, Unclear
 
-Vector = ArrayLike | Mapping[str, float]
-Wrenches = ArrayLike | Mapping[str, ArrayLike] | None
+JointVector = ArrayLike | Mapping[str, float]
+FrameWrenchTable = ArrayLike | Mapping[str, ArrayLike] | None
 
 
 CallKey = str | tuple[Any, ...]
@@ -35,7 +35,7 @@ def evaluate(
     model: Model,
     inputs: tuple[Any, ...],
     option: Callable[..., Option] | None = None,
-    wrenches: Wrenches = None,
+    wrenches: FrameWrenchTable = None,
     otherwise: Callable[..., Any] | None = None,
 ) -> Any:
     """The kernel of a formula on inputs in its order: an array, or a tuple of its outputs.
@@ -67,7 +67,11 @@ def evaluate(
 
 
 def attempt(
-    key: CallKey, model: Model, inputs: tuple[Any, ...], option: Option, wrenches: Wrenches = None
+    key: CallKey,
+    model: Model,
+    inputs: tuple[Any, ...],
+    option: Option,
+    wrenches: FrameWrenchTable = None,
 ) -> Any:
     """Evaluate by the kernel of an option that says NaN where there is something to look at; None
     there.
@@ -94,7 +98,7 @@ def _nothing(*_: Any) -> None:
     """Answer nothing: None stands for whatever is not sure at once."""
 
 
-def _place(key: CallKey, wrenches: Wrenches) -> CallKey:
+def _place(key: CallKey, wrenches: FrameWrenchTable) -> CallKey:
     """Where a model keeps what answers under a key, and with wrenches on these frames."""
     if wrenches is None:
         return key
@@ -107,7 +111,7 @@ def careful(
     model: Model,
     inputs: tuple[Any, ...],
     option: Callable[..., Option] | None = None,
-    wrenches: Wrenches = None,
+    wrenches: FrameWrenchTable = None,
 ) -> Any:
     """Evaluate by the kernel of the model's structure, the inputs looked at one by one.
 
@@ -141,7 +145,9 @@ def careful(
     return result
 
 
-def _is_known(function: str, model: Model, option: Option, wrenches: Wrenches, place: Any) -> bool:
+def _is_known(
+    function: str, model: Model, option: Option, wrenches: FrameWrenchTable, place: Any
+) -> bool:
     """Whether the kernel has been compiled for another model of the same structure; it is then kept
     at the place."""
     try:
@@ -166,7 +172,7 @@ def _input_names(function: str, option: Option) -> list[str]:
     return [name for name in inputs if name != "wrenches" and (name != "point" or option.point)]
 
 
-def _given(wrenches: Wrenches) -> tuple[tuple[str | None, ...], tuple[ArrayLike, ...]]:
+def _given(wrenches: FrameWrenchTable) -> tuple[tuple[str | None, ...], tuple[ArrayLike, ...]]:
     """Frames as they were named, None being the tip, and the wrench on each."""
     if wrenches is None:
         return (), ()
@@ -179,7 +185,7 @@ def checked_inputs(
     function: str,
     model: Model,
     given: Mapping[str, Any],
-    wrenches: Wrenches,
+    wrenches: FrameWrenchTable,
     option: Option | None = None,
     called: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], list[Array]]:
@@ -339,7 +345,7 @@ def check_quaternions(function: str, model: Model, q: Array) -> None:
 def wrenches_by_frame(
     function: str,
     model: Model,
-    wrenches: Wrenches,
+    wrenches: FrameWrenchTable,
     single: bool = False,
     name: str = "wrenches",
 ) -> dict[str, Array]:

@@ -21,7 +21,7 @@ from freebody.model.geometry import fact
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree, lower
-from freebody.trees.public_calls import Vector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.trees.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
@@ -32,7 +32,7 @@ _TRAVEL = 6.0
 _BLOCK = 1024  # members of a family that are looked at together
 
 
-def refuse_passive(function: str, model: Model, tau: Vector) -> None:
+def refuse_passive(function: str, model: Model, tau: JointVector) -> None:
     """Raise PassiveJointError where a torque tau (..., nv) acts at a passive joint."""
     passive = model.passive
     if not passive:

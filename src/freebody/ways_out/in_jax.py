@@ -14,7 +14,7 @@ from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import BatchError
-from freebody.targets.xla.operation import Arrays, Compilation, interface
+from freebody.targets.xla.operation import Compilation, JaxArrays, interface
 from freebody.ways_out.differentials import Differentiable, of_quantities
 from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
 
@@ -116,7 +116,10 @@ def _kind(dtype: str | None, way: Compilation) -> str | None:
 
 
 def _checked(
-    program: Program, compute: Callable[..., Arrays], fixed: str | None, named: NamedNumbers | None
+    program: Program,
+    compute: Callable[..., JaxArrays],
+    fixed: str | None,
+    named: NamedNumbers | None,
 ) -> Any:
     """The function of whatever JAX makes arrays of: one array or a tuple."""
     import jax

@@ -24,10 +24,10 @@ from jax.interpreters import ad, batching, mlir
 
 from freebody.program import Argument
 from freebody.program.gradient import gradient
-from freebody.targets.xla.operation import Arrays, Compilation, operation
+from freebody.targets.xla.operation import Compilation, JaxArrays, operation
 from freebody.ways_out.differentials import Differentiable
 
-_Positions = tuple[int, ...]
+_ArgumentPlaces = tuple[int, ...]
 
 
 class JaxFunction:
@@ -46,7 +46,7 @@ class JaxFunction:
         plain = operation(what.program, way)
 
         @jax.custom_jvp
-        def call(*arrays: Any) -> Arrays:
+        def call(*arrays: Any) -> JaxArrays:
             return plain(*_level(self.program.inputs, arrays))
 
         call.defjvp(self._rule, symbolic_zeros=True)
@@ -56,7 +56,7 @@ class JaxFunction:
         self.applied = cache(self._applied)
         self.gradient = cache(self._gradient)
 
-    def _rule(self, primals: Arrays, tangents: Arrays) -> tuple[Arrays, Arrays]:
+    def _rule(self, primals: JaxArrays, tangents: JaxArrays) -> tuple[JaxArrays, JaxArrays]:
         results = self.call(*primals)  # itself, so that it is differentiated again by this rule
         by = tuple(
             k for k, x in enumerate(tangents) if type(x) is not jax.custom_derivatives.SymbolicZero
@@ -71,31 +71,31 @@ class JaxFunction:
         )
         return results, tuple(changes)
 
-    def _along(self, by: _Positions) -> JaxFunction:
+    def _along(self, by: _ArgumentPlaces) -> JaxFunction:
         """The function of the rates of the outputs; rates of the inputs `by` come last."""
         return JaxFunction(self.what.along(by), self.way)
 
-    def _gradient(self, by: _Positions, of: _Positions) -> JaxFunction:
+    def _gradient(self, by: _ArgumentPlaces, of: _ArgumentPlaces) -> JaxFunction:
         """The function of the gradient by the inputs `by`; weights of the outputs `of` come
         last."""
         return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
 
     def _applied(
-        self, by: _Positions, of: _Positions, count: int, back: bool
+        self, by: _ArgumentPlaces, of: _ArgumentPlaces, count: int, back: bool
     ) -> JaxFunction | None:
         """The function of the Jacobian, or its transpose, times so many vectors, which come last;
         None if it would be too long."""
         made = self.what.applied(by, of, count, back)
         return made and JaxFunction(made, self.way)
 
-    def _matrices(self, by: _Positions) -> Callable[..., Arrays]:
+    def _matrices(self, by: _ArgumentPlaces) -> Callable[..., JaxArrays]:
         """A function of the inputs: the derivatives of each output by each of the inputs `by`,
         (*output, *input)."""
         found = self.what.jacobian(by)
         call = JaxFunction(found.function, self.way).call
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
 
-    def _columns(self, by: _Positions, arrays: Arrays) -> Arrays:
+    def _columns(self, by: _ArgumentPlaces, arrays: JaxArrays) -> JaxArrays:
         """The derivatives of each output by each of the inputs `by`, from those along unit
         vectors."""
         shapes = [self.program.inputs[k].shape for k in by]
@@ -132,8 +132,13 @@ _linear.multiple_results = True
 
 
 def _evaluate(
-    *operands: Any, function: JaxFunction, by: _Positions, of: _Positions, back: Any, matrix: bool
-) -> Arrays:
+    *operands: Any,
+    function: JaxFunction,
+    by: _ArgumentPlaces,
+    of: _ArgumentPlaces,
+    back: Any,
+    matrix: bool,
+) -> JaxArrays:
     """The results of the operation, in terms of kernels that have derivatives themselves."""
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
@@ -153,8 +158,13 @@ def _evaluate(
 
 
 def _shared(
-    function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
-) -> Arrays | None:
+    function: JaxFunction,
+    by: _ArgumentPlaces,
+    of: _ArgumentPlaces,
+    back: Any,
+    primals: JaxArrays,
+    given: JaxArrays,
+) -> JaxArrays | None:
     """The products with vectors that are the same for all samples, by a kernel that multiplies with
     them itself; None where others come, or too many."""
     sizes = _batches(function.program, by, of, back, (*primals, *given))
@@ -194,8 +204,13 @@ def _shared(
 
 
 def _multiplied(
-    function: JaxFunction, by: _Positions, of: _Positions, back: Any, primals: Arrays, given: Arrays
-) -> Arrays:
+    function: JaxFunction,
+    by: _ArgumentPlaces,
+    of: _ArgumentPlaces,
+    back: Any,
+    primals: JaxArrays,
+    given: JaxArrays,
+) -> JaxArrays:
     """The products with Jacobians as arrays."""
     inputs = [function.program.inputs[k].shape for k in by]
     outputs = [function.program.outputs[k].shape for k in of]
@@ -222,7 +237,7 @@ def _multiplied(
 
 
 def _batches(
-    program: Any, by: _Positions, of: _Positions, back: Any, operands: Sequence[Any]
+    program: Any, by: _ArgumentPlaces, of: _ArgumentPlaces, back: Any, operands: Sequence[Any]
 ) -> list[Any]:
     """The leading axes of each operand."""
     last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
@@ -232,7 +247,12 @@ def _batches(
 
 @_linear.def_abstract_eval
 def _shapes(
-    *operands: Any, function: JaxFunction, by: _Positions, of: _Positions, back: Any, matrix: bool
+    *operands: Any,
+    function: JaxFunction,
+    by: _ArgumentPlaces,
+    of: _ArgumentPlaces,
+    back: Any,
+    matrix: bool,
 ) -> Any:
     program, dtype = function.program, operands[0].dtype
     if back is None:
@@ -268,7 +288,7 @@ def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any
     moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
     if moving:
 
-        def of_moving(*given: Any) -> Arrays:
+        def of_moving(*given: Any) -> JaxArrays:
             values = list(operands)
             for k, x in zip(moving, given, strict=True):
                 values[k] = x
@@ -286,8 +306,8 @@ def _transposed(
     cotangents: Sequence[Any],
     *operands: Any,
     function: JaxFunction,
-    by: _Positions,
-    of: _Positions,
+    by: _ArgumentPlaces,
+    of: _ArgumentPlaces,
     back: Any,
     matrix: bool,
 ) -> list[Any]:
@@ -333,10 +353,10 @@ ad.primitive_jvps[_linear] = _jvp
 ad.primitive_transposes[_linear] = _transposed
 
 
-_Shape = tuple[int, ...]
+_ShapeOfArray = tuple[int, ...]
 
 
-def _product(back: bool, table: Any, vector: Any, out: _Shape, shape: _Shape) -> Any:
+def _product(back: bool, table: Any, vector: Any, out: _ShapeOfArray, shape: _ShapeOfArray) -> Any:
     """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times
     (*batch, *output).
 
@@ -369,7 +389,7 @@ def _product(back: bool, table: Any, vector: Any, out: _Shape, shape: _Shape) ->
     return result.transpose([order.index(k) for k in wanted]).reshape(*batch, *made)
 
 
-def _summed(x: Any, shape: _Shape) -> Any:
+def _summed(x: Any, shape: _ShapeOfArray) -> Any:
     """The sum over axes along which an array of this shape was broadcast."""
     axes = tuple(
         k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1

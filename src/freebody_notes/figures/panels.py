@@ -10,7 +10,7 @@ from freebody.figures.layers.structure import Layer, structure
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT
 from freebody.formats.loading import load
-from freebody.trees.public_calls import Vector, Wrenches
+from freebody.trees.public_calls import FrameWrenchTable, JointVector
 
 GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.lengths, geometry.centres)
 RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
@@ -21,10 +21,10 @@ TIP = [-4.5, -3.0, 0.0]
 
 
 def two_links(
-    q: Vector | None = None,
-    qd: Vector | None = None,
-    qdd: Vector | None = None,
-    wrenches: Wrenches = None,
+    q: JointVector | None = None,
+    qd: JointVector | None = None,
+    qdd: JointVector | None = None,
+    wrenches: FrameWrenchTable = None,
 ) -> Snapshot:
     """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
     return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)

@@ -15,7 +15,7 @@ from freebody.figures.layers import geometry, motion
 from freebody.figures.layers.structure import clear_way
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 from freebody_notes.figures.apart import apart, inertias
 from freebody_notes.figures.bodies import pinned
 from freebody_notes.figures.names import called
@@ -27,7 +27,7 @@ def _single(before: str, n: str) -> str:
     return n
 
 
-def arm_and_vectors(q: Vector | None = None) -> Figure:
+def arm_and_vectors(q: JointVector | None = None) -> Figure:
     """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
     seen = two_links(q)
     first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
@@ -37,7 +37,7 @@ def arm_and_vectors(q: Vector | None = None) -> Figure:
     return _together("A planar two-link arm", first, second)
 
 
-def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
+def free_bodies(q: JointVector | None = None, load: JointVector = TIP) -> Figure:
     """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
     torques."""
     load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
@@ -47,7 +47,7 @@ def free_bodies(q: Vector | None = None, load: Vector = TIP) -> Figure:
     return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
 
-def statics(q: Vector = (0.9, 0.75), load: Vector = TIP) -> Figure:
+def statics(q: JointVector = (0.9, 0.75), load: JointVector = TIP) -> Figure:
     """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f,
     τ_1, ∓τ_2."""
     seen = two_links(q, wrenches=load)
@@ -76,7 +76,9 @@ def _tip_force(drawing: Drawing, seen: Snapshot) -> None:
             drawing.add(arrow)
 
 
-def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> Figure:
+def pendulum(
+    q: JointVector = (0.85,), qd: JointVector = (1.2,), qdd: JointVector = (0.8,)
+) -> Figure:
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
     seen = _bar(q, qd, qdd)
     first = _bar_panel(seen, "(a) the bar and its motion")
@@ -86,14 +88,14 @@ def pendulum(q: Vector = (0.85,), qd: Vector = (1.2,), qdd: Vector = (0.8,)) -> 
     return Figure("A pendulum", (first, second))
 
 
-def one_link(q: Vector = (0.85,)) -> Figure:
+def one_link(q: JointVector = (0.85,)) -> Figure:
     """Figure 5.2: the same bar with l, θ and C."""
     return Figure(
         "An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1
     )
 
 
-def _bar(q: Vector, qd: Vector, qdd: Vector) -> Snapshot:
+def _bar(q: JointVector, qd: JointVector, qdd: JointVector) -> Snapshot:
     """A uniform bar of 1 m and 2 kg."""
     model = planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[2.0 / 12])
     seen = snapshot(model.replace(name="pendulum"), q, qd, qdd)
@@ -125,7 +127,9 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
     return Arrow(point(body.com), point(end), "v_{c}", "velocity", "*v*_{c}", point(v), "m/s"), rate
 
 
-def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+def dynamics(
+    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+) -> Figure:
     """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and
     torques."""
     seen = two_links(q, qd, qdd)
@@ -135,7 +139,9 @@ def dynamics(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) 
     return Figure("Dynamics of a planar two-link arm", (first, second))
 
 
-def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+def recursion(
+    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+) -> Figure:
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
     seen = two_links(q, qd, qdd)
     first = panel(seen, "(a) accelerations", (*_accelerated(), geometry.to_centres))
@@ -143,7 +149,9 @@ def recursion(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND)
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
 
-def energies(q: Vector | None = None, qd: Vector = RATES, qdd: Vector = SECOND) -> Figure:
+def energies(
+    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+) -> Figure:
     """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
     seen = two_links(q, qd, qdd)
     drawing = panel(seen, "", (*_accelerated(), geometry.of_centres))
@@ -164,7 +172,7 @@ def _accelerated() -> tuple[Callable, ...]:
     )
 
 
-def fixed_axis(q: Vector = (0.7,), force: Vector = (8.0, 30.0)) -> Figure:
+def fixed_axis(q: JointVector = (0.7,), force: JointVector = (8.0, 30.0)) -> Figure:
     """Figure 1.5: a body pinned at O under a force F (N) at its end; the pin's reaction f, a_G and
     α, no weight."""
     model = planar("R", l=[1.0], lc=[0.55], m=[2.0], I=[0.2]).replace(gravity=0.0, name="body")

@@ -15,7 +15,7 @@ from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import Pose
 from freebody.algorithms.loop_constraints import LoopEquation, loop_equations
 from freebody.elementary import Scalar
-from freebody.expressions.polynomials.arithmetic import Entries
+from freebody.expressions.polynomials.arithmetic import PolynomialRows
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols, TrigReader
 from freebody.expressions.polynomials.textbook_form import Layout
@@ -223,7 +223,7 @@ class AbsoluteCoordinates:
         return tuple(x for constraint in self.constraints for x in constraint.values)
 
     @cached_property
-    def Phi_q(self) -> Entries:
+    def Phi_q(self) -> PolynomialRows:
         """∂Φ/∂q (5.22)."""
         return [[x.derivative(name) for name in self.names] for x in self.Phi]
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner, times
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner, times
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -55,7 +55,7 @@ class FirstKind:
         return self.loops.symbols
 
     @property
-    def M(self) -> Entries:
+    def M(self) -> PolynomialRows:
         """Mass matrix of the tree."""
         return self.equations.M
 
@@ -120,7 +120,7 @@ class Reduction:
         )
 
     @cached_property
-    def _solved(self) -> tuple[Entries, Trig]:
+    def _solved(self) -> tuple[PolynomialRows, Trig]:
         """Δ times the dependent rates by u̇, and Δ times their γ in the last column; and Δ."""
         loops, s = self.system.loops, self.system.symbols
         A = [[row[k] for k in self.dependent] for row in loops.Phi_q]
@@ -136,7 +136,7 @@ class Reduction:
         return self._solved[1]
 
     @cached_property
-    def scaled(self) -> Entries:
+    def scaled(self) -> PolynomialRows:
         """Δ N, polynomials: Φ_q (Δ N) = 0 on every position, closed or not."""
         return [self._row(k, slice(None, -1)) for k in range(len(self.system.symbols.coordinates))]
 
@@ -166,7 +166,7 @@ class Reduction:
         return [ratio(x, self.delta) for x in self.scaled_drift]
 
     @cached_property
-    def mass(self) -> Entries:
+    def mass(self) -> PolynomialRows:
         """Δ² NᵀM N."""
         s = self.system.symbols
         columns = list(zip(*self.scaled, strict=True))

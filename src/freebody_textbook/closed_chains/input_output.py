@@ -16,7 +16,7 @@ from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.arithmetic import Entries, determinant, times
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, times
 from freebody.expressions.singularities import Determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
@@ -43,8 +43,8 @@ class ClosedInputOutput:
     frame: str
     rows: tuple[str, ...]
     driven: tuple[str, ...]
-    J_a: Entries
-    J_b: Entries
+    J_a: PolynomialRows
+    J_b: PolynomialRows
 
     @cached_property
     def J(self) -> list[list[Ratio]]:
@@ -64,7 +64,7 @@ class ClosedInputOutput:
         type."""
         return self._determinant(self.J_a)
 
-    def _determinant(self, rows: Entries) -> Determinant:
+    def _determinant(self, rows: PolynomialRows) -> Determinant:
         s = self.loops.symbols
         return Determinant(Kinematics(s, self.frame), determinant(rows, s))
 
@@ -77,9 +77,9 @@ class ClosedInputOutput:
 class _MotionEquations:
     """Equations a ẋ + b θ̇ + c ṗ = 0; p the coordinates in between."""
 
-    a: Entries
-    b: Entries
-    c: Entries
+    a: PolynomialRows
+    b: PolynomialRows
+    c: PolynomialRows
 
 
 def input_output(
@@ -135,8 +135,8 @@ def _coordinate(row: Sequence[Trig]) -> int | None:
 
 
 def _with_tip(
-    loops: LoopEquations, frame: str, rows: list[int], motion: Entries
-) -> tuple[Entries, Entries]:
+    loops: LoopEquations, frame: str, rows: list[int], motion: PolynomialRows
+) -> tuple[PolynomialRows, PolynomialRows]:
     """(columns of ẋ, columns of q̇): motion q̇ - ẋ = 0 and the loops; a pin at the tip holds its
     other frame at x."""
     s, dim = loops.symbols, loops.model.dim
@@ -165,12 +165,14 @@ def _same_place(loops: LoopEquations, one: str, other: str) -> bool:
     )
 
 
-def _eliminated(loops: LoopEquations, system: _MotionEquations) -> tuple[Entries, Entries]:
+def _eliminated(
+    loops: LoopEquations, system: _MotionEquations
+) -> tuple[PolynomialRows, PolynomialRows]:
     """J_a and J_b: the equations combined so that the coordinates in between leave, group by
     group."""
     s = loops.symbols
-    J_a: Entries = []
-    J_b: Entries = []
+    J_a: PolynomialRows = []
+    J_b: PolynomialRows = []
     for rows, columns in _groups(system.c):
         a, b = [system.a[r] for r in rows], [system.b[r] for r in rows]
         if columns:
@@ -188,7 +190,7 @@ def _eliminated(loops: LoopEquations, system: _MotionEquations) -> tuple[Entries
     return J_a, J_b
 
 
-def _groups(c: Entries) -> list[tuple[list[int], list[int]]]:
+def _groups(c: PolynomialRows) -> list[tuple[list[int], list[int]]]:
     """(rows, columns) that hang together; a row without entries is a group of its own."""
     groups: list[tuple[set[int], set[int]]] = []
     for r, row in enumerate(c):

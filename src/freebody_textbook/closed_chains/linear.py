@@ -12,7 +12,7 @@ from typing import Any
 
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.arithmetic import Entries, determinant
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.expressions.polynomials.textbook_form import Layout
@@ -164,7 +164,7 @@ def without_common(row: Sequence[Trig]) -> list[Trig]:
 
 def solved(
     A: Sequence[Sequence[Trig]], right: Sequence[Sequence[Trig]], s: Symbols
-) -> tuple[Entries, Trig]:
+) -> tuple[PolynomialRows, Trig]:
     """(X, Δ) with A X = Δ right, Δ = det A: Cramer's rule, column by column."""
     n = len(A)
     columns = [
@@ -179,7 +179,7 @@ def solved(
     return [[column[i] for column in columns] for i in range(n)], determinant(A, s)
 
 
-def left_null(S: Sequence[Sequence[Trig]], s: Symbols) -> Entries | None:
+def left_null(S: Sequence[Sequence[Trig]], s: Symbols) -> PolynomialRows | None:
     """Rows w with w S = 0, as many as S (m, p) has more rows than columns; None where its rank is
     below p."""
     m, p = len(S), len(S[0])

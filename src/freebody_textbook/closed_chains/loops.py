@@ -17,7 +17,7 @@ from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_
 from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
-from freebody.expressions.polynomials.arithmetic import Entries
+from freebody.expressions.polynomials.arithmetic import PolynomialRows
 from freebody.expressions.polynomials.symbols import Symbols, symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm
 from freebody.lazy import cached_property
@@ -97,7 +97,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         return [self.symbols.element(x) for x in values]
 
     @cached_property
-    def Phi_q(self) -> Entries:
+    def Phi_q(self) -> PolynomialRows:
         """∂Φ/∂q (5.22)."""
         return self._entries(loop_constraints.constraint_jacobian(self.tree, self.symbols.q))
 
@@ -137,11 +137,11 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         )
 
     # ------------------------------------------------------------ how the tip moves with the drives
-    def J_a(self, frame: str | None = None, rows: Sequence[str] | None = None) -> Entries:
+    def J_a(self, frame: str | None = None, rows: Sequence[str] | None = None) -> PolynomialRows:
         """J_a of J_a ẋ + J_b θ̇ = 0 (2.35), (2.37); see `input_output`."""
         return self.input_output(frame, rows).J_a
 
-    def J_b(self, frame: str | None = None, rows: Sequence[str] | None = None) -> Entries:
+    def J_b(self, frame: str | None = None, rows: Sequence[str] | None = None) -> PolynomialRows:
         """J_b of J_a ẋ + J_b θ̇ = 0 (2.35), (2.38); see `input_output`."""
         return self.input_output(frame, rows).J_b
 
@@ -174,7 +174,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
             f"{name}: {x} = 0" for name, x in zip(self.names, self.expressions(), strict=True)
         )
 
-    def _entries(self, rows: Any) -> Entries:
+    def _entries(self, rows: Any) -> PolynomialRows:
         return [[self.symbols.element(x) for x in row] for row in rows]
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from freebody.expressions.polynomials.arithmetic import Entries, determinant, inner
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import multiplier_names
@@ -28,7 +28,7 @@ class LoopStatics:
     passive: tuple[int, ...]
 
     @cached_property
-    def A(self) -> Entries:
+    def A(self) -> PolynomialRows:
         """A λ = right: one row a passive joint."""
         return [self._slopes(k) for k in self.passive]
 

@@ -52,15 +52,15 @@ _STATES, _SETS = 2, 2
 _MOST_ALIKE = 40
 """Names without value that differ by their figures, up to which a page knows them."""
 
-_Told = tuple[str, Any]
+_SentenceAndValue = tuple[str, Any]
 """A sentence, and what the right answer would be."""
 _MOST_TOLD = [1, *(most for _, most in TABLES)]
 """How many thoughts of each table are told."""
 
-Slots = list[str | int]
+ValueSum = list[str | int]
 """A sum of symbols by name and of values by place in y; of a function of it the name first, behind
 a ~."""
-_Key = tuple[Any, ...]
+_QuantityKey = tuple[Any, ...]
 _Thoughts = list[list[list[tuple[int, float]]]]
 
 
@@ -89,15 +89,15 @@ class PageAnswers:
             if isinstance(x, Symbol)
         }
         self._strange = self._others(spellings, defined)
-        self._numbers: dict[_Key, int] = {}
+        self._numbers: dict[_QuantityKey, int] = {}
         self._asked_for: set[int] = set()
-        self._values: dict[_Key, list[int]] = {}
+        self._values: dict[_QuantityKey, list[int]] = {}
         for name, x in self._own.items():
             for key, place in zip(self._keys(name, x), kernel.places(x), strict=True):
                 self._values.setdefault(key, [place])
         self._meanings = dict(self._all_meanings())
         _ = self._velocity_terms  # their places, before the page's size is known
-        self._thought: dict[_Key, _Thoughts] = {}
+        self._thought: dict[_QuantityKey, _Thoughts] = {}
         self.sentences = [STILL]
 
     def _equations(self, plain: Derivation) -> RightEquations:
@@ -117,7 +117,7 @@ class PageAnswers:
         return found
 
     # ------------------------------------------------------------ names
-    def _keys(self, name: str, x: Any) -> list[_Key]:
+    def _keys(self, name: str, x: Any) -> list[_QuantityKey]:
         """What a name of the page is to `fb.check`, entry by entry; its own where it is nothing."""
         single, table = self.targets.single.get(name), self.targets.tables.get(name)
         if name in self._strange:
@@ -192,15 +192,15 @@ class PageAnswers:
             if name not in ("t", "pi"):
                 yield name, found
 
-    def _table(self, keys: list[list[_Key]]) -> list[list[list[int]]] | None:
+    def _table(self, keys: list[list[_QuantityKey]]) -> list[list[list[int]]] | None:
         if any(key not in self._values for row in keys for key in row):
             return None
         return [[self._values[key] for key in row] for row in keys]
 
-    def _number(self, key: _Key) -> int:
+    def _number(self, key: _QuantityKey) -> int:
         return self._numbers.setdefault(key, len(self._numbers))
 
-    def _slots(self, value: Any) -> Slots | None:
+    def _slots(self, value: Any) -> ValueSum | None:
         """A symbol's value as a sum of symbols, or computed by the page; None where that cannot
         be."""
         terms = list(value.terms()) if isinstance(value, Trig) else []
@@ -274,7 +274,7 @@ class PageAnswers:
         ]
 
     def _of_one_table(
-        self, rows: Iterator[Iterator[_Told]], most: int, told: set[float | None]
+        self, rows: Iterator[Iterator[_SentenceAndValue]], most: int, told: set[float | None]
     ) -> list[list[tuple[int, float]]]:
         """Those of one table that can be told: not where others before them always are; told:
         values of tables before, and now of this one."""
@@ -289,7 +289,7 @@ class PageAnswers:
 
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
-    ) -> Iterator[Iterator[Iterator[_Told]]]:
+    ) -> Iterator[Iterator[Iterator[_SentenceAndValue]]]:
         """By table and row; in a table of its own that nothing moves, where that may be meant."""
         moving = [name for name in self.setting.ring.names if atom(name).dots]
         still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
@@ -354,7 +354,7 @@ class PageAnswers:
         return found
 
     @property
-    def _gravity(self) -> dict[str, Slots]:
+    def _gravity(self) -> dict[str, ValueSum]:
         """Numbers that are its value."""
         g = self.setting.order.gravity
         value = self.setting.symbols.model.parameters.get(g or "")
@@ -364,7 +364,7 @@ class PageAnswers:
         return {x: [g] for x, count in decimals.items() if round(value, count) == float(x)}
 
     @property
-    def _slide(self) -> dict[str, Slots]:
+    def _slide(self) -> dict[str, ValueSum]:
         """x where the only slide is called otherwise."""
         slides = [x for x in self.setting.symbols.coordinates if not self.setting.turns(x)]
         if len(slides) != 1:
@@ -373,9 +373,9 @@ class PageAnswers:
         return {x: [slides[0] + endings[single[x].kind.dots]] for x in sorted(TIPS) if x in single}
 
     @property
-    def _cosines(self) -> dict[str, Slots]:
+    def _cosines(self) -> dict[str, ValueSum]:
         """C12 where it is a quantity's name."""
-        found: dict[str, Slots] = {}
+        found: dict[str, ValueSum] = {}
         for name in sorted(self.targets.single):
             own = atom(name)
             angle = [f"theta{k}" for k in own.figures]
@@ -384,11 +384,11 @@ class PageAnswers:
         return found
 
     @cached_property
-    def _velocity_terms(self) -> dict[str, Slots]:
+    def _velocity_terms(self) -> dict[str, ValueSum]:
         """c1 and V1 beside torques."""
         if len(self.setting.symbols.coordinates) > MOST_THOUGHT:
             return {}
-        single, found = self.targets.single, dict[str, Slots]()
+        single, found = self.targets.single, dict[str, ValueSum]()
         terms = {x.index[0]: x for x in single.values() if x.kind.is_velocity_term}
         levels = ((name, x) for name, x in single.items() if x.kind.up_to_a_constant)
         names = {name: x.index[0] for name, x in levels if x.index}
@@ -504,7 +504,7 @@ class PageAnswers:
         return [row for row in alike.values() if row[1]]
 
 
-def _key(target: AskedQuantity) -> _Key:
+def _key(target: AskedQuantity) -> _QuantityKey:
     """A key by which a quantity is told from others."""
     return target.kind, target.index, target.axis, target.words, target.joint
 

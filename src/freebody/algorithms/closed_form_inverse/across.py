@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
-    Branch,
     JointPlace,
+    PlacedBranch,
     known_turn,
     line,
     mark,
@@ -55,7 +55,7 @@ class Across(Recipe):
                 return rest, first.p, X.inverse().point(numbers(first.p))
         return self.screws, self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         s = [self.screws[i] for i in self.across]
         lifted: JointPlace | None = None
         if self.lift is not None:
@@ -71,7 +71,7 @@ class Across(Recipe):
             found.append((tuple(whole[k] for k in range(len(whole))), clear))
         return found
 
-    def _level(self, s: Sequence[Screw], X: WantedMotion) -> list[Branch]:
+    def _level(self, s: Sequence[Screw], X: WantedMotion) -> list[PlacedBranch]:
         c = numbers(self.c)
         if len(s) == 1:
             return [self._one(s[0], X)]
@@ -84,14 +84,14 @@ class Across(Recipe):
             return [(tuple(x.back() for x in places[::-1]), clear) for places, clear in back]
         return [self._turn_between_slides(s, X)]
 
-    def _one(self, s: Screw, X: WantedMotion) -> Branch:
+    def _one(self, s: Screw, X: WantedMotion) -> PlacedBranch:
         l, c = line(s), numbers(self.c)
         if s.turning and off_axis(s, self.c) <= SAME * self.length:  # the frame is on the axis
             return (known_turn(l, X.direction(mark(l)), mark(l)),), 1.0
         place, clear = onto(l, c, X.point(c), self.length)
         return (place,), clear
 
-    def _last_turns(self, s: Sequence[Screw], X: WantedMotion) -> list[Branch]:
+    def _last_turns(self, s: Sequence[Screw], X: WantedMotion) -> list[PlacedBranch]:
         """The first two joints bring a point of the third's axis home, the third turns the rest."""
         l3 = line(s[2])
         seen, home = X.direction(mark(l3)), numbers(s[2].p)
@@ -101,7 +101,7 @@ class Across(Recipe):
             found.append(((x1, x2, known_turn(l3, left, mark(l3))), clear))
         return found
 
-    def _turn_between_slides(self, s: Sequence[Screw], X: WantedMotion) -> Branch:
+    def _turn_between_slides(self, s: Sequence[Screw], X: WantedMotion) -> PlacedBranch:
         """P R P: the turn is given; what the two slides must do is linear."""
         l1, l2, l3 = map(line, s)
         x2 = known_turn(l2, X.direction(mark(l2)), mark(l2))

@@ -96,8 +96,8 @@ found from lies within its bounds; 0 where two places merge or any would do, neg
 none."""
 
 
-Places = tuple[JointPlace, ...]
-Branch = tuple[Places, Scalar]
+JointPlaces = tuple[JointPlace, ...]
+PlacedBranch = tuple[JointPlaces, Scalar]
 """Joints' places, in the chain's order, and how clear it is that they exist."""
 
 

@@ -16,10 +16,10 @@ from typing import ClassVar
 import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
-    Branch,
     JointBranch,
     JointPlace,
-    Places,
+    JointPlaces,
+    PlacedBranch,
     bent,
     least,
     line,
@@ -50,7 +50,7 @@ class QuarticArm:
     length: float
     by_quartic: ClassVar[bool] = True
 
-    def ways(self, c: Vector, p: Vector) -> list[Branch]:
+    def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
         """The places of all three joints."""
         l1, l2 = line(self.s1), line(self.s2)
         found = []
@@ -59,7 +59,7 @@ class QuarticArm:
             y, _ = self._between(carried, p)
             second, free2 = onto(l2, carried, y, self.length)
             first, free1 = onto(l1, y, p, self.length)
-            places: Places = (first, second, third)
+            places: JointPlaces = (first, second, third)
             found.append((places, least(clear, free1, free2)))
         return found
 

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.algorithms.closed_form_inverse.joint_places import Branch, Places
+from freebody.algorithms.closed_form_inverse.joint_places import JointPlaces, PlacedBranch
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
 from freebody.elementary import Scalar
@@ -24,9 +24,9 @@ class WantedMotion:
 
     R: Matrix
     p: Vector
-    before: Places = ()
+    before: JointPlaces = ()
     """Motions done last: X is these, the first of them outermost, times the rest."""
-    after: Places = ()
+    after: JointPlaces = ()
     """Motions done first."""
 
     def point(self, x: Vector) -> Vector:
@@ -47,7 +47,7 @@ class WantedMotion:
             v = place.direction(v)
         return v
 
-    def without(self, first: Places = (), last: Places = ()) -> WantedMotion:
+    def without(self, first: JointPlaces = (), last: JointPlaces = ()) -> WantedMotion:
         """e⁻¹ X for the first joints e, X e⁻¹ for the last ones."""
         before = (*(x.back() for x in reversed(first)), *self.before)
         after = (*self.after, *(x.back() for x in reversed(last)))
@@ -73,7 +73,7 @@ class Recipe(ABC):
     """A closed form for some joints in a row."""
 
     @abstractmethod
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         """The branches."""
 
     @property

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
-    Branch,
     JointPlace,
-    Places,
+    JointPlaces,
+    PlacedBranch,
     known_turn,
     least,
     level,
@@ -53,7 +53,7 @@ class PositionByThree(Recipe):
     def reached(self, X: WantedMotion) -> ReachCondition:
         return self.screws, self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         c = numbers(self.c)
         return self.arm.ways(c, X.point(c))
 
@@ -68,7 +68,7 @@ class OrientationByThree(Recipe):
     def title(self) -> str:
         return "orientation by three revolute joints (a spherical triangle)"
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         return self.wrist.ways(X.direction)
 
 
@@ -93,7 +93,7 @@ class SphericalWrist(Recipe):
     def reached(self, X: WantedMotion) -> ReachCondition:
         return self.screws[:3], self.c, X.point(numbers(self.c))
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         c = numbers(self.c)
         found = []
         for arm, clear in self.arm.ways(c, X.point(c)):
@@ -119,7 +119,7 @@ class ThreeParallel(Recipe):
     def title(self) -> str:
         return "three parallel axes (Elias and Wen 2022)"
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         s2, s3, s4 = self.screws[1:4]
         l1, l2, _, l4 = map(line, self.screws[:4])
         height = float(self.c @ s2.w)
@@ -137,7 +137,9 @@ class ThreeParallel(Recipe):
                     found.append(((x1, x2, x3, x4, x5, x6), clear))
         return found
 
-    def _level(self, X: WantedMotion, x1: JointPlace) -> list[tuple[Places, WantedMotion, Scalar]]:
+    def _level(
+        self, X: WantedMotion, x1: JointPlace
+    ) -> list[tuple[JointPlaces, WantedMotion, Scalar]]:
         """Joints 5 and 6 where what is left for joints 2 to 4 turns about their axes; what is left;
         and how clear that is."""
         l2, l5, l6 = map(line, (self.screws[1], self.screws[4], self.screws[5].undone()))
@@ -188,7 +190,7 @@ class SeenFromTip(Recipe):
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:
         return self.forward.gaps(X.inverse(), x)
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         return [
             (tuple(x.back() for x in places[::-1]), clear)
             for places, clear in self.forward.ways(X.inverse())
@@ -224,13 +226,13 @@ class OneJointHeld(Recipe):
         held = (turn_by(line(self.screw), x),)
         return self.rest.reached(X.without(first=held) if self.first else X.without(last=held))
 
-    def at(self, X: WantedMotion, x: Scalar) -> list[Branch]:
+    def at(self, X: WantedMotion, x: Scalar) -> list[PlacedBranch]:
         """The branches with the joint at x (rad, m)."""
         held = (turn_by(line(self.screw), x),)
         if self.first:
             return [((*held, *p), clear) for p, clear in self.rest.ways(X.without(first=held))]
         return [((*p, *held), clear) for p, clear in self.rest.ways(X.without(last=held))]
 
-    def ways(self, X: WantedMotion) -> list[Branch]:
+    def ways(self, X: WantedMotion) -> list[PlacedBranch]:
         """At zero."""
         return self.at(X, 0.0)

@@ -12,7 +12,7 @@ from freebody.algorithms.closed_form_inverse.choose_recipe import (
     recipe_for,
     without_idle,
 )
-from freebody.algorithms.closed_form_inverse.joint_places import Branch, Places, numbers
+from freebody.algorithms.closed_form_inverse.joint_places import JointPlaces, PlacedBranch, numbers
 from freebody.algorithms.closed_form_inverse.recipe import ReachCondition, Recipe, WantedMotion
 from freebody.algorithms.closed_form_inverse.recipes import OneJointHeld
 from freebody.algorithms.screws import ScrewChain, chain_to
@@ -77,7 +77,7 @@ class Branches:
             return held
         return (x - float(self.chain.offset[k])) / float(self.chain.ratio[k])
 
-    def ways(self, R: Matrix, p: Vector, held: Scalar | None = None) -> list[Branch]:
+    def ways(self, R: Matrix, p: Vector, held: Scalar | None = None) -> list[PlacedBranch]:
         """The branches for a pose in space, none of them verified."""
         X = self.wanted(R, p)
         if isinstance(self.recipe, OneJointHeld):
@@ -121,7 +121,7 @@ class Branches:
         turned = tuple(tuple(dot(row, other) for other in back) for row in R)
         return WantedMotion(turned, sub(p, times(turned, home)))
 
-    def miss(self, places: Places, R: Matrix, p: Vector) -> Scalar:
+    def miss(self, places: JointPlaces, R: Matrix, p: Vector) -> Scalar:
         """The square of the distance from the target (m), or of the angle (rad) if it is larger, by
         forward kinematics; compared half way along the chain."""
         half = len(places) // 2
@@ -148,7 +148,7 @@ class Branches:
         return misses[0] if len(misses) == 1 else maximum(*misses)
 
 
-def _unless_free(places: Places, clear: Scalar) -> Scalar:
+def _unless_free(places: JointPlaces, clear: Scalar) -> Scalar:
     """The measure of a branch's existence: with a joint that could stand elsewhere too, not at all
     clear."""
     for place in places:

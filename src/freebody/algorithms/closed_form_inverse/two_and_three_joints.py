@@ -15,8 +15,8 @@ import numpy as np
 
 from freebody.algorithms.closed_form_inverse.joint_places import (
     AxisLine,
-    Branch,
     JointBranch,
+    PlacedBranch,
     known_turn,
     least,
     level,
@@ -56,7 +56,7 @@ class JointPair:
     s2: Screw
     length: float
 
-    def ways(self, c: Vector, p: Vector) -> list[Branch]:
+    def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
         """The places of both joints."""
         l1, l2 = line(self.s1), line(self.s2)
         if self.s1.turning and self.s2.turning and parallel(self.s1.w, self.s2.w):
@@ -69,7 +69,7 @@ class JointPair:
             ways.append(self._closed(l1, (place, least(clear, free)), y, p))
         return ways
 
-    def _closed(self, l1: AxisLine, x2: JointBranch, y: Vector, p: Vector) -> Branch:
+    def _closed(self, l1: AxisLine, x2: JointBranch, y: Vector, p: Vector) -> PlacedBranch:
         place, free = onto(l1, y, p, self.length)
         return (place, x2[0]), least(x2[1], free)
 
@@ -134,7 +134,7 @@ class ThreeJointArm:
     """Whether the joints are those of the arm seen from its point, where c and p change places."""
     by_quartic: ClassVar[bool] = False
 
-    def ways(self, c: Vector, p: Vector) -> list[Branch]:
+    def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
         """The places of all three joints."""
         if self.reverse:
             c, p = p, c
@@ -210,7 +210,7 @@ class Wrist:
 
     screws: Sequence[Screw]
 
-    def ways(self, turned: Callable[[Vector], Vector]) -> list[Branch]:
+    def ways(self, turned: Callable[[Vector], Vector]) -> list[PlacedBranch]:
         """The places of all three; turned: what R makes of a vector."""
         l4, l5, l6 = map(line, self.screws)
         aim, across = turned(l6.w), mark(l6)

@@ -23,7 +23,7 @@ MANY = 60
 
 Captures = dict[str, tuple[int, int]]
 _Next = Callable[[Lexemes, int, int, Captures], int]
-_Step = Callable[[_Next], _Next]
+_PatternStep = Callable[[_Next], _Next]
 """Of what comes behind, what comes from here on: it returns where the whole ends, or -1."""
 _Test = Callable[[Lexeme], bool]
 _Firsts = frozenset[str] | None
@@ -145,7 +145,7 @@ ITEM = re.compile(
 
 @dataclass
 class _PatternItem:
-    step: _Step
+    step: _PatternStep
     firsts: _Firsts
     nullable: bool = False
     needs: frozenset[frozenset[str]] = frozenset()

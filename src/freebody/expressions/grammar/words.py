@@ -282,7 +282,7 @@ def spelt(name: str) -> str:
     return word.plain if word.at == len(items) and word.power is None else ""
 
 
-Piece = tuple[str, int, int]
+WordPiece = tuple[str, int, int]
 """A known name, and where it stands in the text."""
 
 
@@ -290,14 +290,14 @@ Piece = tuple[str, int, int]
 class Cut:
     """A word as known names and numbers, a power that stood inside, and the lexeme behind it."""
 
-    pieces: list[Piece]
+    pieces: list[WordPiece]
     power: int | None
     stop: int
 
 
 def cut(
     source: Source, word: Word, known: Collection[str], functions: Collection[str]
-) -> list[Piece] | None:
+) -> list[WordPiece] | None:
     """A word as the fewest known names; a number may follow a function (cos2θ1). None where there
     is no way."""
     if word.plain in known or word.plain in functions:

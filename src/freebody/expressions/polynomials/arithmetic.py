@@ -10,7 +10,7 @@ from freebody.expressions.polynomials.angle_sums import SymbolPowers
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.scalars.trig import Trig
 
-Entries = list[list[Trig]]
+PolynomialRows = list[list[Trig]]
 """A matrix of polynomials by its rows."""
 
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from freebody.algorithms.closed_form_inverse.across import Across
 from freebody.algorithms.closed_form_inverse.choose_recipe import recipe_for, without_idle
-from freebody.algorithms.closed_form_inverse.joint_places import Branch
+from freebody.algorithms.closed_form_inverse.joint_places import PlacedBranch
 from freebody.algorithms.closed_form_inverse.recipe import Recipe
 from freebody.algorithms.closed_form_inverse.recipes import (
     OneJointHeld,
@@ -99,7 +99,7 @@ class ClosedFormArm:
 
     def resting(
         self, at_rest: Sequence[Scalar], R: Matrix, p: Vector, held: Scalar | None = None
-    ) -> list[Branch]:
+    ) -> list[PlacedBranch]:
         """The branches for a pose in space, none of them verified; joints that could stand anywhere
         are at rest (n,)."""
         arm = self.branches

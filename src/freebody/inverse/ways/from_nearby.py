@@ -45,7 +45,7 @@ Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(q (M, nq), which targets (M,)) -> pose and Jacobian of the arm that each is of."""
 _OneMember = Callable[[InverseProblem], Solutions]
 """Solver of a problem of one member."""
-_Piece = tuple[np.ndarray, Solutions]
+_SolvedPiece = tuple[np.ndarray, Solutions]
 """Rows of the batch, and what was found for them."""
 
 
@@ -186,7 +186,7 @@ def of_family(
 
 def _side_by_side(
     model: Model, problem: InverseProblem, member: np.ndarray
-) -> tuple[list[_Piece], np.ndarray]:
+) -> tuple[list[_SolvedPiece], np.ndarray]:
     """Solutions that are sure for all members at once; the rows for which nothing is."""
     every = np.arange(len(problem.target))
     solver, task = problem.solver, problem.solver.task
@@ -235,7 +235,7 @@ def _how_far(known: NearbyForm) -> str:
 
 
 def _joined(
-    pieces: list[_Piece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
+    pieces: list[_SolvedPiece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
 ) -> Solutions:
     """Join the solutions of all pieces to those of a batch."""
     M = int(np.prod(batch))

@@ -23,7 +23,7 @@ Dimensions = tuple[str | int, ...]
 (those that the partition leaves out), reactions (joints and loops), branches (of inverse
 kinematics)."""
 
-Evaluate = Callable[..., tuple[Any, ...]]
+Evaluation = Callable[..., tuple[Any, ...]]
 """(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a
 tuple of vectors, one for each of option.wrench_frames."""
 
@@ -94,8 +94,8 @@ class Formula:
 
     inputs: tuple[str, ...]
     outputs: dict[str, Output]
-    evaluate: Evaluate
-    another: Evaluate | None = None
+    evaluate: Evaluation
+    another: Evaluation | None = None
     by_motion: bool = False
     of_frame: bool = False
     axes: tuple[str, ...] = ()

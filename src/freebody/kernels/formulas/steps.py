@@ -10,12 +10,12 @@ from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar
 from freebody.kernels.formulas.dynamics import forward
-from freebody.kernels.formulas.record import Evaluate, Formula, Option, Output, external
+from freebody.kernels.formulas.record import Evaluation, Formula, Option, Output, external
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
 
 
-def _explicit(method: Callable[..., simulation_steps.MotionState]) -> Evaluate:
+def _explicit(method: Callable[..., simulation_steps.MotionState]) -> Evaluation:
     """A step by an explicit method, the torque and the wrenches held."""
 
     def evaluate(
@@ -53,7 +53,7 @@ def _implicit(
     return simulation_steps.on_loops(tree, q, reached, o.equations)
 
 
-def _step(evaluate: Evaluate, *more: str) -> Formula:
+def _step(evaluate: Evaluation, *more: str) -> Formula:
     return Formula(
         ("q", "qd", "tau", "h", "wrenches", *more),
         {

@@ -35,7 +35,7 @@ from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planning.planned import sample_times
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.outputs.number_text import rounded_up
-from freebody.trees.public_calls import Wrenches, wrenches_by_frame
+from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 PathArgument = ArrayLike | Motion | PPoly
 
@@ -58,7 +58,7 @@ def time_optimal(
     velocity: Limit = None,
     acceleration: Limit = None,
     torque: Limit = None,
-    wrenches: Wrenches = None,
+    wrenches: FrameWrenchTable = None,
     points: int = 1001,
 ) -> Motion | tuple[Motion, ...]:
     """The time-optimal motion along a path, from rest to rest, within limits of speed, acceleration

@@ -15,7 +15,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges
 from freebody.outputs.number_text import compared
-from freebody.trees.public_calls import Vector, finite_vector, vector
+from freebody.trees.public_calls import JointVector, finite_vector, vector
 
 SLACK = 1e-9
 """Excess over a limit, as a part of it (or rad, m), that rounding makes of a motion planned along
@@ -24,7 +24,7 @@ SAME = 1e-12
 """rad, m: waypoints nearer to each other are one."""
 _LEAST, _MOST = 1e-9, 1e12
 """Smallest and largest limits that a robot can move under."""
-Limit = Vector | float | None
+Limit = JointVector | float | None
 
 
 @dataclass(frozen=True)

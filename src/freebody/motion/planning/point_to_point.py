@@ -31,7 +31,7 @@ from freebody.motion.planning.planning_limits import (
     planning_limits,
 )
 from freebody.outputs.number_text import compared, rounded_up
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 
 _LIMITS = ("velocity", "acceleration", "jerk")
 
@@ -134,7 +134,7 @@ def s_curve(
     return _stopping("s_curve", "s-curve", model, waypoints, times, limits, step)
 
 
-def dwell(model: Model, q: Vector, duration: float, *, step: float | None = None) -> Motion:
+def dwell(model: Model, q: JointVector, duration: float, *, step: float | None = None) -> Motion:
     """Rest at q (nq,), or with the driven joints of a closed chain there, for `duration` s; to
     stand between other motions: `a.then(pause).then(b)`.
 

@@ -35,7 +35,7 @@ from freebody.outputs.number_text import compared, rounded_up
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.kinematics import velocity as tip_velocity
 from freebody.trees.position_rates import continuous, layout, normalised, state_of
-from freebody.trees.public_calls import Vector
+from freebody.trees.public_calls import JointVector
 from freebody.trees.states import difference
 
 NEAR = 1e-6
@@ -48,7 +48,7 @@ _AGREE = 3e-8  # rad, m: by this joints may be off halfway between nodes, which 
 
 def line(
     model: Model,
-    q0: Vector,
+    q0: JointVector,
     target: ArrayLike,
     duration: float | None = None,
     *,
@@ -111,7 +111,7 @@ def line(
 
 def arc(
     model: Model,
-    q0: Vector,
+    q0: JointVector,
     via: ArrayLike,
     target: ArrayLike,
     duration: float | None = None,
@@ -147,7 +147,7 @@ def arc(
 
 def blend(
     model: Model,
-    q0: Vector,
+    q0: JointVector,
     targets: ArrayLike,
     radius: float,
     duration: float | None = None,
@@ -186,7 +186,7 @@ class _TipPlan:
         self,
         function: str,
         model: Model,
-        q0: Vector,
+        q0: JointVector,
         frame: str | None,
         task: str | Sequence[str] | None,
         velocity: Limit,

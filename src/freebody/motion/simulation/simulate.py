@@ -46,7 +46,7 @@ from freebody.motion.simulation.torques import (
 )
 from freebody.motion.simulation.unending import MOST
 from freebody.targets import result_memory
-from freebody.trees.public_calls import Vector, Wrenches
+from freebody.trees.public_calls import FrameWrenchTable, JointVector
 from freebody.trees.special_joints import refuse_massless
 
 if TYPE_CHECKING:
@@ -59,23 +59,23 @@ _TO_EVENTS = ("auto", "rk4", "semi-implicit")
 
 def simulate(
     model: Model,
-    q: Vector,
-    qd: Vector,
+    q: JointVector,
+    qd: JointVector,
     t: ArrayLike,
     torque: TorqueArgument = None,
-    wrenches: Wrenches = None,
+    wrenches: FrameWrenchTable = None,
     method: str = "auto",
     *,
     step: float | None = None,
     tolerance: float | None = None,
     friction: str = "smooth",
     friction_width: float | None = None,
-    restitution: Vector | float | None = None,
+    restitution: JointVector | float | None = None,
     max_step: float = np.inf,
     breakpoints: ArrayLike = (),
     sample_time: float | None = None,
     torque_inputs: Mapping[str, Any] | None = None,
-    wrench_tables: Wrenches = None,
+    wrench_tables: FrameWrenchTable = None,
     forces: TorqueArgument = None,
     record: str | Sequence[str] | None = None,
     every: int = 1,

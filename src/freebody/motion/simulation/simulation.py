@@ -24,7 +24,7 @@ from freebody.motion.simulation.torques import (
     TorqueInput,
     warn_of_tables,
 )
-from freebody.trees.public_calls import Vector, vector
+from freebody.trees.public_calls import JointVector, vector
 
 if TYPE_CHECKING:
     pass
@@ -128,7 +128,7 @@ def times_of(t: ArrayLike) -> Array:
 
 
 def contacts_of(
-    model: Model, friction: str, restitution: Vector | float | None
+    model: Model, friction: str, restitution: JointVector | float | None
 ) -> JointContacts | None:
     """Dry friction and stops, where there are any."""
     if friction not in _FRICTION:
@@ -163,7 +163,7 @@ def contacts_of(
 
 def simulation_of(
     model: Model,
-    state: tuple[Vector, Vector],
+    state: tuple[JointVector, JointVector],
     t: Array,
     torque: TorqueInput,
     forces: TorqueInput | None,

@@ -27,7 +27,7 @@ from freebody.outputs.number_text import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program
 from freebody.trees.controllers import not_negative
-from freebody.trees.public_calls import Wrenches, vector, wrenches_by_frame
+from freebody.trees.public_calls import FrameWrenchTable, vector, wrenches_by_frame
 from freebody.trees.special_joints import all_driven, refuse_passive
 
 _SAME_TIME = 1e-9  # of the duration: how far the label of a row may be from its time
@@ -88,7 +88,7 @@ def breakpoints_of(
 
 
 def all_wrenches(
-    model: Model, t: Array, wrenches: Wrenches, tables: Wrenches
+    model: Model, t: Array, wrenches: FrameWrenchTable, tables: FrameWrenchTable
 ) -> dict[str, tuple[str, Array]]:
     """Each wrench by its frame, with its name in messages: (..., 1, six), or (..., T, six) at the
     times t (T,)."""

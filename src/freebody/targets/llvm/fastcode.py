@@ -66,10 +66,10 @@ _EXTERNALS = (
     "declare void @llvm.memcpy.p0.p0.i64(ptr, ptr, i64, i1)",
 )
 _RUN = "  call void @kernel(ptr %data, ptr %dims, ptr %steps, ptr null)"
-_Arguments = tuple[Argument, ...]
+_FastArguments = tuple[Argument, ...]
 
 
-def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+def _tables(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
     """Tables that describe one sample to the loop, an input's step to the next being 0, and the
     shapes of outputs behind the size of a batch."""
     return [
@@ -79,11 +79,11 @@ def _tables(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
     ]
 
 
-def _dims(inputs: _Arguments, outputs: _Arguments) -> list[int]:
+def _dims(inputs: _FastArguments, outputs: _FastArguments) -> list[int]:
     return [1, *(n for a in (*inputs, *outputs) for n in a.shape)]
 
 
-def _steps(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[int]:
+def _steps(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[int]:
     strides = [s for a in (*inputs, *outputs) for s in _strides(a, real.size)]
     return [*(0 for _ in inputs), *(real.size * a.size for a in outputs), *strides]
 
@@ -97,7 +97,7 @@ def _copied(name: str, source: str, count: int) -> list[str]:
     ]
 
 
-def _counted(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+def _counted(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
     """Room for what the loop takes; on to `counted` with as many arguments as there are inputs, or
     all but the last."""
     cells = [k for k, a in enumerate(outputs) if not a.shape]
@@ -129,7 +129,7 @@ def _counted(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
     ]
 
 
-def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
+def _inputs_seen(inputs: _FastArguments, real: Real) -> list[str]:
     """The inputs one after the other, and whether quaternions are of unit length; on to `taken`
     where there is an `out`, else to `make`."""
     lines = []
@@ -159,7 +159,7 @@ def _inputs_seen(inputs: _Arguments, real: Real) -> list[str]:
     ]
 
 
-def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+def _outputs_given(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
     """Lines from `taken` on: run into the arrays given as `out`, and return what was given."""
     lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
     flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
@@ -177,7 +177,7 @@ def _outputs_given(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[
     ]
 
 
-def _outputs_made(inputs: _Arguments, outputs: _Arguments, real: Real) -> list[str]:
+def _outputs_made(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
     """Lines from `make` on: run into new arrays, and return them; of a checked call only where all
     is finite."""
     lines = ["make:"]

@@ -22,7 +22,7 @@ from freebody.program.program import Argument, Program
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.xla import layout
 
-Arrays = tuple[Any, ...]
+JaxArrays = tuple[Any, ...]
 
 _given: dict[str, tuple[Any, ...]] = {}
 """Name of what XLA was given -> what keeps its code."""
@@ -65,7 +65,7 @@ def interface() -> Interface:
     return Interface(None, f"XLA's interface to compiled functions {said}, known is {layout.MAJOR}")
 
 
-def operation(program: Program, way: Compilation) -> Callable[..., Arrays]:
+def operation(program: Program, way: Compilation) -> Callable[..., JaxArrays]:
     """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many
     leading axes, which broadcast: the outputs (*batch, *core).
 
@@ -79,7 +79,7 @@ def operation(program: Program, way: Compilation) -> Callable[..., Arrays]:
     def kernel(dtype: str) -> Kernel:
         return way.kernel(program, dtype)
 
-    def evaluate(*arrays: Any) -> Arrays:
+    def evaluate(*arrays: Any) -> JaxArrays:
         dtype = arrays[0].dtype if arrays else jax.numpy.zeros(()).dtype
         shapes = [x.shape[: x.ndim - core] for x, core in zip(arrays, cores, strict=True)]
         batch = np.broadcast_shapes(*shapes)
@@ -96,14 +96,16 @@ def operation(program: Program, way: Compilation) -> Callable[..., Arrays]:
     mapped = jax.custom_batching.custom_vmap(evaluate)
 
     @mapped.def_vmap
-    def _rule(size: int, batched: Sequence[bool], *arrays: Any) -> tuple[Arrays, tuple[bool, ...]]:
+    def _rule(
+        size: int, batched: Sequence[bool], *arrays: Any
+    ) -> tuple[JaxArrays, tuple[bool, ...]]:
         lifted = [x if along else x[None] for x, along in zip(arrays, batched, strict=True)]
         return mapped(*lifted), (True,) * len(program.outputs)
 
     return mapped
 
 
-def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> Arrays:
+def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> JaxArrays:
     """The outputs (*batch, *core) of inputs (outer, inner, *core), each leading size 1 or that of
     the batch."""
     import jax
@@ -112,10 +114,10 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> A
         jax.ShapeDtypeStruct((*batch, *x.shape), kernel.dtype) for x in kernel.program.outputs
     )
 
-    def by_python(*arrays: Any) -> Arrays:
+    def by_python(*arrays: Any) -> JaxArrays:
         return jax.pure_callback(called, shapes, *arrays, vmap_method="sequential")
 
-    def called(*arrays: Any) -> Arrays:
+    def called(*arrays: Any) -> JaxArrays:
         results = kernel(*(np.asarray(array) for array in arrays))
         results = results if isinstance(results, tuple) else (results,)
         # without inputs there are no leading axes
@@ -126,7 +128,7 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> A
         return by_python(*arrays)
     name = _name(kernel, version)
 
-    def by_machine(*arrays: Any) -> Arrays:
+    def by_machine(*arrays: Any) -> JaxArrays:
         return tuple(jax.ffi.ffi_call(name, shapes)(*arrays))
 
     return jax.lax.platform_dependent(*arrays, cpu=by_machine, default=by_python)
@@ -226,11 +228,11 @@ def _axes(
 _SHORT = 64
 """Samples that are too few for a call of a kernel's loop, where there are several calls."""
 
-_Shape = tuple[int, ...]
+_ArrayShape = tuple[int, ...]
 
 
 def arranged(
-    arrays: Sequence[Any], shapes: Sequence[_Shape]
+    arrays: Sequence[Any], shapes: Sequence[_ArrayShape]
 ) -> tuple[tuple[int, int], list[Any], list[bool]]:
     """Batches of any shape as two axes, an outer and an inner one: the sizes of these, the arrays
     (outer, inner, *core), and whether each varies along the inner one.
@@ -255,7 +257,7 @@ def arranged(
     return size, placed, varies
 
 
-def _split(whole: _Shape, shapes: Sequence[_Shape]) -> tuple[list[int], list[int]]:
+def _split(whole: _ArrayShape, shapes: Sequence[_ArrayShape]) -> tuple[list[int], list[int]]:
     """The axes that become the outer one, and those that become the inner one."""
     groups = _alike(whole, shapes)
     first, *others = groups or [[]]
@@ -265,7 +267,7 @@ def _split(whole: _Shape, shapes: Sequence[_Shape]) -> tuple[list[int], list[int
     return [], [*first, *inner]
 
 
-def _alike(whole: _Shape, shapes: Sequence[_Shape]) -> list[list[int]]:
+def _alike(whole: _ArrayShape, shapes: Sequence[_ArrayShape]) -> list[list[int]]:
     """Neighbouring axes along which the same arrays vary."""
     groups: list[list[int]] = []
     last: list[bool] = []
@@ -281,7 +283,7 @@ def _alike(whole: _Shape, shapes: Sequence[_Shape]) -> list[list[int]]:
     return groups
 
 
-def _broadcast(array: Any, shape: _Shape) -> Any:
+def _broadcast(array: Any, shape: _ArrayShape) -> Any:
     import jax.numpy
 
     return jax.numpy.broadcast_to(array, shape)

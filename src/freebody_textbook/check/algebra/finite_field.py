@@ -25,7 +25,7 @@ from freebody_textbook.closed_chains.linear import Ratio
 
 PRIME = 2**61 - 1
 
-Turn = tuple[int, int]
+SineAndCosine = tuple[int, int]
 """(sin, cos) of an angle."""
 
 
@@ -40,7 +40,7 @@ def raised(base: int, exponent: int) -> int:
     return pow(base, exponent, PRIME) if base % PRIME or exponent >= 0 else 0
 
 
-def plus(a: Turn, b: Turn) -> Turn:
+def plus(a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
     """The sum of two angles."""
     return (a[0] * b[1] + a[1] * b[0]) % PRIME, (a[1] * b[1] - a[0] * b[0]) % PRIME
 
@@ -50,10 +50,12 @@ class Point:
     """Values of all names, and of the sine and cosine of each angle."""
 
     values: Mapping[str, int]
-    turns: Mapping[str, Turn]
+    turns: Mapping[str, SineAndCosine]
 
     def changed(
-        self, values: Mapping[str, int] | None = None, turns: Mapping[str, Turn] | None = None
+        self,
+        values: Mapping[str, int] | None = None,
+        turns: Mapping[str, SineAndCosine] | None = None,
     ) -> Point:
         """Another point that differs in some names or angles."""
         return replace(
@@ -68,7 +70,7 @@ class Point:
         """A rational number."""
         return residue(value)
 
-    def plus(self, a: Turn, b: Turn) -> Turn:
+    def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
         """The sum of two angles."""
         return plus(a, b)
 
@@ -92,9 +94,9 @@ class Point:
             return self.values[name]
         return self.turns[angle][WAVES.index(function)]
 
-    def turn(self, angle: Angle, constant: Fraction = Fraction(0)) -> Turn:
+    def turn(self, angle: Angle, constant: Fraction = Fraction(0)) -> SineAndCosine:
         """(sin, cos) of a sum of angles."""
-        total: Turn = (0, 1)
+        total: SineAndCosine = (0, 1)
         for name, factor in angle:
             s, c = self.turns[name]
             for _ in range(abs(factor)):

@@ -31,12 +31,12 @@ MOST_PIECES = 20_000
 """Of all entries together."""
 
 
-Shape = tuple[int, int]
+TableShape = tuple[int, int]
 """Rows and columns."""
 
 
 def worked_out(
-    node: Expression, others: Mapping[Expression, Matrix], shape: Shape | None = None
+    node: Expression, others: Mapping[Expression, Matrix], shape: TableShape | None = None
 ) -> Expression:
     """A tree without vectors and matrices but for the outermost. others: the vectors and matrices
     that names also stand for; they are taken where nothing else fits. shape: of the vector that it
@@ -95,7 +95,7 @@ class _Tables:
         found = self.at(node)
         return found if isinstance(found, Matrix) else self.as_table(found) or found
 
-    def as_table(self, node: Expression, shape: Shape | None = None) -> Matrix | None:
+    def as_table(self, node: Expression, shape: TableShape | None = None) -> Matrix | None:
         """A scalar expression as vector, where one of its factors may be one; 0 as that of 0s."""
         match node:
             case Matrix():
@@ -121,7 +121,7 @@ class _Tables:
                 return Matrix(tuple(tuple(map(replace, zero)) for _ in range(shape[0])))
         return self.others.get(node)
 
-    def _scaled(self, node: Product, shape: Shape | None) -> Matrix | None:
+    def _scaled(self, node: Product, shape: TableShape | None) -> Matrix | None:
         """A product of numbers and one vector."""
         inner = [self.as_table(factor, shape) for factor in node.factors]
         found = [k for k, table in enumerate(inner) if table is not None]
@@ -158,7 +158,7 @@ class _Tables:
         ]
         return Matrix(tuple(rows), span=node.span)
 
-    def _of_shape(self, term: Expression, shape: Shape, node: Expression) -> Matrix:
+    def _of_shape(self, term: Expression, shape: TableShape, node: Expression) -> Matrix:
         """A term of a sum of vectors or matrices."""
         table = term if isinstance(term, Matrix) else self.as_table(term, shape)
         if table is None and shape == (1, 1):
@@ -311,7 +311,7 @@ def _flipped(x: Matrix) -> Matrix:
     return replace(x, rows=tuple(zip(*x.rows, strict=True)))
 
 
-def _shape(x: Matrix) -> Shape:
+def _shape(x: Matrix) -> TableShape:
     if len({len(row) for row in x.rows}) > 1:
         raise NoValue("the rows of this matrix have different lengths", x)
     return len(x.rows), len(x.rows[0])
@@ -323,7 +323,7 @@ def _named(x: Expression) -> str:
     return x.name if isinstance(x, Named) else "a number"
 
 
-def _size(shape: Shape) -> str:
+def _size(shape: TableShape) -> str:
     if 1 in shape:
         return f"a vector of {max(shape)}"
     return f"a matrix of {shape[0]} × {shape[1]}"

@@ -22,7 +22,7 @@ from freebody_textbook.check.asked.kane import KaneQuantities
 from freebody_textbook.check.asked.loops import LoopQuantities
 from freebody_textbook.check.asked.momenta import AngularMomenta
 from freebody_textbook.check.asked.parallel import ParallelQuantities
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.reduced import ReducedMass, ReducedQuantities
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.asked.tip import TipQuantities
@@ -120,9 +120,9 @@ class Targets:
         return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
 
     @cached_property
-    def tables(self) -> dict[str, Table]:
+    def tables(self) -> dict[str, QuantityTable]:
         """Vectors (one column) and matrices of quantities."""
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         for group in (*self._groups, *self._special):
             found |= group.tables(self.single)
         return found

@@ -11,9 +11,9 @@ from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import Named
+from freebody_textbook.check.asked.group import NamedTarget
 from freebody_textbook.check.asked.load_names import JOINT_FORCE, MOMENT, VECTORS
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
@@ -53,7 +53,7 @@ class BodiesAtRest(QuantitiesOfBodies):
         values = QuantityValues(self._setting, "explicit")
         return [values.of_body(i) for i in self._setting.order]
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         if not self._is_known:
             return
         yield from self.entries_of(self.vectors)
@@ -66,7 +66,7 @@ class BodiesAtRest(QuantitiesOfBodies):
             )  # fmt: skip
             yield (f"tau{k}",), asked
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         if not self._is_known:
             return {}
         asked = AskedQuantity(kinds.LOAD, (), lambda: self.setting.zero, words="the load")

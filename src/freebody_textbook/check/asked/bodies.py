@@ -11,8 +11,8 @@ from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.quantities import QuantityValues, branches
@@ -28,13 +28,13 @@ class QuantitiesOfBodies(QuantityGroup):
     records = tuple(x for x in BODY_QUANTITIES if not x.is_scalar)
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         yield from self.entries_of(self.vectors)
         yield from self._rates_of_components()
         yield from self._of_the_only_body()
         yield from self._coordinates_of_centres()
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self.vectors
 
     @cached_property
@@ -48,7 +48,7 @@ class QuantitiesOfBodies(QuantityGroup):
         return [values.of_body(i) for i in self._setting.order]
 
     @cached_property
-    def vectors(self) -> dict[str, Table]:
+    def vectors(self) -> dict[str, QuantityTable]:
         """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
         tree = self.setting.equations.symbols.tree
         chain = not branches(tree) and self.setting.system is None
@@ -72,9 +72,11 @@ class QuantitiesOfBodies(QuantityGroup):
             found |= {new: found[name] for name, new in own.items()}
         return found if self.setting.is_planar else self._turns(len(tree.bodies)) | found
 
-    def _rates_in_world(self, found: Mapping[str, Table], n: int) -> dict[str, Table]:
+    def _rates_in_world(
+        self, found: Mapping[str, QuantityTable], n: int
+    ) -> dict[str, QuantityTable]:
         """ṙ_c2 and r̈_c2: derivatives of the world's components, or vectors along the body."""
-        rates: dict[str, Table] = {}
+        rates: dict[str, QuantityTable] = {}
         for dots, letter in ((1, "v"), (2, "a")):
             column = [
                 [replace(x, compute=x.in_world, in_world=None, also=(("", x.compute),))]
@@ -85,7 +87,7 @@ class QuantitiesOfBodies(QuantityGroup):
                 rates |= dict.fromkeys(spellings(place, str(n), dots), column) if column else {}
         return rates
 
-    def _axis(self, found: Mapping[str, Table], i: int, n: int) -> dict[str, Table]:
+    def _axis(self, found: Mapping[str, QuantityTable], i: int, n: int) -> dict[str, QuantityTable]:
         """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
         space in the axes of body n, while z_n may also be the z axis of body n in the world's."""
         s = self._setting
@@ -107,7 +109,7 @@ class QuantitiesOfBodies(QuantityGroup):
             row[0] = replace(row[0], in_world=turned, also=((note, told.compute),))
         return {f"{letter}{n}": table}
 
-    def _turns(self, count: int) -> dict[str, Table]:
+    def _turns(self, count: int) -> dict[str, QuantityTable]:
         """R_k^i between any two bodies, R_0^2 among them, which turns components in the axes of the
         first to those of the second: named R20."""
         bodies = [-1, *self._setting.order]
@@ -118,7 +120,7 @@ class QuantitiesOfBodies(QuantityGroup):
             if a != b
         }
 
-    def _turn(self, a: int, b: int, words: str) -> Table:
+    def _turn(self, a: int, b: int, words: str) -> QuantityTable:
         s = self._setting
         eye = [[int(i == j) for j in range(3)] for i in range(3)]
         of = [s.world[i][0] if i >= 0 else eye for i in (a, b)]
@@ -142,7 +144,7 @@ class QuantitiesOfBodies(QuantityGroup):
             for i in range(3)
         ]  # fmt: skip
 
-    def _constants(self, words: str, vector: Sequence[Any]) -> Table:
+    def _constants(self, words: str, vector: Sequence[Any]) -> QuantityTable:
         element = self.setting.equations.symbols.element
         values = [self.element(lambda x=x: element(x)) for x in vector]
         return [
@@ -150,7 +152,7 @@ class QuantitiesOfBodies(QuantityGroup):
             for axis, value in zip("xyz", values, strict=False)
         ]
 
-    def _table_of(self, record: BodyQuantity, n: int, dim: int) -> Table:
+    def _table_of(self, record: BodyQuantity, n: int, dim: int) -> QuantityTable:
         """The entries of one quantity of body n."""
         known, words = record.known.format(**numbers(n)), record.told(n)
 
@@ -177,7 +179,7 @@ class QuantitiesOfBodies(QuantityGroup):
         axes = record.axes(dim)
         return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
 
-    def entries_of(self, vectors: Mapping[str, Table]) -> Iterator[Named]:
+    def entries_of(self, vectors: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
         """Components: vc1x, and what is one number."""
         for name, table in vectors.items():
             for row in table:
@@ -185,14 +187,14 @@ class QuantitiesOfBodies(QuantityGroup):
                     if entry.axis or len(table) == 1:
                         yield (name + entry.axis,), entry
 
-    def _rates_of_components(self) -> Iterator[Named]:
+    def _rates_of_components(self) -> Iterator[NamedTarget]:
         """v_c2x with dots behind the axis, vc2x_d."""
         for n in range(1, len(self._bodies) + 1):
             for record in (x for x in self.records if any(dots for _, dots in x.names)):
                 for (entry,) in self.vectors.get(next(record.spelt(n)), ()):
                     yield tuple(record.spelt(n, entry.axis)), entry
 
-    def _of_the_only_body(self) -> Iterator[Named]:
+    def _of_the_only_body(self) -> Iterator[NamedTarget]:
         """ω_x, ω̇_x and M_x of the one body in space that has mass, as of a gyro."""
         tree = self.setting.equations.symbols.tree
         heavy = [
@@ -211,7 +213,7 @@ class QuantitiesOfBodies(QuantityGroup):
                 names = (spellings(letter, entry.axis, dots) for letter in letters)
                 yield tuple(itertools.chain.from_iterable(names)), entry
 
-    def _coordinates_of_centres(self) -> Iterator[Named]:
+    def _coordinates_of_centres(self) -> Iterator[NamedTarget]:
         """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those
         along the body, which are no rates of coordinates."""
         of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"

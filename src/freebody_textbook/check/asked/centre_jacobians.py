@@ -11,8 +11,8 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import Named
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.group import NamedTarget
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 
 _TOLD = LexemePattern("< %fresh J | %around_letter { J } > ~_? ~{? < %letter | \\omega >")
 """In answers without a J of a letter there is none."""
@@ -23,20 +23,20 @@ _ANGULAR = ("Jomega{n}", "Jw{n}", "JA{n}")
 class CentreJacobians(QuantitiesOfBodies):
     """J_ci or J_vi, with v_ci = J_vi q̇, and J_ωi, with ω_i = J_ωi q̇."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for name, table in self._tables.items():
             for row in table:
                 for entry in row:
                     yield (name + "".join(map(str, entry.index)),), entry
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._tables
 
     @cached_property
-    def _tables(self) -> dict[str, Table]:
+    def _tables(self) -> dict[str, QuantityTable]:
         if not _TOLD.found_in(self.formulas):
             return {}
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         names = self.setting.symbols.coordinates
         for n in range(1, len(self._bodies) + 1):
             if centre := self.vectors.get(f"rc{n}"):
@@ -53,7 +53,7 @@ class CentreJacobians(QuantitiesOfBodies):
 
     def _slopes(
         self, rows: list[Callable[[], Trig]], names: list[str] | tuple[str, ...], n: int, words: str
-    ) -> Table:
+    ) -> QuantityTable:
         """The derivatives of some values by coordinates or rates."""
         return [
             [

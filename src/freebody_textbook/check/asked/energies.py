@@ -11,7 +11,7 @@ from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
@@ -26,7 +26,7 @@ _OF_BODIES = (
 class EnergyQuantities(QuantityGroup):
     """T, V, L, T_i, V_i, and the power of the drives."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         eq = self.setting.equations
         bodies = len(eq.symbols.model.bodies)
         for kind, of_body, energy in _OF_BODIES:
@@ -63,7 +63,7 @@ class EnergyQuantities(QuantityGroup):
             )
         yield from ((("power" + number,), x) for number, x in self._powers.items())
 
-    def namesakes(self) -> Iterator[Named]:
+    def namesakes(self) -> Iterator[NamedTarget]:
         yield from ((("P" + number,), x) for number, x in self._powers.items())
 
     @cached_property

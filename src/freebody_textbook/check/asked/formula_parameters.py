@@ -8,7 +8,7 @@ from functools import partial
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities import kinds
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken
 
 _ABOUT_THE_JOINT = (
@@ -19,7 +19,7 @@ _ABOUT_THE_JOINT = (
 class FormulaParameters(QuantityGroup):
     """lc1, I1, … where formulas give them."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for name, value in self.setting.given.items():
             thoughts = self._thoughts(name)
             yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)

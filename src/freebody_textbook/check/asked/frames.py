@@ -11,8 +11,8 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import Named
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.group import NamedTarget
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
 
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
@@ -21,18 +21,18 @@ _WORLD = "This would be right in the world's axes; here the components are along
 class QuantitiesInFrames(QuantitiesOfBodies):
     """Vectors of bodies with a frame: their plain names end with its mark, see `FRAMES`."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for name, table in self._framed.items():
             for (entry,) in table:
                 if entry.axis or len(table) == 1:
                     yield (name[:-1] + entry.axis + name[-1],), entry
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._framed
 
     @cached_property
-    def _framed(self) -> dict[str, Table]:
-        found: dict[str, Table] = {}
+    def _framed(self) -> dict[str, QuantityTable]:
+        found: dict[str, QuantityTable] = {}
         count = len(self._bodies)
         for n in range(1, count + 1):
             for record in BODY_QUANTITIES:
@@ -48,7 +48,7 @@ class QuantitiesInFrames(QuantitiesOfBodies):
         ground = {x: y for x, y in self.vectors.items() if x.strip("˙'d") in ("v0", "omega0")}
         return found | {name + FRAMES[0]: table for name, table in ground.items()}
 
-    def _seen(self, table: Table, n: int, frame: int, is_place: bool) -> Table:
+    def _seen(self, table: QuantityTable, n: int, frame: int, is_place: bool) -> QuantityTable:
         """A vector along the axes of a body; of a place how it lies from that body's origin."""
         if len(table) == 1 or (frame == 0 and self.setting.is_planar):
             return table

@@ -11,9 +11,9 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.inverses import inverse
-from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.methods.free_body_steps import XYZ, FreeBody
 from freebody_textbook.methods.setting import Setting
 
@@ -36,7 +36,7 @@ class FreeBodyQuantities(QuantityGroup):
         symbols = self.setting.symbols
         return FreeBody(Setting(symbols), symbols.given or symbols.model, 0)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         eq = self.setting.equations
         yield self.letters["T"], AskedQuantity(kinds.KINETIC, (), self.entry("T"))
         yield self.letters["V"], AskedQuantity(kinds.POTENTIAL, (), self.entry("V"))
@@ -45,9 +45,9 @@ class FreeBodyQuantities(QuantityGroup):
             AskedQuantity(kinds.LAGRANGIAN, (), self.element(lambda: eq.T - eq.V)),
         )
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         ring, body = self.setting.ring, self._body
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         for name, letters, words in _VECTORS:
             for dots, ending in enumerate(("", RATE)):
                 if f"{name}_x{ending}" in ring.index:
@@ -76,7 +76,7 @@ class FreeBodyQuantities(QuantityGroup):
         return found | dict(names) | {"R": turned}
 
 
-def _column(values: Iterable[Trig], words: str, is_angular: bool = False) -> Table:
+def _column(values: Iterable[Trig], words: str, is_angular: bool = False) -> QuantityTable:
     def entry(axis: str, x: Trig) -> AskedQuantity:
         value = _constant(x)
         return AskedQuantity(
@@ -86,7 +86,9 @@ def _column(values: Iterable[Trig], words: str, is_angular: bool = False) -> Tab
     return [[entry(axis, x)] for axis, x in zip(XYZ, values, strict=True)]
 
 
-def _matrix(rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str) -> Table:
+def _matrix(
+    rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str
+) -> QuantityTable:
     return [
         [
             AskedQuantity(kinds.OF_BODY, (i, j), _constant(element(x)), words=words)

@@ -8,10 +8,10 @@ from typing import Any, ClassVar
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
 from freebody.expressions.quantities.kinds import SUMS
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 
-Named = tuple[tuple[str, ...], AskedQuantity]
+NamedTarget = tuple[tuple[str, ...], AskedQuantity]
 """A quantity with its names, in plain spelling."""
 
 
@@ -37,15 +37,15 @@ class QuantityGroup:
         """Whether an answer is about a group whose names mean other things elsewhere."""
         return bool(formulas)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         """Quantities that are one polynomial."""
         yield from ()
 
-    def namesakes(self) -> Iterator[Named]:
+    def namesakes(self) -> Iterator[NamedTarget]:
         """Quantities by names that others have too: the answer tells which is meant."""
         yield from ()
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         """Vectors and matrices by name; single: the quantities of all groups."""
         return {}
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cache
 
-from freebody.expressions.polynomials.arithmetic import Entries
+from freebody.expressions.polynomials.arithmetic import PolynomialRows
 from freebody.expressions.quantities import kinds
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, over
-from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.closed_chains.linear import solved
@@ -22,12 +22,12 @@ _UNDIVIDED = "It is not divided by the determinant."
 
 def inverse(
     setting: RightEquations, rows: Sequence[Sequence[Callable[[], Trig]]], words: str
-) -> Table:
+) -> QuantityTable:
     """The entries of the inverse of a matrix, told in words."""
     n = range(len(rows))
 
     @cache
-    def made() -> tuple[Entries, Trig]:
+    def made() -> tuple[PolynomialRows, Trig]:
         unit = [[setting.zero + int(i == j) for j in n] for i in n]
         matrix = [[entry() for entry in row] for row in rows]
         found, determinant = solved(matrix, unit, setting.symbols)

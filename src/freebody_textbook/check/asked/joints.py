@@ -15,9 +15,9 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
-from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
@@ -29,15 +29,15 @@ _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
 class JointQuantities(QuantityGroup):
     """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         yield from self._named
 
     @cached_property
-    def _named(self) -> list[Named]:
+    def _named(self) -> list[NamedTarget]:
         """Made once: a quantity is the same in a vector and alone."""
         return list(self._made())
 
-    def _made(self) -> Iterator[Named]:
+    def _made(self) -> Iterator[NamedTarget]:
         alone = self.count == 1
         for i in self.numbers:
             yield (
@@ -71,7 +71,7 @@ class JointQuantities(QuantityGroup):
                 yield tuple(f"{name}{i}{j}" for name in self._inverse_names), x
 
     @cached_property
-    def _inverse(self) -> Table:
+    def _inverse(self) -> QuantityTable:
         """The entries of M⁻¹ of a robot of few joints."""
         if not 1 < self.count <= MOST_ROWS:
             return []
@@ -87,10 +87,10 @@ class JointQuantities(QuantityGroup):
     def _inverse_names(self) -> list[str]:
         return [x + INVERSE for x in self.letters["M"] if x.isupper()]
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         asked = {(target.kind, target.index): target for _, target in self._named}
         n = self.numbers
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         for kind in (kinds.TORQUE, *_VECTORS):
             letters = self.letters[kind.name]
             column = [[asked[kind, (i,)]] for i in n if letters]
@@ -136,7 +136,7 @@ class JointQuantities(QuantityGroup):
         words = f"entry {i}, {j} of the rate of the mass matrix"
         return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
 
-    def _christoffel(self) -> Iterator[Named]:
+    def _christoffel(self) -> Iterator[NamedTarget]:
         """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
         Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
         for i, j, k in itertools.product(self.numbers, repeat=3):
@@ -163,7 +163,7 @@ class JointQuantities(QuantityGroup):
 class VelocityCoefficients(QuantityGroup):
     """h of (3.25), where other lines are written with it."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         if not self.setting.equations.is_short:
             return
         for group in self.setting.equations.groups("named"):

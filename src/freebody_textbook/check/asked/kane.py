@@ -14,15 +14,15 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import Named
-from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody_textbook.check.asked.group import NamedTarget
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 
 _TOLD = LexemePattern(
     "!-%latin F _? {? < %digit | %low_digit >{1,2} }? %prime"
     " | < v | ω > }? _? {? < c | G > < ~%digit | ~%low_digit > _? ,? < %digit | %low_digit >"
     " | < ∂ | \\partial > < %font { >? < v | ω | \\omega >"
 )
-Slope = Callable[[], Trig]
+PartialRate = Callable[[], Trig]
 _LETTERS = ("vc", "vG", "omega", "w")
 
 
@@ -35,19 +35,19 @@ class KaneQuantities(QuantitiesOfBodies):
         perhaps that of body 2 as seen from body 1."""
         return _TOLD.found_in(formulas)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         yield from self.entries_of(self._partials)
         if self.setting.system is None:
             for i in self.numbers:
                 yield (f"F{i}",), self._active(i)
                 yield (f"F{i}{PRIME}",), self._inertia(i)
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._partials
 
     @cached_property
-    def _partials(self) -> dict[str, Table]:
-        found: dict[str, Table] = {}
+    def _partials(self) -> dict[str, QuantityTable]:
+        found: dict[str, QuantityTable] = {}
         for letter in _LETTERS:
             for n in range(1, len(self.setting.symbols.model.bodies) + 1):
                 whole = self.vectors.get(f"{letter}{n}", [])
@@ -58,7 +58,7 @@ class KaneQuantities(QuantitiesOfBodies):
     def _partial(self, entry: AskedQuantity, r: int) -> AskedQuantity:
         """The factor of rate r in a component of a velocity."""
 
-        def by(ending: str, k: int, value: Callable[[], Value] = entry.compute) -> Slope:
+        def by(ending: str, k: int, value: Callable[[], Value] = entry.compute) -> PartialRate:
             name = self.setting.symbols.coordinates[k - 1] + ending
             return lambda: pair(value())[0].derivative(name)
 

@@ -10,7 +10,12 @@ from functools import cache
 from freebody.expressions.quantities import kinds
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.load_names import VECTORS
-from freebody_textbook.check.asked.quantity import Acting, AskedQuantity, Mistaken, Table
+from freebody_textbook.check.asked.quantity import (
+    ActingLoads,
+    AskedQuantity,
+    Mistaken,
+    QuantityTable,
+)
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _SENSES = (
@@ -20,7 +25,9 @@ _SENSES = (
 _UNTURNED = "This is J F: torques follow from the transpose, τ = Jᵀ F, as velocities from v = J q̇."
 
 
-def vectors(setting: RightEquations, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+def vectors(
+    setting: RightEquations, single: Mapping[str, AskedQuantity]
+) -> dict[str, QuantityTable]:
     """F, a column of the force; with its moment W."""
     ring = setting.ring
 
@@ -70,7 +77,7 @@ def held_by_loops(
     """The torque of a drive of a closed chain under a force from outside; rates alone tell no
     motion: they may be those of virtual work."""
     own = target.index[0] - 1
-    acting: Acting = "load"
+    acting: ActingLoads = "load"
     if "motion" in besides:
         acting = "motion"
     elif "weight" in besides:

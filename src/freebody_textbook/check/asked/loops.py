@@ -9,15 +9,15 @@ from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import Named, QuantityGroup
-from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, Table
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
 
 class LoopQuantities(QuantityGroup):
     """Φ, Φ_q, their rates, what Φ_q q̈ must be, and λ."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for i, (x,) in enumerate(self._tables.get("Phi", []), 1):
             (rate,), (c,) = self._tables["Phi_d"][i - 1], self._tables["c"][i - 1]
             yield (f"Phi{i}",), x
@@ -39,7 +39,7 @@ class LoopQuantities(QuantityGroup):
         value = rate.polynomial().along(self.setting.symbols.rates)
         return AskedQuantity(kinds.LOOP_RATE, rate.index, lambda: value, words=words)
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         found = dict(self._tables)
         found |= {"gamma": found["c"]} if found else {}
         for name, letter in (("Phi_d", "Phi"), ("Phiq_d", "Phiq")):
@@ -48,7 +48,7 @@ class LoopQuantities(QuantityGroup):
         return found
 
     @cached_property
-    def _tables(self) -> dict[str, Table]:
+    def _tables(self) -> dict[str, QuantityTable]:
         if self.setting.system is None:
             return {}
         loops, rates = self.setting.system.loops, self.setting.symbols.rates
@@ -58,7 +58,7 @@ class LoopQuantities(QuantityGroup):
             for sign, row in zip(signs, loops.Phi_q, strict=True)
         ]
         ring = self.setting.ring
-        found: dict[str, Table] = {
+        found: dict[str, QuantityTable] = {
             name: [] for name in ("Phi", "Phi_d", "c", "Phiq", "Phiq_d", "lam")
         }
         for i, (name, lam) in enumerate(zip(loops.names, multiplier_names(loops), strict=True), 1):

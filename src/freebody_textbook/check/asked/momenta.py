@@ -12,7 +12,7 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, sub
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.methods.energies import Energies
 from freebody_textbook.methods.setting import Setting
@@ -45,11 +45,11 @@ class AngularMomenta(QuantityGroup):
         has_rotors = Energies(self._setting, self._setting.motion).has_rotors
         return self.setting.is_planar and not has_rotors
 
-    def namesakes(self) -> Iterator[Named]:
+    def namesakes(self) -> Iterator[NamedTarget]:
         if self._is_known:
             yield tuple(_USUAL), self._whole
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         if not self._is_known:
             return
         told = {

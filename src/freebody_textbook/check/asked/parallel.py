@@ -10,15 +10,15 @@ from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.kinematics import Kinematics
-from freebody.expressions.polynomials.arithmetic import Entries, inner
+from freebody.expressions.polynomials.arithmetic import PolynomialRows, inner
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, negative, over
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
-from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.closed_chains.input_output import ROWS, ClosedInputOutput
 
 _PAIRS = {
@@ -72,7 +72,7 @@ class ParallelQuantities(QuantityGroup):
             return None
 
     @cached_property
-    def _tables(self) -> dict[str, Table]:
+    def _tables(self) -> dict[str, QuantityTable]:
         """J_a, J_b and J by name."""
         if self._found is None:
             return {}
@@ -89,8 +89,10 @@ class ParallelQuantities(QuantityGroup):
         ]
         return found
 
-    def _entries(self, rows: Entries, name: str, mistaken: tuple[str, Entries]) -> Table:
-        def value(rows: Entries, i: int, k: int) -> Callable[[], Trig]:
+    def _entries(
+        self, rows: PolynomialRows, name: str, mistaken: tuple[str, PolynomialRows]
+    ) -> QuantityTable:
+        def value(rows: PolynomialRows, i: int, k: int) -> Callable[[], Trig]:
             return lambda: self.setting.element(rows[i][k])
 
         thought, other = mistaken
@@ -124,7 +126,7 @@ class ParallelQuantities(QuantityGroup):
         thoughts = ((law, lambda: negative(value())),)
         return AskedQuantity(kinds.SOLVED, (i + 1, k + 1), value, words=words, thoughts=thoughts)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for name, table in self._tables.items():
             for row in table:
                 for x in row:
@@ -136,7 +138,7 @@ class ParallelQuantities(QuantityGroup):
                 words = f"the determinant of {_shown(name)}"
                 yield (f"det{name}",), AskedQuantity(kinds.DETERMINANT, (), value, words=words)
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         if self._found is None:
             return {}
         found = dict(self._tables)

@@ -13,7 +13,7 @@ from freebody_textbook.check.algebra.quotients import Value
 Mistaken = tuple[str, Callable[[], Value]]
 """A sentence about what may have been thought, and the value under it."""
 
-Acting = Literal["", "load", "weight", "motion"]
+ActingLoads = Literal["", "load", "weight", "motion"]
 """What acts besides drives and loops: a force from outside alone, with the weights, or with these
 and the motion; "" of lines without such a force."""
 
@@ -43,7 +43,7 @@ class AskedQuantity:
     """What is said of an answer that is right."""
     soft: bool = False
     """Whether its name is often one of the user's own: what has other units is not this."""
-    acting: Acting = ""
+    acting: ActingLoads = ""
     """Of a closed chain under a force from outside what else a line has: nothing, weights, or the
     motion too."""
     also: tuple[Mistaken, ...] = ()
@@ -64,5 +64,5 @@ class AskedQuantity:
 INVERSE = "inv"
 """What the name of a matrix ends with where its inverse is meant."""
 
-Table = list[list[AskedQuantity]]
+QuantityTable = list[list[AskedQuantity]]
 """A vector (one column) or a matrix of quantities."""

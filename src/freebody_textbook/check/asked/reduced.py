@@ -13,8 +13,8 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, negative, over
-from freebody_textbook.check.asked.group import Named, QuantityGroup
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.closed_chains.first_kind import Reduction
 
@@ -25,7 +25,7 @@ _H, _M = (LexemePattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") f
 class ReducedQuantities(QuantityGroup):
     """n, N, γ and u of a closed chain in the plane or in space."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         if self.setting.system is None:
             return
         for i in self.numbers:
@@ -42,10 +42,10 @@ class ReducedQuantities(QuantityGroup):
         for (x,) in self._drift:
             yield (f"gamma{x.index[0]}",), x
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         if self.setting.system is None:
             return {}
-        found: dict[str, Table] = {"n": [[self._applied(i)] for i in self.numbers]}
+        found: dict[str, QuantityTable] = {"n": [[self._applied(i)] for i in self.numbers]}
         if self._reduction is None:
             return found
         own = [k + 1 for k in self._reduction.independent]
@@ -86,7 +86,7 @@ class ReducedQuantities(QuantityGroup):
         )
 
     @cached_property
-    def _drift(self) -> Table:
+    def _drift(self) -> QuantityTable:
         """γ: what q̈ is where ü = 0."""
         return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
 
@@ -111,7 +111,7 @@ class ReducedMass(QuantityGroup):
         first = next(_H.all(formulas), None)
         return first is not None and _M.found_in(formulas, first.stop)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         reduction = reduction_of(self.setting)
         n = range(len(reduction.independent) if reduction else 0)
         for i in n:

@@ -29,7 +29,7 @@ from freebody.scalars.generators import waves_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.letters_for_numbers import with_letters
-from freebody_textbook.check.asked.quantity import Acting
+from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier
 from freebody_textbook.closed_chains.linear import Ratio
@@ -116,7 +116,7 @@ class RightEquations:
         """Whether a coordinate, or that of which it is the rate, is an angle."""
         return undotted(name) in self.ring.angles
 
-    def held(self, acting: Acting) -> list[Trig]:
+    def held(self, acting: ActingLoads) -> list[Trig]:
         """What drives and loops of a closed chain need, coordinate by coordinate, for a force that
         its tip or its slide exerts, and for the weights and the motion where these are told."""
         return [self._told(x, acting) + y for x, y in zip(self._all, self._by_load, strict=True)]
@@ -126,7 +126,7 @@ class RightEquations:
         """The generalized forces without a load."""
         return [self.element(x) for x in self.all_of("tau")]
 
-    def _told(self, force: Trig, acting: Acting) -> Trig:
+    def _told(self, force: Trig, acting: ActingLoads) -> Trig:
         """The terms of a force that count."""
         still, weightless = acting in ("weight", "load"), acting == "load"
 

@@ -17,10 +17,10 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import sub, times, transposed
 from freebody_textbook.check.algebra.quotients import Value, plus
 from freebody_textbook.check.algebra.quotients import times as multiplied
-from freebody_textbook.check.asked.group import Named, QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
 from freebody_textbook.check.asked.loads import vectors
-from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Table
+from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 
 _TIP = {x: (x, *(x + end for end in ("P", "p", "E", "e", "tip")), f"p{x}", f"P{x}") for x in "xyz"}
 
@@ -35,11 +35,11 @@ class TipQuantities(QuantityGroup):
 
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"J": "JP"}
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         if self._tip is not None:
             yield from self._of_tip(self._tip)
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         if self._tip is None:
             return {}
         J = [[single[f"J{i}{j}"] for j in self.numbers] for i in self._rows]
@@ -55,7 +55,7 @@ class TipQuantities(QuantityGroup):
             return found
         return found | dict.fromkeys(names, self._inverse) | {"Lambda": self._operational}
 
-    def _of_twists(self, tip: Kinematics, axes: str) -> Table:
+    def _of_twists(self, tip: Kinematics, axes: str) -> QuantityTable:
         """The space Jacobian J_s and the body Jacobian J_b of Lynch and Park (5.11), (5.18): above
         the angular velocity, below the velocity of the body's point at the world's origin, in the
         world's axes; or of the hand's origin, in its own."""
@@ -89,7 +89,7 @@ class TipQuantities(QuantityGroup):
         ]
 
     @cached_property
-    def _inverse(self) -> Table:
+    def _inverse(self) -> QuantityTable:
         """The entries of J⁻¹ where a few of J's rows make it square."""
         rows = self._square(self._tip) if self._tip is not None else None
         if rows is None or len(rows) > MOST_ROWS:
@@ -101,7 +101,7 @@ class TipQuantities(QuantityGroup):
         )
 
     @cached_property
-    def _operational(self) -> Table:
+    def _operational(self) -> QuantityTable:
         """Λ = J⁻ᵀ M J⁻¹, the mass matrix at the tip."""
         n = range(len(self._inverse))
 
@@ -130,10 +130,10 @@ class TipQuantities(QuantityGroup):
         symbols = self.setting.equations.symbols
         return None if symbols.model.tip is None else Kinematics(symbols, symbols.model.tip)
 
-    def _tip_vectors(self, tip: Kinematics) -> dict[str, Table]:
+    def _tip_vectors(self, tip: Kinematics) -> dict[str, QuantityTable]:
         """r, ṙ, r̈ and J̇, whose rows are those of the position."""
         dim = self.setting.symbols.model.dim
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         for dots, (kind, vector) in enumerate(_MOTION):
             words = f"the {vector} of the tip"
             column = []
@@ -164,7 +164,7 @@ class TipQuantities(QuantityGroup):
         """The numbers of the Jacobian's rows, from 1."""
         return range(1, 4 if self.setting.is_planar else 7)
 
-    def _of_tip(self, tip: Kinematics) -> Iterator[Named]:
+    def _of_tip(self, tip: Kinematics) -> Iterator[NamedTarget]:
         for i in self._rows:
             for j in self.numbers:
                 yield (f"J{i}{j}",), AskedQuantity(kinds.JACOBIAN, (i, j), self._entry(i, j))
@@ -189,11 +189,11 @@ class TipQuantities(QuantityGroup):
             )
             yield ("detJ", f"J{DETERMINANT}"), AskedQuantity(kinds.DETERMINANT, (), value)
 
-    def namesakes(self) -> Iterator[Named]:
+    def namesakes(self) -> Iterator[NamedTarget]:
         if self._tip is not None:  # a_x is an acceleration too
             yield from self._axes(self._tip, ("", "", "a"))
 
-    def _axes(self, tip: Kinematics, letters_of: Sequence[str]) -> Iterator[Named]:
+    def _axes(self, tip: Kinematics, letters_of: Sequence[str]) -> Iterator[NamedTarget]:
         """The axes of the hand, columns of its orientation, by the letters of each."""
         for j, letters in enumerate(letters_of if not self.setting.is_planar else ()):
             for i, axis in enumerate("xyz"):

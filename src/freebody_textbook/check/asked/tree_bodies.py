@@ -17,8 +17,8 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import neg
-from freebody_textbook.check.asked.group import Named, QuantityGroup
-from freebody_textbook.check.asked.quantity import AskedQuantity, Table
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BY_NAME
 from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.cut_loops import Loops
@@ -29,7 +29,7 @@ from freebody_textbook.relations.quantities import branches
 
 _SYSTEM = LexemePattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
 _OF_CENTRE = (BY_NAME["sc{n}"], BY_NAME["fc{n}"])
-_Told = tuple[Expression, Iterable[Any], int, str]
+_BodyRow = tuple[Expression, Iterable[Any], int, str]
 """Name, components, body and words."""
 
 
@@ -37,30 +37,30 @@ class BodiesOfTrees(QuantityGroup):
     """f_24, s_c3 and the like where the bodies do not form one chain: named as derivations name
     them."""
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for name, table in self._vectors.items():
             for (entry,) in table:
                 if entry.axis or len(table) == 1:
                     yield (name + entry.axis,), entry
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._vectors
 
     @cached_property
-    def _vectors(self) -> dict[str, Table]:
+    def _vectors(self) -> dict[str, QuantityTable]:
         s = Setting(self.setting.equations.symbols)
         if not (branches(s.tree) or self.setting.system) or self.setting.turned is not None:
             return {}
         if any(len(body.masses) > 1 for body in s.tree.bodies):  # its centre has no symbol
             return {}
-        found: dict[str, Table] = {}
+        found: dict[str, QuantityTable] = {}
         for name, vector, n, words in self._told(s):
             plain = spelt(str(name))
             if plain and plain not in found:
                 found[plain] = self._table(list(vector), n, words)
         return found
 
-    def _told(self, s: Setting) -> Iterator[_Told]:
+    def _told(self, s: Setting) -> Iterator[_BodyRow]:
         loops = Loops(s) if self.setting.system else None
         reactions = LoopReactions(s, loops) if loops else SolvedReactions(s)
         for i in s.order if loops else ():
@@ -92,7 +92,7 @@ class BodiesOfTrees(QuantityGroup):
             words = f"the force of body {on} on body {by} in the loop"
             yield s.naming.force(on, by), neg(force), n, words
 
-    def _table(self, vector: list[Any], n: int, words: str) -> Table:
+    def _table(self, vector: list[Any], n: int, words: str) -> QuantityTable:
         axes = "xyz" if len(vector) > 1 else ("",)
         element = self.setting.equations.symbols.element
         asked = AskedQuantity(kinds.OF_BODY, (n,), lambda: self.setting.zero, words=words)
@@ -110,7 +110,7 @@ class LoopForceSystem(QuantityGroup):
         """Whether an answer has A λ."""
         return _SYSTEM.found_in(formulas)
 
-    def single(self) -> Iterator[Named]:
+    def single(self) -> Iterator[NamedTarget]:
         for i, (x,) in enumerate(self._tables.get("k", []), 1):
             yield (f"k{i}",), x
         if self._tables and len(self._tables["A"]) == len(self._tables["A"][0]):
@@ -121,11 +121,11 @@ class LoopForceSystem(QuantityGroup):
             )
             yield ("detA",), det
 
-    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, Table]:
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._tables
 
     @cached_property
-    def _tables(self) -> dict[str, Table]:
+    def _tables(self) -> dict[str, QuantityTable]:
         if self.setting.system is None or self.setting.turned is not None:
             return {}
         s = Setting(self.setting.equations.symbols)

@@ -15,13 +15,13 @@ from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
-from freebody_textbook.check.algebra.tables_in_formulas import Shape
+from freebody_textbook.check.algebra.tables_in_formulas import TableShape
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.claims.formula_reader import all_right, entry_label
 from freebody_textbook.check.claims.own_definitions import OwnDefinitions
 from freebody_textbook.check.claims.unnamed_equations import UnnamedEquations
 from freebody_textbook.check.numbers.units import unit_of_quantity
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.behind_names import power_behind, turn_behind
 from freebody_textbook.check.reading.circular_answers import uses
 from freebody_textbook.check.reading.claim import Claim
@@ -37,7 +37,7 @@ _ACROSS = "a component that a plane does not have"
 class ClaimReader(OwnDefinitions, UnnamedEquations):
     """Lines into claims."""
 
-    def claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+    def claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """The claims of one equation, which stands after others."""
         found = self._claims(line, before)
         by_loops = self.is_loaded and self.setting.system is not None
@@ -46,7 +46,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             self.source.fail("of closed chains only torques are read under a force", span, _LOADED)
         return found
 
-    def _claims(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+    def _claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """The claims of one equation, whatever acts on the robot."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
@@ -82,7 +82,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             found += self.in_some_axes(whole, stated)
         return found
 
-    def _refuse_motion(self, line: Line) -> None:
+    def _refuse_motion(self, line: AnswerLine) -> None:
         """Refuse what moves beside virtual displacements: read as rates, what does no work along
         the motion would vanish."""
         variations = self.vocabulary.variations
@@ -102,7 +102,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         node = self.parse((token,))
         return any(_rates(x.value) != "none" for x in nodes(node) if isinstance(x, Named))
 
-    def _restates_a_parameter(self, line: Line) -> bool:
+    def _restates_a_parameter(self, line: AnswerLine) -> bool:
         """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
         checked."""
         own = [x.text for x in line[0]] if len(line) == 2 else []
@@ -154,7 +154,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         kind = self.targets.tables[subject.text][0][0].kind
         return kind.of == "joints" and kind.tells != "weight"
 
-    def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> Shape | None:
+    def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> TableShape | None:
         """The shape of a vector or matrix, if it cannot be one number."""
         if isinstance(subject, Matrix):
             return len(subject.rows), len(subject.rows[0])

@@ -24,7 +24,7 @@ from freebody_textbook.check.numbers.results import WrittenNumbers
 from freebody_textbook.check.numbers.states import StateReader
 from freebody_textbook.check.numbers.written_numbers import taken_from
 from freebody_textbook.check.reading import loaded_lines
-from freebody_textbook.check.reading.answer_lines import DocumentReader, Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine, DocumentReader
 from freebody_textbook.check.reading.circular_answers import refuse_circles
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
@@ -102,7 +102,7 @@ def statements(
     pending |= claimed.own_coefficients(lines, pending)
     own = _definitions(claimed, reading, lines, pending)
     stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
-    by_line: dict[Line, list[Claim]] = {}
+    by_line: dict[AnswerLine, list[Claim]] = {}
     for line in (line for line in stated if len(line) > 1):
         with reading.passing_over(line):
             _refuse_names(source, line, pending)
@@ -127,11 +127,11 @@ def statements(
 
 
 def _definitions(
-    claimed: ClaimReader, reading: DocumentReader, lines: Sequence[Line], pending: set[str]
-) -> list[Line]:
+    claimed: ClaimReader, reading: DocumentReader, lines: Sequence[AnswerLine], pending: set[str]
+) -> list[AnswerLine]:
     """The lines that introduce names, in whatever order they stand; `pending` loses the names that
     get a value."""
-    own: list[Line] = []
+    own: list[AnswerLine] = []
     waiting = [line for line in lines if line not in reading.failed]
     while True:
         ready = [line for line in waiting if not _written_with(line, pending)]
@@ -144,13 +144,13 @@ def _definitions(
         pending -= _names_of(own)
 
 
-def _names_of(lines: Sequence[Line]) -> set[str]:
+def _names_of(lines: Sequence[AnswerLine]) -> set[str]:
     """The names that are the whole left side of lines."""
     sides = (line[0] for line in lines)
     return {side[0].text for side in sides if len(side) == 1 and side[0].kind == "name"}
 
 
-def _written_with(line: Line, names: Collection[str]) -> list[Token]:
+def _written_with(line: AnswerLine, names: Collection[str]) -> list[Token]:
     """Where a line is written with one of some names, not about it."""
     sides = line if len(line[0]) > 1 else line[1:]
     return [
@@ -158,7 +158,7 @@ def _written_with(line: Line, names: Collection[str]) -> list[Token]:
     ]
 
 
-def _refuse_names(source: Source, line: Line, without_value: Collection[str]) -> None:
+def _refuse_names(source: Source, line: AnswerLine, without_value: Collection[str]) -> None:
     """Refuse a line that is written with a name that no line gives, or none that can be read."""
     for token in _written_with(line, without_value):
         source.fail(f"{source[token.span]} is not defined by any line that can be read", token.span)
@@ -180,7 +180,7 @@ def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Cl
 def _refuse_nothing(
     setting: RightEquations,
     source: Source,
-    own: Sequence[Line],
+    own: Sequence[AnswerLine],
     unread: Sequence[UnreadEquation],
 ) -> NoReturn:
     """Raise the error that nothing was found to be checked."""
@@ -202,7 +202,9 @@ def _refuse_nothing(
     )
 
 
-def _unused(source: Source, own: Sequence[Line], lines: Sequence[Line]) -> tuple[str, ...]:
+def _unused(
+    source: Source, own: Sequence[AnswerLine], lines: Sequence[AnswerLine]
+) -> tuple[str, ...]:
     """The names that lines introduce and no other line uses."""
     unused = []
     for line in own:

@@ -25,13 +25,13 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import Value, difference
-from freebody_textbook.check.algebra.tables_in_formulas import Shape, worked_out
+from freebody_textbook.check.algebra.tables_in_formulas import TableShape, worked_out
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import held, held_by_loops
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.numbers.results import WrittenNumbers
 from freebody_textbook.check.reading import loaded_lines
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.circular_answers import uses
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.reading import AnswerParser
@@ -78,7 +78,7 @@ class FormulaReader:
         """Whether the line is about bodies, so that g is the gravitational acceleration and J that
         of the tip's position; else they are what stands in the equations of motion."""
 
-    def parse(self, side: Sequence[Token], shape: Shape | None = None) -> Expression:
+    def parse(self, side: Sequence[Token], shape: TableShape | None = None) -> Expression:
         """A side as tree; shape: of the vector that it must be."""
         parser = AnswerParser(
             self.source, side, self.vocabulary, self._quantity, self.targets.single, self.table
@@ -98,7 +98,7 @@ class FormulaReader:
         else:
             self.vocabulary.define(name, self.quotient(node), given)
 
-    def is_about_bodies(self, line: Line) -> bool:
+    def is_about_bodies(self, line: AnswerLine) -> bool:
         """Whether a line has a name of a body's quantity in it."""
         found = any(self._tells_of_bodies(token) for side in line for token in side)
         return found or self.setting.is_free_body
@@ -210,7 +210,7 @@ class FormulaReader:
             return held_by_loops(self.setting, target, self.besides)
         return held(self.setting, self.targets.single, target, self.load, self.besides)
 
-    def begin(self, line: Line) -> None:
+    def begin(self, line: AnswerLine) -> None:
         """Note what a line is about."""
         if self.load:
             self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
@@ -238,7 +238,7 @@ class FormulaReader:
         ways = [x + sign * Phi for Phi in loops.values() for sign in (1, -1)]
         return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
 
-    def says_that_the_base_moves(self, line: Line) -> bool:
+    def says_that_the_base_moves(self, line: AnswerLine) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
         first = line[0]
         if (
@@ -255,7 +255,7 @@ class FormulaReader:
         pairs = zip(entries_of(gravity), entries_of(node), strict=False)
         return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
 
-    def is_of_angles(self, line: Line) -> bool:
+    def is_of_angles(self, line: AnswerLine) -> bool:
         """Whether a line is an identity of sines and cosines, s12 = s1 c2 + c1 s2: it holds, or is
         about nothing else. s12 = sin(θ1+θ2) only says what s12 is, and sin θ2 = 0 where."""
         tokens = [token for side in line for token in side]

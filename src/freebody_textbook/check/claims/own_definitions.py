@@ -15,7 +15,7 @@ from freebody_textbook.check.algebra.quotients import Value, difference, pair
 from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS
 from freebody_textbook.check.claims.solved_quantities import SolvedQuantities
 from freebody_textbook.check.numbers.units import is_of_another_kind
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.circular_answers import refuse_itself, uses
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
@@ -33,7 +33,7 @@ _NO_QUOTIENTS = ("K", "gamma")
 class OwnDefinitions(SolvedQuantities):
     """Tells definitions from what is to be checked, and notes their values."""
 
-    def letters_given_as_vectors(self, lines: Sequence[Line]) -> frozenset[str]:
+    def letters_given_as_vectors(self, lines: Sequence[AnswerLine]) -> frozenset[str]:
         """First letters of names of vectors that a line gives by its entries."""
         return frozenset(
             line[0][0].text[0]
@@ -43,7 +43,7 @@ class OwnDefinitions(SolvedQuantities):
             and any(self.is_matrix(side) for side in line[1:])
         )
 
-    def own_scalars(self, lines: Sequence[Line]) -> set[str]:
+    def own_scalars(self, lines: Sequence[AnswerLine]) -> set[str]:
         """Names of vectors that lines give as one number, wherever these stand."""
         found = set[str]()
         for line in lines:
@@ -53,7 +53,7 @@ class OwnDefinitions(SolvedQuantities):
                     found.add(name)
         return found
 
-    def own_coefficients(self, lines: Sequence[Line], pending: Collection[str]) -> set[str]:
+    def own_coefficients(self, lines: Sequence[AnswerLine], pending: Collection[str]) -> set[str]:
         """Names of velocity coefficients that lines give and others use, wherever these stand;
         pending: names that wait for their own lines."""
         given = {x[0][0].text: x for x in lines if len(x[0]) == 1 and len(x) > 1}
@@ -64,7 +64,7 @@ class OwnDefinitions(SolvedQuantities):
             and not any(x.text in pending for side in line[1:] for x in side)
         }
 
-    def definitions(self, line: Line, lines: Sequence[Line]) -> list[Line]:
+    def definitions(self, line: AnswerLine, lines: Sequence[AnswerLine]) -> list[AnswerLine]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its
         value is noted."""
         first = line[0]
@@ -109,7 +109,7 @@ class OwnDefinitions(SolvedQuantities):
         self.own_sides[name] = line[1]
         return [line]
 
-    def _repeats_a_formula(self, name: str, line: Line) -> bool:
+    def _repeats_a_formula(self, name: str, line: AnswerLine) -> bool:
         """Whether a line says of a parameter that a formula gives only what that formula says."""
         meant = self.vocabulary.symbols.get(name)
         if meant is None or meant not in self.setting.given.values():
@@ -124,7 +124,7 @@ class OwnDefinitions(SolvedQuantities):
             x.derivative(name).is_zero for x in pair(value) for name in moving
         )
 
-    def own_coordinates(self, lines: Sequence[Line]) -> set[str]:
+    def own_coordinates(self, lines: Sequence[AnswerLine]) -> set[str]:
         """Names of coordinates that lines give to numbers of their own, as θ_1 = m_1 l_c1² + I_1,
         where the coordinates go by other names."""
         symbols, found = self.vocabulary.symbols, set[str]()
@@ -145,7 +145,7 @@ class OwnDefinitions(SolvedQuantities):
     def _is_coordinate(self, value: Trig) -> bool:
         return any(value == self.setting.ring[x] for x in self.setting.symbols.coordinates)
 
-    def _is_wave(self, name: str, line: Line) -> bool:
+    def _is_wave(self, name: str, line: AnswerLine) -> bool:
         """Whether a line says of s12 or c12 only what it stands for anyway."""
         node = self.parse(line[1])
         if isinstance(node, Matrix):
@@ -160,7 +160,7 @@ class OwnDefinitions(SolvedQuantities):
             return True
         return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
 
-    def _is_own_number(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+    def _is_own_number(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
         """Whether a letter that some books have for one of the quantities stands for something of
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
@@ -203,7 +203,7 @@ class OwnDefinitions(SolvedQuantities):
         by_number = isinstance(node, Matrix) or functions_of(node)
         return None if by_number else self.quotient(node)
 
-    def _is_own_scalar(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+    def _is_own_scalar(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
         """Whether a name of a body's vector is given to one number, or the letter of another vector
         with which other lines are written, as a ratio n."""
         if name in self.targets.single:
@@ -214,7 +214,7 @@ class OwnDefinitions(SolvedQuantities):
             return False
         return not (self._is_zero_vector(name, line) or isinstance(self.parse(line[1]), Matrix))
 
-    def _is_zero_vector(self, name: str, line: Line) -> bool:
+    def _is_zero_vector(self, name: str, line: AnswerLine) -> bool:
         """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
         node = self.parse(line[1])
         return isinstance(node, Number) and not node.value and self.may_be_vector(name, node)
@@ -230,7 +230,7 @@ class OwnDefinitions(SolvedQuantities):
             x.kind.of == "bodies" and x.polynomial().is_zero for (x,) in table
         )
 
-    def _is_own_h(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+    def _is_own_h(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
         if (
             self.targets.single.get(name) is None
@@ -239,7 +239,7 @@ class OwnDefinitions(SolvedQuantities):
             return False
         return self._is_used(name, line, lines)
 
-    def _is_used(self, name: str, line: Line, lines: Sequence[Line]) -> bool:
+    def _is_used(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
         """Whether another line is written with a name, not merely about it."""
         return any(
             t.kind == "name" and t.text == name

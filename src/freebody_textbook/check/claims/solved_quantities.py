@@ -14,7 +14,7 @@ from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, generator, pair
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.circular_answers import uses
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
@@ -27,7 +27,7 @@ _IN_NUMBERS = "by the forces on the body"
 class SolvedQuantities(FormulaReader):
     """Reads lines solved for what moves."""
 
-    def is_solved(self, line: Line) -> bool:
+    def is_solved(self, line: AnswerLine) -> bool:
         """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an
         angle by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
         first = line[0][0]
@@ -57,7 +57,7 @@ class SolvedQuantities(FormulaReader):
             return bool(names) or (self.setting.is_free_body and atom(moving).dots > 0)
         return by_quantities or (atom(moving).dots == 2 and bool(names))
 
-    def _is_position(self, line: Line) -> bool:
+    def _is_position(self, line: AnswerLine) -> bool:
         """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
         first, functions = line[0][0].text, self.vocabulary.functions
         if not any(
@@ -85,7 +85,7 @@ class SolvedQuantities(FormulaReader):
         parts = (value.ring.polynomial([(x, Fraction(1))]) for x, _ in value.terms())
         return all(map(self._moving, parts))
 
-    def solved_for(self, line: Line) -> Claim:
+    def solved_for(self, line: AnswerLine) -> Claim:
         """What a line says of a coordinate or of what belongs to it, by the robot's quantities."""
         first, node = line[0][0], self.parse(line[1])
         value = self.quotient(self.parse(line[0]))
@@ -107,7 +107,7 @@ class SolvedQuantities(FormulaReader):
             target = replace(target, compute=lambda: motion.of(value), words=_IN_NUMBERS)
         return self.claim(self.source[first.span], target, node)
 
-    def _position(self, line: Line, name: str, value: Value, node: Expression) -> Claim:
+    def _position(self, line: AnswerLine, name: str, value: Value, node: Expression) -> Claim:
         """What a line tells of a coordinate by inverse functions."""
         label = self.source[line[0][0].span]
         for part in nodes(node):

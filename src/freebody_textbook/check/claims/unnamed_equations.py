@@ -25,7 +25,7 @@ from freebody_textbook.check.algebra.quotients import (
 )
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader, all_right, entries_of
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.circular_answers import uses
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons import undriven_joints
@@ -41,7 +41,7 @@ _MOST_COORDINATES = 2
 class UnnamedEquations(FormulaReader):
     """Reads what such an equation states."""
 
-    def unnamed(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+    def unnamed(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
         joint, or an equation between other quantities."""
         span = (line[0][0].start, line[-1][-1].end)
@@ -69,19 +69,19 @@ class UnnamedEquations(FormulaReader):
             return self._of_passive(line, before) or self._identities(line)
         return self._of_torque(line, {x: y for x, y in asked.items() if y in torques})
 
-    def _asked(self, line: Line) -> dict[str, AskedQuantity]:
+    def _asked(self, line: AnswerLine) -> dict[str, AskedQuantity]:
         """The quantities in a line, by name."""
         taken = {*self.vocabulary.symbols, *self.vocabulary.waves}
         names = sorted({t.text for side in line for t in side if t.kind == "name"} - taken)
         return {x: self.targets.single[x] for x in names if x in self.targets.single}
 
-    def _behind_own_names(self, line: Line) -> frozenset[AskedQuantity]:
+    def _behind_own_names(self, line: AnswerLine) -> frozenset[AskedQuantity]:
         """The quantities by which names of the user's own in a line are given."""
         names = {t.text for side in line for t in side if t.kind == "name"}
         return frozenset(x for name in names for x in self.vocabulary.uses.get(name, ()))
 
     def _is_between(
-        self, line: Line, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
+        self, line: AnswerLine, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
     ) -> bool:
         """Whether a line is one between quantities or vectors, and no equation of motion; of
         several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
@@ -95,7 +95,7 @@ class UnnamedEquations(FormulaReader):
         )
         return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
 
-    def _by_loops(self, line: Line, between: bool, asked: bool) -> list[Claim]:
+    def _by_loops(self, line: AnswerLine, between: bool, asked: bool) -> list[Claim]:
         """What a line without torques says of a closed chain, if that is of its loops or between
         quantities."""
         if self.setting.system is None:
@@ -109,7 +109,7 @@ class UnnamedEquations(FormulaReader):
         closing = self._closing(line)
         return [] if closing is None else [closing]
 
-    def _of_torque(self, line: Line, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
+    def _of_torque(self, line: AnswerLine, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
         """An equation solved for the one torque in it."""
         span = (line[0][0].start, line[-1][-1].end)
         if len(set(torques.values())) != 1:
@@ -130,7 +130,7 @@ class UnnamedEquations(FormulaReader):
         used = [use for use in used if use.target != target]
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
 
-    def _of_passive(self, line: Line, before: Sequence[Claim]) -> list[Claim]:
+    def _of_passive(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """What a line between quantities says, if that is the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
@@ -139,7 +139,7 @@ class UnnamedEquations(FormulaReader):
         same = (undriven_joints.is_same(self.setting, pair(value)[0], x) for x in own)
         return [self._unpowered(line, before)] if any(same) else []
 
-    def _others(self, line: Line, name: str) -> Expression | None:
+    def _others(self, line: AnswerLine, name: str) -> Expression | None:
         """What stands beside a torque in a sum of both sides, with the signs that it has when the
         torque alone stands on the left; None where it has a factor."""
         left, right = map(self.parse, line)
@@ -153,14 +153,14 @@ class UnnamedEquations(FormulaReader):
         others = [x if is_less else _turned(x) for x in terms if x is not torque]
         return Sum(tuple(others), span=around(left, right))
 
-    def _is_reduced(self, line: Line) -> bool:
+    def _is_reduced(self, line: AnswerLine) -> bool:
         """Whether an equation of motion has quotients in it, as in independent coordinates."""
         try:
             return isinstance(self._difference(line)[1], Ratio)
         except AnswerError:  # too long to be multiplied out
             return True
 
-    def _says_nothing(self, line: Line) -> bool:
+    def _says_nothing(self, line: AnswerLine) -> bool:
         """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
         sides = list(map(self.parse, line))
         parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
@@ -198,7 +198,7 @@ class UnnamedEquations(FormulaReader):
             return False
         return token.kind == "name" and not table[0][0].kind.is_coordinate
 
-    def _tells_of_motion(self, line: Line) -> bool:
+    def _tells_of_motion(self, line: AnswerLine) -> bool:
         """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
         motion."""
         values = [
@@ -207,7 +207,7 @@ class UnnamedEquations(FormulaReader):
         names = generators_in(*(x for x in values if isinstance(x, Trig)))
         return any(atom(x).dots == 2 or is_multiplier(x) for x in names)
 
-    def _closing(self, line: Line) -> Claim | None:
+    def _closing(self, line: AnswerLine) -> Claim | None:
         """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
         derivative, times any number; None of an equation in which something presses."""
         node, value = self._difference(line)
@@ -237,7 +237,7 @@ class UnnamedEquations(FormulaReader):
         )
         return self.claim(f"The loop equation {self.source[node.span]}", target, node)
 
-    def _along_legs(self, line: Line) -> list[Claim]:
+    def _along_legs(self, line: AnswerLine) -> list[Claim]:
         """A relation of the tip that holds along one of the legs, such as
         (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
         single = self.targets.single
@@ -253,14 +253,14 @@ class UnnamedEquations(FormulaReader):
         finally:
             self.replaced = {}
 
-    def _agrees(self, line: Line, names: Sequence[str], values: Sequence[Trig]) -> bool:
+    def _agrees(self, line: AnswerLine, names: Sequence[str], values: Sequence[Trig]) -> bool:
         """Whether the sides are equal where quantities have such values."""
         self.replaced = {
             self.targets.single[name]: x for name, x in zip(names, values, strict=True)
         }
         return self._difference(line)[1].is_zero
 
-    def _difference(self, line: Line) -> tuple[Expression, Value]:
+    def _difference(self, line: AnswerLine) -> tuple[Expression, Value]:
         """Left less right; where one is 0 the other, with its own sign."""
         left, right = map(self.parse, line)
         values = self.quotient(left), self.quotient(right)
@@ -270,17 +270,17 @@ class UnnamedEquations(FormulaReader):
                 node = side
         return node, self.quotient(node)
 
-    def _of_bodies(self, line: Line) -> list[Claim]:
+    def _of_bodies(self, line: AnswerLine) -> list[Claim]:
         """What a line says of bodies, if it is between vectors or holds in any motion."""
         stated = self._identities(line) if self.of_bodies else []
         return stated if all_right(stated) or len(stated) > 1 else []
 
-    def _identities(self, line: Line) -> list[Claim]:
+    def _identities(self, line: AnswerLine) -> list[Claim]:
         """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
         whole = [token for side in line for token in side]
         return self.in_some_axes(whole, lambda: self._between(line))
 
-    def _between(self, line: Line) -> list[Claim]:
+    def _between(self, line: AnswerLine) -> list[Claim]:
         """The claims of an equation between quantities of bodies, with components in given axes."""
         left, right = self.parse(line[0]), self.parse(line[1])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
@@ -298,7 +298,7 @@ class UnnamedEquations(FormulaReader):
         label = label if len(label) <= _LONGEST_LABEL else f"{label[:_LONGEST_LABEL]}…"
         return [self._identity(label, x, y) for x, y in pairs]
 
-    def of_angles(self, line: Line) -> Claim:
+    def of_angles(self, line: AnswerLine) -> Claim:
         """An identity of sines and cosines."""
         left, right = map(self.parse, line)
         value = self.quotient(left)
@@ -333,7 +333,7 @@ class UnnamedEquations(FormulaReader):
             self.source.fail("this says nothing about the robot", right.span)
         return Claim(label, target, right, other, self.source, whole=whole)
 
-    def _unpowered(self, line: Line, before: Sequence[Claim]) -> Claim:
+    def _unpowered(self, line: AnswerLine, before: Sequence[Claim]) -> Claim:
         """An equation without torque: that of a joint which nothing drives."""
         node, value = self._difference(line)
         if self.setting.system is not None:  # one that is reduced by the loops is none of a joint
@@ -348,7 +348,7 @@ class UnnamedEquations(FormulaReader):
         target = AskedQuantity(kinds.UNDRIVEN, joint, lambda: times(right, inverted(below)))
         return self.claim(f"The equation of joint {joint[0]}", target, node)
 
-    def _solved(self, line: Line, target: AskedQuantity) -> Value | None:
+    def _solved(self, line: AnswerLine, target: AskedQuantity) -> Value | None:
         """τ of a + k τ = 0; None where k is 0, or τ stands in other ways too."""
         values: list[Value] = []
         for k in range(3):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from freebody.expressions.grammar.source import Span
-from freebody_textbook.check.numbers.states import GivenValue, State, in_words
+from freebody_textbook.check.numbers.states import GivenState, GivenValue, in_words
 from freebody_textbook.check.numbers.written_units import WrittenUnit
 from freebody_textbook.check.spelling.answer_text import AnswerError
 
@@ -24,7 +24,7 @@ class WrittenNumber:
     unit: WrittenUnit | None = None
     within: str = ""
     """A tolerance in the same unit, as it is written; "" where the digits tell it."""
-    state: State = field(default_factory=dict[str, GivenValue])
+    state: GivenState = field(default_factory=dict[str, GivenValue])
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class StandingState:
 
     start: int
     """From where it holds."""
-    state: State
+    state: GivenState
     is_condition: bool = False
     """Whether it is said of what follows, in symbols too."""
     end: int = 0
@@ -48,7 +48,7 @@ class WrittenNumbers:
     numbers: Sequence[WrittenNumber] = ()
     standing: Sequence[StandingState] = ()
     """States in front of numbers and equations."""
-    at: State = field(default_factory=dict[str, GivenValue])
+    at: GivenState = field(default_factory=dict[str, GivenValue])
     """The state that is given besides."""
 
     def refuse_two_states(self) -> None:
@@ -70,7 +70,7 @@ class WrittenNumbers:
                 return x
         return None
 
-    def state_at(self, span: Span, in_symbols: bool = False) -> State:
+    def state_at(self, span: Span, in_symbols: bool = False) -> GivenState:
         """The state of a number or expression that stands there: what is given besides, what was
         said last, of an expression in symbols in its own paragraph, and what stands behind it or
         behind a later side of its equation."""

@@ -55,16 +55,16 @@ class GivenValue:
         return self.unit is not None and self.unit.factor != 1.0
 
 
-State = Mapping[str, GivenValue]
+GivenState = Mapping[str, GivenValue]
 """By the names of generators."""
 NO_STATE = word_set(
     "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
 )
 """Words after which a value is not that of the coordinate that follows."""
-_Item = TypeVar("_Item")
+_GivenItem = TypeVar("_GivenItem")
 
 
-def in_words(state: State) -> str:
+def in_words(state: GivenState) -> str:
     """θ₁ = 30°, θ̇₁ = 2 rad/s."""
     return ", ".join(f"{sym(name)} = {_with_unit(x)}" for name, x in state.items())
 
@@ -82,7 +82,7 @@ class StateReader:
     targets: Targets
 
     # ------------------------------------------------------------ at=
-    def given(self, at: Mapping[str, Any] | str | None) -> State:
+    def given(self, at: Mapping[str, Any] | str | None) -> GivenState:
         """The state that at= says: text, or numbers and text by name; raises AnswerError."""
         if at is None:
             return {}
@@ -101,7 +101,7 @@ class StateReader:
             _join(found, self._of_text(f"{name} = {text}"))
         return found
 
-    def _of_text(self, text: str) -> State:
+    def _of_text(self, text: str) -> GivenState:
         source = AnswerText.of(text)
         found, end = self.list_at(source, 0)
         rest = [
@@ -248,14 +248,14 @@ class StateReader:
 
 
 def _listed(
-    source: Source, at: int, read: Callable[[int], tuple[_Item, int] | None]
-) -> tuple[list[_Item], int] | None:
+    source: Source, at: int, read: Callable[[int], tuple[_GivenItem, int] | None]
+) -> tuple[list[_GivenItem], int] | None:
     """What stands between brackets, piece by piece, and the lexeme behind it."""
     lexemes = source.lexemes
     opened = _OPENING.at(lexemes, at)
     if opened is None:
         return None
-    found, at = list[_Item](), opened.stop
+    found, at = list[_GivenItem](), opened.stop
     while (one := read(_SEPARATOR.end(lexemes, at))) is not None:
         found.append(one[0])
         at = one[1]
@@ -269,7 +269,7 @@ def _span(source: Source, start: int, stop: int) -> Span:
     return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
 
 
-def _join(found: dict[str, GivenValue], values: State) -> None:
+def _join(found: dict[str, GivenValue], values: GivenState) -> None:
     for name, given in values.items():
         if name in found and found[name].value != given.value:
             raise AnswerError(

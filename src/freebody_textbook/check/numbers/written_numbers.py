@@ -14,7 +14,13 @@ from freebody.expressions.grammar.tables.characters import FILL
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
 from freebody_textbook.check.numbers.results import StandingState, WrittenNumber, WrittenNumbers
-from freebody_textbook.check.numbers.states import AT_REST, NO_STATE, GivenValue, State, StateReader
+from freebody_textbook.check.numbers.states import (
+    AT_REST,
+    NO_STATE,
+    GivenState,
+    GivenValue,
+    StateReader,
+)
 from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
@@ -60,7 +66,7 @@ _LONGEST = 600
 
 
 def taken_from(
-    document: AnswerDocument, reader: StateReader, at: State
+    document: AnswerDocument, reader: StateReader, at: GivenState
 ) -> tuple[AnswerDocument, WrittenNumbers]:
     """A document without units and states, and what they say; one without numbers as it is. at: the
     state that is given besides."""
@@ -83,7 +89,7 @@ def taken_from(
 class _NumberSearch:
     """The numbers of a document; `taken`: what is read here and need not be read again."""
 
-    def __init__(self, document: AnswerDocument, reader: StateReader, at: State):
+    def __init__(self, document: AnswerDocument, reader: StateReader, at: GivenState):
         self.document, self.reader, self.at = document, reader, at
         self.text = document.said or document.formulas
         self.source = AnswerText(self.text, document.written, document.parts)
@@ -181,7 +187,7 @@ class _NumberSearch:
         blank = len(text) - len(rest) + rest.find("\n\n") if "\n\n" in rest else len(text)
         return len(text) if rest.startswith("\n\n") else blank
 
-    def _is_result(self, values: State) -> bool:
+    def _is_result(self, values: GivenState) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces
         make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
         setting = self.reader.vocabulary.setting

@@ -39,7 +39,7 @@ _ALIGNING = word_set(
 )
 """Words of LaTeX between the lines of one equation."""
 
-Line = tuple[tuple[Token, ...], ...]
+AnswerLine = tuple[tuple[Token, ...], ...]
 """The sides of an equation."""
 
 
@@ -51,7 +51,7 @@ class DocumentReader:
     ):
         self.document, self.vocabulary, self.quantities = document, vocabulary, quantities
         self.unread: list[UnreadEquation] = []
-        self.failed: list[Line] = []
+        self.failed: list[AnswerLine] = []
         self.unread_names: set[str] = set()
         """Names to which code gives something that is not read."""
         self.source, self.pieces = self._without_words()
@@ -162,7 +162,7 @@ class DocumentReader:
         return False
 
     # ------------------------------------------------------------ equations
-    def lines(self) -> list[Line]:
+    def lines(self) -> list[AnswerLine]:
         """The sides of each equation."""
         found: list[Token] = []
         for piece in self.pieces:
@@ -173,7 +173,7 @@ class DocumentReader:
                 read = tokens_with_sums(self.source, self.vocabulary, span, self._bodies)
                 found += _without_time(read[:-1])
                 found.append(Token("line", "", piece.end, piece.end))
-        lines: list[Line] = []
+        lines: list[AnswerLine] = []
         for line in _lines(found, self.document.written):
             span = (line[0].start, line[-1].end)
             lenient = self._is_lenient(span[0])
@@ -194,7 +194,7 @@ class DocumentReader:
         return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
 
     @contextmanager
-    def passing_over(self, line: Line) -> Iterator[None]:
+    def passing_over(self, line: AnswerLine) -> Iterator[None]:
         """Note an equation of a document that cannot be understood, and go on."""
         span = (line[0][0].start, line[-1][-1].end)
         count = len(self.unread)
@@ -322,7 +322,7 @@ def _is_open(line: list[Token]) -> bool:
     return line[-1].kind in ("operator", "equals")
 
 
-def _sides(source: Source, line: list[Token]) -> Line:
+def _sides(source: Source, line: list[Token]) -> AnswerLine:
     sides: list[list[Token]] = [[]]
     for token in line:
         if token.kind == "equals":

@@ -8,17 +8,17 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.reading.answer_lines import Line
+from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 
 
-def loads(lines: Iterable[Line], vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
+def loads(lines: Iterable[AnswerLine], vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
     """The components of a force or moment at the tip that lines have."""
     names = {name for line in lines for name in _names(line)}
     return frozenset(x for name in names for x in _of_name(name, vocabulary, targets)[1])
 
 
-def told(line: Line, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
+def told(line: AnswerLine, vocabulary: Vocabulary, targets: Targets) -> frozenset[str]:
     """What a line's quantities tell of: "rate", "motion" and "weight"."""
     inside = [token for side in line for token in side if token.kind == "name"]
     varied = [x.text for x in inside if x.start in vocabulary.variations]
@@ -55,5 +55,5 @@ def _of_name(name: str, vocabulary: Vocabulary, targets: Targets) -> tuple[set[s
     return {kind.tells}, set(setting.loads[: len(table)]) if kind.is_load else set()
 
 
-def _names(line: Line) -> list[str]:
+def _names(line: AnswerLine) -> list[str]:
     return [token.text for side in line for token in side if token.kind == "name"]

@@ -46,7 +46,7 @@ class Belief:
 RIGHT = Belief()
 _RIGHTLY = (False, False, 1, 1)
 """What it takes of motions."""
-Key = tuple[str, int]
+BodyKey = tuple[str, int]
 """A letter and a body."""
 
 
@@ -263,9 +263,9 @@ class BodiesAtPoint:
             ]
         return self._known[key]
 
-    def moved(self, of: Collection[int] = (), belief: Belief = RIGHT) -> dict[Key, Vector]:
+    def moved(self, of: Collection[int] = (), belief: Belief = RIGHT) -> dict[BodyKey, Vector]:
         """Vectors of motion, along the world's axes, and kinetic energies, of the whole by -1."""
-        found: dict[Key, Vector] = {}
+        found: dict[BodyKey, Vector] = {}
         half = self.point.number(Fraction(1, 2))
         for i, (x, _, spun, energy) in enumerate(self.inertial(self.moving, of, belief)):
             body = self.bodies[i]
@@ -280,11 +280,11 @@ class BodiesAtPoint:
 
     def acting(
         self, state: State, of: Collection[int] = (), belief: Belief = RIGHT
-    ) -> dict[Key, Vector]:
+    ) -> dict[BodyKey, Vector]:
         """Force and moment on each body at its joint, along the world's axes, and its torque."""
         if belief is RIGHT and ("acting", state) in self._known:
             return self._known["acting", state]
-        inertial, found = self.inertial(state, of, belief), dict[Key, Vector]()
+        inertial, found = self.inertial(state, of, belief), dict[BodyKey, Vector]()
         for i in reversed(range(len(self.bodies))):
             body, held = self.bodies[i], belief if i in of else RIGHT
             crossed = (self.s.planar and held.product) or self.s.tree.space.moment
@@ -308,9 +308,9 @@ class BodiesAtPoint:
 
     def projected(
         self, state: State, of: Collection[int] = (), belief: Belief = RIGHT
-    ) -> dict[Key, Vector]:
+    ) -> dict[BodyKey, Vector]:
         """Torques, loops apart, by partial velocities: Σ ∂v_c/∂q̇ · m (v̇_c - g) + ∂ω/∂q̇ · I ω̇."""
-        inertial, found = self.inertial(state, of, belief), dict[Key, Vector]()
+        inertial, found = self.inertial(state, of, belief), dict[BodyKey, Vector]()
         for i, own in enumerate(self.bodies):
             unit = replace(self.starting(-1), rates=self.starting(own.place).accelerations)
             parts = [x for x, *_ in self.inertial(unit, of, belief)]

@@ -15,7 +15,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.model.gravity import axis_of
 from freebody.scalars.generators import SIGN, function_of
-from freebody_textbook.check.algebra.finite_field import Turn
+from freebody_textbook.check.algebra.finite_field import SineAndCosine
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.reasons.bodies_at_point import Belief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
@@ -23,7 +23,7 @@ from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 VELOCITY = ("coriolis", "centrifugal")
 _ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
 """Where angles are 0, by the right angles from the x axis."""
-_QUARTERS: Mapping[int, Turn] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
+_QUARTERS: Mapping[int, SineAndCosine] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
 """Sines and cosines of right angles."""
 
 

@@ -23,7 +23,7 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 
 MOST_TERMS = 20_000
 
-Key = tuple[SymbolPowers, TrigProduct]
+ProductKey = tuple[SymbolPowers, TrigProduct]
 """A product of symbols, and a sine or cosine."""
 
 
@@ -32,10 +32,10 @@ class Difference:
     """A term that has one number in the answer and another in the right one; `instead`: it stands
     for that term."""
 
-    key: Key
+    key: ProductKey
     yours: Fraction
     right: Fraction
-    instead: Key | None = None
+    instead: ProductKey | None = None
 
     @property
     def names(self) -> set[str]:
@@ -90,7 +90,7 @@ def _paired(rows: list[Difference]) -> Iterator[Difference]:
     yield from extra
 
 
-def _alike(a: Key, b: Key) -> bool:
+def _alike(a: ProductKey, b: ProductKey) -> bool:
     """Whether two terms differ in one symbol, or only in the sine or cosine."""
     if a[0] == b[0]:
         return True
@@ -106,7 +106,9 @@ def _letters(monomial: SymbolPowers) -> list[str]:
     return [name for name, exponent in monomial for _ in range(exponent)]
 
 
-def printed(layout: Layout, setting: RightEquations, key: Key, value: Fraction) -> Expression:
+def printed(
+    layout: Layout, setting: RightEquations, key: ProductKey, value: Fraction
+) -> Expression:
     """A term with its number."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])

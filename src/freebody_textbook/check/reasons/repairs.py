@@ -13,7 +13,7 @@ from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.finite_field import PRIME
 from freebody_textbook.check.algebra.finite_field_tree import Workspace
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.reasons.small_changes import Related, Repair, SmallChanges
+from freebody_textbook.check.reasons.small_changes import RelatedNames, Repair, SmallChanges
 
 MOST_NODES = 2500
 """Pieces of an answer up to which every one is tried."""
@@ -25,7 +25,7 @@ _TRIPLE_COST, _TRIPLE_MOST = 2.0, 300
 class Repairs(SmallChanges):
     """The search for changes of an answer that make up for its difference from the right one."""
 
-    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: Related):
+    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         super().__init__(setting, work, right, related)
         self.tried: list[Repair] = []
 

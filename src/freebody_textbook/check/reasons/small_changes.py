@@ -21,7 +21,7 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
 
-Related = Callable[[str], Mapping[str, Trig]]
+RelatedNames = Callable[[str], Mapping[str, Trig]]
 """Quantities that one may mix up with one: the other entries of its family."""
 
 
@@ -40,7 +40,7 @@ class Repair:
 class SmallChanges:
     """All small changes of a tree; `gap` is what must be added to its value."""
 
-    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: Related):
+    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         self.setting, self.work, self.related = setting, work, related
         self.gap = (right - work.value) % PRIME
 

@@ -12,14 +12,14 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, times, transposed
-from freebody_textbook.check.algebra.finite_field import PRIME, Point, Turn, random_point
+from freebody_textbook.check.algebra.finite_field import PRIME, Point, SineAndCosine, random_point
 from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint, Key, State
+from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint, BodyKey, State
 
-Part = Callable[[Mapping[str, int]], bool]
+PartOfIndex = Callable[[Mapping[str, int]], bool]
 """Which terms are meant, by their powers."""
 Changed = tuple[Mapping[str, object], Any]
 """What a sentence names, and the right answer under the thought."""
@@ -29,12 +29,12 @@ Changed = tuple[Mapping[str, object], Any]
 class Component:
     """One entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
 
-    key: Key
+    key: BodyKey
     entry: int
     axes: int = -1
 
     def of(
-        self, bodies: BodiesAtPoint, found: Mapping[Key, Vector], axes: int | None = None
+        self, bodies: BodiesAtPoint, found: Mapping[BodyKey, Vector], axes: int | None = None
     ) -> Any:
         """The entry's value among vectors along the world's axes, or along those of body `axes`."""
         axes, v = self.axes if axes is None else axes, found[self.key]
@@ -83,14 +83,16 @@ class Subject:
         """The generators in the right answer."""
         return {name for powers, _ in self.rows for name in powers}
 
-    def scaled(self, factor: int | Fraction, meant: Part) -> Any:
+    def scaled(self, factor: int | Fraction, meant: PartOfIndex) -> Any:
         """The right answer with a factor at some of its terms."""
         k = self.point.number(factor)
         other = sum(value for powers, value in self.rows if not meant(powers))
         return other + k * sum(value for powers, value in self.rows if k and meant(powers))
 
     def at(
-        self, values: Mapping[str, Any] | None = None, turns: Mapping[str, Turn] | None = None
+        self,
+        values: Mapping[str, Any] | None = None,
+        turns: Mapping[str, SineAndCosine] | None = None,
     ) -> Any:
         """The right answer with other values or angles."""
         return self.point.changed(values, turns).of(self.right)

@@ -14,9 +14,9 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import SIGN, function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
-from freebody_textbook.check.asked.quantity import Acting
+from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.states.running import Array
+from freebody_textbook.check.states.running import AnyArray
 from freebody_textbook.check.states.state_values import Polynomials, StateValues
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
@@ -54,11 +54,11 @@ class AdmissibleStates(StateValues):
     """parameters: the number of each state's set; branch: that of its branch within the set, 0 the
     home's."""
 
-    parameters: Array
-    branch: Array
+    parameters: AnyArray
+    branch: AnyArray
 
     @property
-    def is_home(self) -> Array:
+    def is_home(self) -> AnyArray:
         """Which states are on the branch of the home."""
         return self.branch == 0
 
@@ -72,7 +72,7 @@ class AdmissibleStates(StateValues):
         }
         return replace(self, values=values)
 
-    def chosen(self, which: Array) -> AdmissibleStates:
+    def chosen(self, which: AnyArray) -> AdmissibleStates:
         """Some of the states."""
         values = {name: x[which] for name, x in self.values.items()}
         return AdmissibleStates(values, self.parameters[which], self.branch[which])
@@ -97,7 +97,7 @@ class StateSampler:
     own_values: bool = False
     still: bool = False
     given: Mapping[str, float] = field(default_factory=dict[str, float])
-    acting: Acting = ""
+    acting: ActingLoads = ""
     images: Mapping[str, Value] = field(default_factory=dict[str, Value])
     """What some names are by the others, as velocities and accelerations of a free body are."""
 
@@ -138,7 +138,7 @@ class StateSampler:
                 found[name] = x if self.own_values else x * varied
         return found
 
-    def _guesses(self, chance: np.random.Generator, count: int) -> dict[str, Array]:
+    def _guesses(self, chance: np.random.Generator, count: int) -> dict[str, AnyArray]:
         """Positions, the first that of the home."""
         found = {}
         for name, home in zip(self._names, self.home, strict=True):
@@ -153,7 +153,7 @@ class StateSampler:
         return self.setting.symbols.coordinates
 
     @cached_property
-    def home(self) -> Array:
+    def home(self) -> AnyArray:
         """The file's home, in the answer's coordinates."""
         model, turned = self.setting.symbols.model, self.setting.turned
         home, found = dict(model.home), np.zeros(len(self._names))
@@ -173,7 +173,7 @@ class StateSampler:
         return float(np.mean(lengths)) if lengths else 1.0
 
     @cached_property
-    def _scale(self) -> Array:
+    def _scale(self) -> AnyArray:
         """A radian of each turn, a length of each slide."""
         angles = self.setting.ring.angles
         return np.array([1.0 if x in angles else self._length for x in self._names])
@@ -184,7 +184,7 @@ class StateSampler:
         return tuple(self._not_given(self._names))
 
     @cached_property
-    def _loose_scale(self) -> Array:
+    def _loose_scale(self) -> AnyArray:
         return np.array([self._size_of(x) for x in self._loose])
 
     # ------------------------------------------------------------ positions
@@ -202,7 +202,7 @@ class StateSampler:
             closed = self._led(closed)
         if not closed.count:
             return None
-        ratio: Array = self._ratios(closed, rows)
+        ratio: AnyArray = self._ratios(closed, rows)
         enough = (closed.chosen(np.flatnonzero(ratio >= x)) for x in _REGULAR)
         regular = next((x for x in enough if x.count), None)
         if regular is None:
@@ -229,7 +229,7 @@ class StateSampler:
         return replace(numbered, branch=states.branch[numbered.branch])
 
     def _closed(
-        self, drawn: AdmissibleStates, rows: Rows, names: Sequence[str], scale: Array
+        self, drawn: AdmissibleStates, rows: Rows, names: Sequence[str], scale: AnyArray
     ) -> AdmissibleStates:
         """The states nearest to some at which rows vanish, by Newton's method; those that do not
         come to an end are left out."""
@@ -248,17 +248,17 @@ class StateSampler:
         ends = (np.abs(rows.at(here)) <= 100 * _CLOSED * self._length).all(1)
         return here.chosen(np.flatnonzero(ends))
 
-    def _ratios(self, states: AdmissibleStates, rows: Rows) -> Array:
+    def _ratios(self, states: AdmissibleStates, rows: Rows) -> AnyArray:
         """The least of the singular values that generic positions have, by the largest."""
         values = self._singular_values(states, rows)
         rank = int((values > _DEPENDENT).sum(1).max())
         return values[:, rank - 1] if rank else np.ones(states.count)
 
-    def _singular_values(self, states: AdmissibleStates, rows: Rows) -> Array:
+    def _singular_values(self, states: AdmissibleStates, rows: Rows) -> AnyArray:
         values = np.linalg.svd(self._normed(states, rows), compute_uv=False)
         return values / np.maximum(values[:, :1], 1e-300)
 
-    def _normed(self, states: AdmissibleStates, rows: Rows) -> Array:
+    def _normed(self, states: AdmissibleStates, rows: Rows) -> AnyArray:
         """Φ_q by turns and lengths, its rows of length 1."""
         slopes = rows.slopes_at(states) * self._loose_scale
         return slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
@@ -303,7 +303,7 @@ class StateSampler:
                 found.append(here.chosen(reached))
         return _together(found) if found else starts
 
-    def _back(self, moved: AdmissibleStates, rows: Rows) -> tuple[AdmissibleStates, Array]:
+    def _back(self, moved: AdmissibleStates, rows: Rows) -> tuple[AdmissibleStates, AnyArray]:
         """The nearest positions with closed loops, and how far they are in turns and lengths;
         infinitely where there is none."""
         numbered = replace(moved, branch=np.arange(moved.count))
@@ -316,7 +316,7 @@ class StateSampler:
             off = np.maximum(off, np.abs(values[x] - moved.values[x]) / scale)
         return replace(moved, values=values), off
 
-    def _moved(self, states: AdmissibleStates, steps: Array) -> AdmissibleStates:
+    def _moved(self, states: AdmissibleStates, steps: AnyArray) -> AdmissibleStates:
         """States moved by turns and lengths."""
         moved = {
             x: states.values[x] + step * s
@@ -324,7 +324,7 @@ class StateSampler:
         }
         return replace(states, values={**states.values, **moved})
 
-    def _free(self, states: AdmissibleStates, rows: Rows, wanted: Array) -> Array:
+    def _free(self, states: AdmissibleStates, rows: Rows, wanted: AnyArray) -> AnyArray:
         """The part of turns and lengths that the loops allow."""
         slopes = self._normed(states, rows)
         held = np.einsum("kij,kj->ki", slopes, wanted)
@@ -353,7 +353,7 @@ class StateSampler:
 
     def _solved(
         self, chance: np.random.Generator, states: AdmissibleStates, rows: Rows
-    ) -> tuple[AdmissibleStates, Array]:
+    ) -> tuple[AdmissibleStates, AnyArray]:
         """States at which rows vanish that are linear in their names, which are 0 or given so far,
         and where that has come to an end."""
         slopes, gap = rows.slopes_at(states), rows.at(states)
@@ -455,12 +455,12 @@ class Rows:
     polynomials: Sequence[Trig]
     names: Sequence[str]
 
-    def at(self, states: StateValues) -> Array:
+    def at(self, states: StateValues) -> AnyArray:
         """Their values, a row for each state."""
         fresh = StateValues(states.values)
         return np.array([x.value for x in self._own.at(fresh)]).reshape(-1, fresh.count).T
 
-    def slopes_at(self, states: StateValues) -> Array:
+    def slopes_at(self, states: StateValues) -> AnyArray:
         """Their derivatives by the names."""
         fresh = StateValues(states.values)
         found = np.zeros((states.count, len(self.polynomials), len(self.names)))

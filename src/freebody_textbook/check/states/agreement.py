@@ -11,16 +11,16 @@ import numpy as np
 
 from freebody.expressions.nodes import Expression, Negative, Sum
 from freebody.lazy import cached_property
-from freebody_textbook.check.asked.quantity import Acting
+from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody_textbook.check.states.running import Array, Running
+from freebody_textbook.check.states.running import AnyArray, Running
 from freebody_textbook.check.states.state_values import Known, choices, second_values
 
 _LARGEST = 1e5
 """How many times larger than what is compared its terms may be."""
 
-_Drawn = tuple[bool, bool, frozenset[tuple[str, float]], Acting]
+_DrawnFor = tuple[bool, bool, frozenset[tuple[str, float]], ActingLoads]
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +51,8 @@ class Agreement:
     others: the functions that need their second value somewhere."""
 
     states: AdmissibleStates
-    right: Array
-    possible: Array
+    right: AnyArray
+    possible: AnyArray
     others: tuple[str, ...]
     gap: Running
     """What is left of the difference as it stands."""
@@ -143,7 +143,7 @@ def is_drowned(states: AdmissibleStates, yours: Expression, right: Running, gap:
         return bool(np.median(gap.size / least) > _LARGEST)
 
 
-def _least(states: AdmissibleStates, yours: Expression) -> Array:
+def _least(states: AdmissibleStates, yours: Expression) -> AnyArray:
     """The size of the least term of a sum, of those that do not vanish."""
     terms = (states.at(x, {}) for x in _terms(yours))
     return np.min([np.where(x.vanishes, np.inf, np.abs(x.value)) for x in terms], axis=0)
@@ -171,7 +171,7 @@ class StatesOfModel:
         own_values: bool = False,
         still: bool = False,
         given: Mapping[str, float] = MappingProxyType({}),
-        acting: Acting = "",
+        acting: ActingLoads = "",
     ) -> AdmissibleStates | None:
         """States with the model's own values, or with others near them; moving, or held; given:
         values of some names at all of them; acting: see `StateSampler`."""
@@ -182,7 +182,7 @@ class StatesOfModel:
         return self._drawn[key]
 
     @cached_property
-    def _drawn(self) -> dict[_Drawn, AdmissibleStates | None]:
+    def _drawn(self) -> dict[_DrawnFor, AdmissibleStates | None]:
         return {}
 
 

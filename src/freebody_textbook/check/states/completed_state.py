@@ -12,7 +12,7 @@ from freebody.scalars.generators import SIGN, function_of, generators_in, symbol
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import Rows, StateSampler
-from freebody_textbook.check.states.running import Array
+from freebody_textbook.check.states.running import AnyArray
 from freebody_textbook.check.states.state_values import StateValues
 
 _STRIDE, _STEPS = 0.05, 30
@@ -99,7 +99,7 @@ def _determined(rows: Rows, free: Sequence[str], values: Mapping[str, float]) ->
     """The names that equations leave no choice."""
     if not free:
         return []
-    slopes: Array = rows.slopes_at(_one(values))[0]
+    slopes: AnyArray = rows.slopes_at(_one(values))[0]
     _, sizes, turned = np.linalg.svd(slopes)
     rank = int((sizes > _DETERMINED * sizes.max(initial=0.0)).sum())
     left = np.abs(turned[rank:]).max(axis=0, initial=0.0)

@@ -15,7 +15,7 @@ _STEEPEST = 100.0
 """Slope of a function up to which it counts: arccos and roots are infinitely steep somewhere, but
 rounding changes them by some 1e-8 at most."""
 
-Array = np.ndarray[Any, np.dtype[Any]]
+AnyArray = np.ndarray[Any, np.dtype[Any]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class Running:
         return Running(value, np.minimum(np.abs(slope), _STEEPEST) * self.size + np.abs(value))
 
     @property
-    def vanishes(self) -> Array:
+    def vanishes(self) -> AnyArray:
         """Where they are 0 but for rounding; nowhere where they are no numbers."""
         known = np.isfinite(self.value) & np.isfinite(self.size)
         return known & (np.abs(self.value) <= EQUAL * self.size)

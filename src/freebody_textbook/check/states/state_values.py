@@ -17,7 +17,7 @@ from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.check.states.running import Array, Running
+from freebody_textbook.check.states.running import AnyArray, Running
 from freebody_textbook.closed_chains.linear import Ratio
 
 _OF_GENERATORS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
@@ -83,7 +83,7 @@ class Polynomials:
         return {row: k for k, row in enumerate(sorted(rows), 1)}
 
     @cached_property
-    def _factors(self) -> Array:
+    def _factors(self) -> AnyArray:
         """Of each term its powers by number, filled up with 0."""
         at = np.zeros((len(self._terms), max((len(x[1]) for x in self._terms), default=0)), int)
         for row, (_, powers, _) in zip(at, self._terms, strict=True):
@@ -91,7 +91,7 @@ class Polynomials:
         return at
 
     @cached_property
-    def _coefficients(self) -> Array:
+    def _coefficients(self) -> AnyArray:
         return np.array([[float(c)] for *_, c in self._terms])
 
     def at(self, states: StateValues) -> list[Running]:
@@ -116,7 +116,7 @@ class StateValues:
     """values: by the names of a ring, but for sines, cosines and signs, the numbers of each
     state."""
 
-    values: Mapping[str, Array]
+    values: Mapping[str, AnyArray]
 
     @property
     def count(self) -> int:
@@ -128,7 +128,7 @@ class StateValues:
         return {}
 
     @cached_property
-    def _powers(self) -> dict[tuple[str, int], Array]:
+    def _powers(self) -> dict[tuple[str, int], AnyArray]:
         return {}
 
     def of(self, x: Value) -> Running:
@@ -144,13 +144,13 @@ class StateValues:
             kept = self._kept[id(x)] = x, Polynomials([x]).at(self)[0]
         return kept[1]
 
-    def power(self, name: str, exponent: int) -> Array:
+    def power(self, name: str, exponent: int) -> AnyArray:
         """The values of a generator's power."""
         if (name, exponent) not in self._powers:
             self._powers[name, exponent] = self.generator(name) ** exponent
         return self._powers[name, exponent]
 
-    def generator(self, name: str) -> Array:
+    def generator(self, name: str) -> AnyArray:
         """The values of a generator of the ring."""
         function, symbol = function_of(name), symbol_of(name)
         if not function or symbol not in self.values:

@@ -19,7 +19,7 @@ from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.results import WrittenNumber
-from freebody_textbook.check.numbers.states import State
+from freebody_textbook.check.numbers.states import GivenState
 from freebody_textbook.check.numbers.units import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim
@@ -40,7 +40,7 @@ class NumberAtState:
     setting: RightEquations
     claim: Claim
     written: WrittenNumber | None
-    given: State
+    given: GivenState
     tolerance: float | None = None
     """The share of the right number by which the answer may be off, where not its digits say."""
 

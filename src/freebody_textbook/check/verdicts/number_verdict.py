@@ -24,7 +24,7 @@ from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.results import WrittenNumber, WrittenNumbers
-from freebody_textbook.check.numbers.states import GivenValue, State, in_words
+from freebody_textbook.check.numbers.states import GivenState, GivenValue, in_words
 from freebody_textbook.check.numbers.units import unit_of_quantity
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.free_motion import put
@@ -62,7 +62,7 @@ class NumberJudge:
             self._refuse_zero_elsewhere(claim, given)
         return _NumberVerdict(number).verdict(self.targets if explain else None)
 
-    def _refuse_zero_elsewhere(self, claim: Claim, given: State) -> None:
+    def _refuse_zero_elsewhere(self, claim: Claim, given: GivenState) -> None:
         """Refuse a bare 0 behind the paragraph of a condition: whether it is a result there or is
         said of all states cannot be told."""
         span, right = claim.node.span, claim.target.compute()
@@ -93,7 +93,7 @@ class NumberJudge:
         return number.is_lone and ("." in text or stated) and bool(number.missing)
 
     def _in_symbols(
-        self, claim: Claim, written: WrittenNumber | None, given: State
+        self, claim: Claim, written: WrittenNumber | None, given: GivenState
     ) -> EquationVerdict | None:
         """The verdict on an answer in symbols that holds at its state only, m₂ g lc₂ cos 75°; None
         of one that is right in general, or wrong."""
@@ -142,7 +142,7 @@ class NumberJudge:
         assert isinstance(there, Trig)
         return there, in_words(given)
 
-    def _is_same(self, yours: Trig, right: Trig, given: State) -> bool:
+    def _is_same(self, yours: Trig, right: Trig, given: GivenState) -> bool:
         """Whether two polynomials are equal at a state."""
         own, put = (self._rows(x, given) for x in (yours, right))
         largest = max(map(abs, put.values()), default=0.0)
@@ -159,7 +159,7 @@ class NumberJudge:
         of what stands at them equilibrium tells nothing."""
         return self.has_what_vanishes(claim, self._in_equilibrium)
 
-    def has_what_vanishes(self, claim: Claim, given: State) -> bool:
+    def has_what_vanishes(self, claim: Claim, given: GivenState) -> bool:
         """Whether an answer has quantities that are 0 at a state only."""
         single = self.targets.single
         values = (
@@ -173,7 +173,7 @@ class NumberJudge:
         )
 
     @property
-    def _in_equilibrium(self) -> State:
+    def _in_equilibrium(self) -> GivenState:
         return dict.fromkeys(self._motion, GivenValue(0.0, 0.0))
 
     @property
@@ -181,7 +181,7 @@ class NumberJudge:
         """The names of rates and accelerations."""
         return [x + dot for x in self.setting.symbols.coordinates for dot in (RATE, SECOND)]
 
-    def _rows(self, x: Trig, given: State) -> dict[frozenset[tuple[str, int]], float]:
+    def _rows(self, x: Trig, given: GivenState) -> dict[frozenset[tuple[str, int]], float]:
         """The terms of a polynomial with the values of a state put in."""
         values = {name: value.value for name, value in given.items()}
         point = RealPoint.of_state(self.setting.ring, values)

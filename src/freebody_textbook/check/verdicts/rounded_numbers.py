@@ -24,7 +24,7 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.asked.terms_by_motion import Parts, parts, whole
 from freebody_textbook.check.reasons.differences import (
     Difference,
-    Key,
+    ProductKey,
     differences,
     is_too_long,
     terms,
@@ -151,9 +151,9 @@ class Rounded:
                     found[node] = half
         return found
 
-    def _slack(self) -> dict[Key, Fraction]:
+    def _slack(self) -> dict[ProductKey, Fraction]:
         """By how much each term in numbers changes when every number is half a unit off."""
-        total: dict[Key, Fraction] = {}
+        total: dict[ProductKey, Fraction] = {}
         for node, half in self._decimals.items():
             moved = replaced(self.node, {node: replace(node, value=node.value + half)})
             try:
