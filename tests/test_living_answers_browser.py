@@ -3,12 +3,8 @@ right, wrong or unreadable, and of a wrong one the same sentences and no others.
 
 from __future__ import annotations
 
-import json
 import random
-import re
 import shutil
-import zlib
-from base64 import b64decode
 from collections import Counter
 from itertools import islice
 
@@ -17,6 +13,7 @@ import pytest
 import freebody as fb
 from check_lines.lines import Line, mutants, of_robot
 from support.browser import ANSWER, FRESH, SAID, browser
+from support.page_data import page_data
 
 pytestmark = [
     pytest.mark.browser,
@@ -97,13 +94,6 @@ def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, st
     ]
 
 
-def told_by(html: str) -> list[str]:
-    """The sentences of a page."""
-    found = re.search(r'atob\("([^"]*)"\)', html)
-    assert found
-    return json.loads(zlib.decompress(b64decode(found[1])))["sentences"]
-
-
 @pytest.mark.parametrize(
     ("robot", "count"),
     [
@@ -119,7 +109,7 @@ def test_the_page_says_what_check_says(driver, tmp_path, robot, count):
     page, html = tmp_path / "page.html", fb.derive(model, ALL[robot]).html()
     page.write_text(html, encoding="utf-8")
     driver.get(page.as_uri())
-    told, unlike, sentences = Counter(), [], told_by(html)
+    told, unlike, sentences = Counter(), [], page_data(html)["sentences"]
     rows = typed(driver, model, robot, count)
     for k, text in rows:
         right, _, causes = checked(model, text)

@@ -9,13 +9,11 @@ from typing import Any, ClassVar, NoReturn, Self
 
 from freebody.errors import FreebodyError
 from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.nodes import Span
 from freebody.lazy import cached_property
 
 _SHOWN = 96
 """Characters of a line that an error shows."""
-
-Span = tuple[int, int]
-"""Start and end of a piece of text."""
 
 
 class UnreadableError(FreebodyError, ValueError):
