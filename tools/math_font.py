@@ -4,7 +4,8 @@ Pagella Math what freebody prints, with its table of constants and constructions
     python tools/math_font.py texgyrepagella-math.otf
 
 Needs fonttools and brotli. The font is part of TeX distributions; its licence stands beside
-formulas.woff2. Make it anew when a page has a letter that it lacks (tests/test_page_sizes.py).
+formulas.woff2. Make it anew when a page has a letter that it lacks
+(tests/textbook/pages/test_page_sizes.py).
 """
 
 import sys

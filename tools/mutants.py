@@ -30,7 +30,8 @@ from types import UnionType
 from typing import Any
 
 ROOT = Path(__file__).resolve().parent.parent
-SOURCE = ROOT / "src/freebody"
+SOURCE = ROOT / "src"
+PACKAGES = ("freebody", "freebody_textbook")
 LIMIT = 1200.0
 """Seconds for one mutant's tests; one that hangs them is killed, in both senses."""
 
@@ -42,6 +43,14 @@ class Area:
     name: str
     sources: tuple[str, ...]
     tests: tuple[str, ...]
+
+    def files(self) -> list[Path]:
+        """The files of its sources, which are paths in the core unless they name a package."""
+        found = set[Path]()
+        for pattern in self.sources:
+            package = "" if pattern.partition("/")[0] in PACKAGES else "freebody/"
+            found.update(SOURCE.glob(package + pattern))
+        return sorted(found)
 
 
 AREAS = (
@@ -60,7 +69,7 @@ AREAS = (
     Area(
         "kernels",
         ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py", "kernels/**/*.py",
-         "math.py", "elementary.py"),
+         "scalar_math.py", "elementary.py"),
         ("program", "kernels", "threads", "llvm_text", "sine_and_cosine", "code_cache", "targets",
          "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "recurrence", "memory", "compile", "gradients", "differentials", "parameter_derivatives",
@@ -74,7 +83,7 @@ AREAS = (
     ),
     Area(
         "public functions",
-        ("trees/*.py", "any_chain/dynamics.py", "arrays.py", "labels.py", "errors.py", "values.py",
+        ("trees/*.py", "any_chain/dynamics.py", "any_chain/kernel_options.py", "arrays.py", "labels.py", "errors.py", "values.py",
          "lazy.py", "locks.py", "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
@@ -113,7 +122,7 @@ AREAS = (
     ),
     Area(
         "studies and sweeps",
-        ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py"),
+        ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py", "beside.py"),
         ("verdict", "study", "report_page", "report_equations", "numbers_in_print", "outputs",
          "display", "cli", "terminal", "completion", "sweeps", "sweep_stores", "page_sizes"),
     ),
@@ -125,9 +134,10 @@ AREAS = (
     Area(
         "derivations",
         ("freebody_textbook/*.py", "freebody_textbook/methods/*.py",
+         "freebody_textbook/commands/*.py", "freebody_textbook/drawings/*.py",
          "freebody_textbook/closed_chains/*.py", "freebody_textbook/render/*.py",
          "freebody_textbook/equations/*.py", "freebody_textbook/relations/*.py",
-         "freebody/expressions/**/*.py"),
+         "expressions/**/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
          "closed_derivations", "naming", "notations", "vector_functions", "term_sources",
          "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive",
@@ -276,7 +286,7 @@ def drawn(seed: int, count: int, only: str | None) -> list[tuple[Area, Mutant]]:
     generator = random.Random(seed)
     found = []
     for k, area in enumerate(AREAS):
-        files = sorted(p for pattern in area.sources for p in SOURCE.glob(pattern))
+        files = area.files()
         every = [mutant for path in files for mutant in mutants(path)]
         share = count // len(AREAS) + (k < count % len(AREAS))
         some = generator.sample(every, share)
@@ -298,7 +308,11 @@ def survives(
         if named is None:
             tests = list(map(str, _tests(area, mutant.path, work / "tests")))[:first]
         else:
-            tests = [str(work / f"tests/test_{name}.py") for name in named.split(",")]
+            tests = [
+                str(path)
+                for name in named.split(",")
+                for path in (work / "tests").rglob(f"test_{name}.py")
+            ]
         environment = {
             **os.environ,
             "PYTHONPATH": str(work / "src"),
@@ -344,7 +358,7 @@ def _ignored() -> Callable[..., set[str]]:
 def _tests(area: Area, path: Path, folder: Path) -> list[Path]:
     """The area's test files, first those that name the file's module or a public name of its own;
     each once."""
-    found = [file for name in area.tests for file in sorted(folder.glob(f"test_{name}.py"))]
+    found = [file for name in area.tests for file in sorted(folder.rglob(f"test_{name}.py"))]
     words = {path.stem, *(f"fb.{name}" for name in _public(path))}
     named = re.compile(rf"\b({'|'.join(map(re.escape, sorted(words)))})\b")
     return sorted(
@@ -363,10 +377,11 @@ def _public(path: Path) -> list[str]:
 
 def outside() -> list[Path]:
     """Files of the source in no area, but those that hold no more than a list of names."""
-    inside = {file for area in AREAS for part in area.sources for file in SOURCE.glob(part)}
+    inside = {file for area in AREAS for file in area.files()}
     return [
         file
-        for file in sorted(SOURCE.glob("**/*.py"))
+        for package in PACKAGES
+        for file in sorted((SOURCE / package).glob("**/*.py"))
         if file not in inside and next(mutants(file), None) and file.stem[:2] != "__"
     ]
 
@@ -391,7 +406,7 @@ def main() -> int:
         parser.error(f"in no area: {', '.join(map(str, left_out))}")
     chosen = drawn(options.seed, options.count, options.area)
     if options.only:
-        files = [(a, f) for a in AREAS for p in a.sources for f in SOURCE.glob(p)]
+        files = [(a, f) for a in AREAS for f in a.files()]
         chosen = [
             (area, m)
             for area, f in files

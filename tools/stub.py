@@ -3,7 +3,8 @@ imported when first used.
 
     python tools/stub.py > src/freebody/__init__.pyi
 
-writes it anew after a change of the table of public names; `tests/test_types.py` holds both equal.
+writes it anew after a change of the table of public names; `tests/house/test_types.py` holds both
+equal.
 """
 
 from __future__ import annotations

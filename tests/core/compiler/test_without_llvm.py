@@ -16,7 +16,7 @@ import freebody as fb
 from freebody.cli.app import app
 from support.without_llvm import ELSEWHERE, HIDES
 
-TESTS = Path(__file__).parent
+TESTS = Path(__file__).parents[2]
 
 
 def without_llvm(folder: Path, *words: str) -> str:

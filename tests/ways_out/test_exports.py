@@ -742,7 +742,7 @@ def test_the_command(tmp_path, capsys):
 
 
 # ---------------------------------------------------------------- the examples of the docs
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "exports.md").read_text(encoding="utf-8")
 
 

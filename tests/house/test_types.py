@@ -17,8 +17,8 @@ import pytest
 
 import freebody as fb
 
-ROOT = Path(__file__).parents[1]
-SAMPLES = Path(__file__).parent / "types"
+ROOT = Path(__file__).parents[2]
+SAMPLES = Path(__file__).parents[1] / "types"
 PYTHON = os.environ.get("TYPES_OF", sys.executable)
 """The interpreter whose freebody is looked at: in .ci/run that of a wheel's environment."""
 

@@ -8,7 +8,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[1] / "src"
+SOURCE = Path(__file__).resolve().parents[2] / "src"
 ALIAS = re.compile(r"_?[A-Z][a-z]\w*")
 """An alias of a type, such as Wrenches; constants are all capitals."""
 BOTH = {"Matrix", "Vector"}

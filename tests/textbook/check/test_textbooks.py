@@ -21,7 +21,7 @@ from freebody.formats import toml
 from freebody.model.build import build_model
 from freebody_textbook.derive import compare
 
-FOLDER = Path(__file__).parent / "textbooks"
+FOLDER = Path(__file__).parents[2] / "textbooks"
 
 
 def results() -> list[dict[str, Any]]:

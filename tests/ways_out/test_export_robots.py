@@ -1,7 +1,7 @@
 """C of large robots: gcc and clang compile it without a warning, and it gives what the kernel
 gives, double and float.
 
-Long, two minutes: `.venv/bin/pytest -m long -n0 -s tests/test_export_robots.py` prints the
+Long, two minutes: `.venv/bin/pytest -m long -n0 -s tests/ways_out/test_export_robots.py` prints the
 differences.
 """
 

@@ -18,7 +18,7 @@ from freebody.cli.app import app, run
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PAGES = (
     sorted(ROOT.glob("*.md"))
     + sorted(ROOT.glob("docs/**/*.md"))

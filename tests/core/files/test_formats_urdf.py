@@ -105,7 +105,7 @@ def test_real_file_with_mimics_followed(name: str):
 
 @pytest.mark.skipif(not FILES, reason="needs example-robot-data")
 def test_docs_name_the_refused_files():
-    page = (Path(__file__).parents[1] / "docs/formats.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs/formats.md").read_text(encoding="utf-8")
     assert all(Path(name).name in page for name in REFUSED)
 
 

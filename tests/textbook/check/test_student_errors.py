@@ -10,9 +10,9 @@ import pytest
 
 import freebody as fb
 
-ERRORS = tomllib.loads((Path(__file__).parent / "student_errors.toml").read_text(encoding="utf-8"))[
-    "error"
-]
+ERRORS = tomllib.loads(
+    (Path(__file__).parents[2] / "student_errors.toml").read_text(encoding="utf-8")
+)["error"]
 ROBOTS = {
     "cart": lambda: fb.planar("PR", m=["mc", "mp"], lc=[0, "l"], l=[0, "l"], I=[0, 0]),
     "geared": lambda: fb.planar("R", m=["m"], lc=["lc"], I=["I"]).with_drive(

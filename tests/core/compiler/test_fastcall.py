@@ -58,10 +58,10 @@ def test_the_environment_switches_it_off(monkeypatch):
 
 
 OF_ALL_WAYS = [
-    "test_pickling.py",
-    "test_forks_and_interrupts.py",
-    "test_kernels.py",
-    "test_numerics_errors.py",
+    "compiler/test_pickling.py",
+    "compiler/test_forks_and_interrupts.py",
+    "compiler/test_kernels.py",
+    "laws/test_numerics_errors.py",
 ]
 
 
@@ -69,7 +69,7 @@ OF_ALL_WAYS = [
 @pytest.mark.parametrize("file", OF_ALL_WAYS)
 def test_the_suite_passes_without_it(file):
     """Files that call kernels in every way."""
-    here = Path(__file__).parent
+    here = Path(__file__).parents[1]
     done = subprocess.run(
         [
             sys.executable,

@@ -18,7 +18,7 @@ from support.sources import SOURCES, place
 from support.symbolic import spatial_arm
 
 FOLDER = Path(methods.__file__).parent
-DOCS = Path(__file__).parents[1] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 NAMES = {name for method in METHODS.values() for name in (method.name, *method.aliases)}
 
 

@@ -411,8 +411,10 @@ def test_kernels_run_on_an_emulated_driver():
     for package in ("cuda.bindings", "cuda.core"):
         extra(package, name="cuda")
     require_compiler()
-    here = Path(__file__).parent
-    files = [here / name for name in ("test_cuda_device.py", "test_kernels.py")]
+    here = Path(__file__).parents[1]
+    files = [
+        here / name for name in ("ways_out/test_cuda_device.py", "core/compiler/test_kernels.py")
+    ]
     command = [
         sys.executable,
         "-m",

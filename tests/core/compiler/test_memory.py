@@ -141,7 +141,7 @@ def test_the_last_words_of_a_worker_are_in_the_report(tmp_path: Path):
             str(tmp_path),
         ],
         cwd=tmp_path,
-        env=os.environ | {"PYTHONPATH": str(Path(__file__).parent)},
+        env=os.environ | {"PYTHONPATH": str(Path(__file__).parents[2])},
         capture_output=True,
         text=True,
         timeout=100,

@@ -1,8 +1,8 @@
 """Kernels on a GPU: skipped where there is none, but for the run on an emulated driver that
 test_cuda.py starts.
 
-On a machine with a GPU: `pytest -n0 tests/test_cuda_device.py tests/test_kernels.py
-tests/test_operations.py`.
+On a machine with a GPU: `pytest -n0 tests/ways_out/test_cuda_device.py
+tests/core/compiler/test_kernels.py tests/core/compiler/test_operations.py`.
 """
 
 from __future__ import annotations

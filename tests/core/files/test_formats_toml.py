@@ -502,7 +502,7 @@ def test_an_origin_may_have_names():
 
 
 def test_examples_of_the_reference():
-    page = (Path(__file__).parents[1] / "docs/formats.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs/formats.md").read_text(encoding="utf-8")
     examples = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     models = [read(example) for example in examples]
     assert [(model.name, model.nv) for model in models] == [("crane", 2), ("2R", 2), ("arm", 2)]
