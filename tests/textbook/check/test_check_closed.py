@@ -39,7 +39,7 @@ def test_lines_about_a_closed_chain_are_right(answer: str):
         ("0 = (m3 lc3² + I3) θ̈3 + m3 g lc3 c3 - l3 s3 λ1 - l3 c3 λ2",
          "equation of joint 3, which nothing drives, is not right.\n  ‘- l3 s3 λ1’ has the wrong"),
         ("d/dt (∂L/∂θ̇1) - ∂L/∂θ1 - ∂Φ1/∂θ1 λ1 + ∂Φ2/∂θ1 λ2 = τ1", "‘- ∂Φ1/∂θ1 λ1’ has the wrong"),
-        ("τ1 = H11 θ̈1 + H12 θ̈2 + v1 + G1", "λ₁"),
+        ("τ1 = H11 θ̈1 + H12 θ̈2 + v1 + G1", "The forces of the loops are missing."),
         ("T3 = ½ (m3 lc3² + I3) (θ̇1 + θ̇2 + θ̇3)²", "T3, the kinetic energy of body 3, is not"),
         ("c1 = 0", "row 1 of Φ_q q̈"),
     ],

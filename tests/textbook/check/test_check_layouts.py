@@ -123,7 +123,7 @@ def test_a_letter_with_a_mark_is_another_quantity(name: str):
 def test_what_looks_like_a_label_but_is_a_factor_counts():
     assert fb.check(ARM, "(1) m2 lc2^2 + I2 = H22")
     assert not fb.check(ARM, "(2) m2 lc2^2 + I2 = H22")
-    with pytest.raises(AnswerError, match="neither side"):
+    with pytest.raises(AnswerError, match="different numbers of entries"):
         fb.check(ARM, f"H[0,0] = {H22}")
 
 
