@@ -83,7 +83,8 @@ AREAS = (
     ),
     Area(
         "public functions",
-        ("trees/*.py", "any_chain/dynamics.py", "any_chain/kernel_options.py", "arrays.py", "labels.py", "errors.py", "values.py",
+        ("trees/*.py", "any_chain/dynamics.py", "any_chain/kernel_options.py", "arrays.py",
+         "labels.py", "errors.py", "values.py",
          "lazy.py", "locks.py", "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
