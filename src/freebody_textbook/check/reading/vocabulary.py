@@ -185,7 +185,7 @@ class Vocabulary:
         transposed = pieces[-1][2] < word.end
         return words.Cut(named, word.power, word.at - transposed)
 
-    def cut(self, source: Source, word: words.Word) -> list[words.Piece] | None:
+    def cut(self, source: Source, word: words.Word) -> list[words.WordPiece] | None:
         """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
         the equations of motion, Mq̈, and letters that lines give."""
         known = self.known
@@ -199,7 +199,7 @@ class Vocabulary:
             found = self._varied(word)
         return _before_prime(source, word, self.alone) if found is None else found
 
-    def _varied(self, word: words.Word) -> list[words.Piece] | None:
+    def _varied(self, word: words.Word) -> list[words.WordPiece] | None:
         """A virtual displacement δθ1 as the rate θ̇1: the coefficients of both are the same."""
         rate = DOT + word.plain.removeprefix(VARIATION)
         if rate not in self.known:
@@ -391,7 +391,7 @@ def _joined(source: Source, word: words.Word) -> words.Word:
 
 def _before_prime(
     source: Source, word: words.Word, vectors: Collection[str]
-) -> list[words.Piece] | None:
+) -> list[words.WordPiece] | None:
     """A vector or matrix with a prime behind it that marks its transpose, qd' of MATLAB, without
     the prime."""
     items, plain = source.lexemes.items, word.plain.removesuffix(PRIME)
