@@ -127,19 +127,22 @@ def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProg
     while new := _defined((line for _, line in waiting), found):
         found = Quantities(_with_parts(new) | found | new, found.layout)
     world = world_axes(found) if derivation.equations.symbols.model.dim == 3 else found
-    told: list[ValuedLine] = []
-    sides: list[list[Any]] = []
-    for names, in_world in ((found, False), (world, True)):
-        for step, line in waiting:
-            own = [x for side in line.sides if (x := _value(side, names)) is not None]
-            if len(own) > 1 and any(isinstance(x, Expr) for x in entries(own[-1])):
-                told.append(ValuedLine(step, line, own[-1], _names(line, names), in_world))
-                sides.append(own)
-    unlike = _unlike(sides, program)
-    right = {(x.step, x.line): x for k, x in reversed([*enumerate(told)]) if k not in unlike}
+    told = [*_with_sides(waiting, found, False), *_with_sides(waiting, world, True)]
+    unlike = _unlike((sides for _, sides in told), program)
+    right = {(x.step, x.line): x for k, (x, _) in reversed([*enumerate(told)]) if k not in unlike}
     known = frozenset(name for name in values if name.startswith("tau"))
     told_lines = tuple(right[x] for x in waiting if x in right)
     return LineValues(found, known, told_lines, frozenset(found) - given)
+
+
+def _with_sides(
+    waiting: Iterable[tuple[Step, Equation]], names: Quantities, in_world: bool
+) -> Iterator[tuple[ValuedLine, list[Any]]]:
+    """The lines of which two sides or more have a value that is computed, with these values."""
+    for step, line in waiting:
+        own = [x for side in line.sides if (x := _value(side, names)) is not None]
+        if len(own) > 1 and any(isinstance(x, Expr) for x in entries(own[-1])):
+            yield ValuedLine(step, line, own[-1], _names(line, names), in_world), own
 
 
 def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:

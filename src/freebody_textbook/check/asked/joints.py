@@ -108,6 +108,11 @@ class JointQuantities(QuantityGroup):
             found |= dict.fromkeys(spellings(letter, "", 1), rates)
         if self._inverse:
             found |= dict.fromkeys(self._inverse_names, self._inverse)
+        return found | self._columns_of_coordinates()
+
+    def _columns_of_coordinates(self) -> dict[str, QuantityTable]:
+        """q, q̇ and q̈ by their names, of a robot of several joints."""
+        found: dict[str, QuantityTable] = {}
         coordinates = self.setting.symbols.coordinates
         for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
             column = [[self._coordinate(x + ending, k)] for k, x in enumerate(coordinates, 1)]

@@ -63,7 +63,26 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return self.unnamed(line, before)
         if not self.setting.is_free_body and any(map(self._is_of_joints, named)):
             self.of_bodies = False
-        other = [side for side, subject in zip(line, subjects, strict=True) if subject is None]
+        named, other = self._parted(line, subjects, named)
+        found = []
+        for side in other:
+            if self._closes(named[0], side, len(other)):
+                continue
+            stated = partial(self._stated, named, side, any(map(self.is_matrix, other)))
+            whole = [*(x for x in named if isinstance(x, Token)), *side]
+            found += self.in_some_axes(whole, stated)
+        return found
+
+    def _parted(
+        self,
+        line: AnswerLine,
+        subjects: Sequence[Token | Named | Matrix | None],
+        named: list[Token | Named | Matrix],
+    ) -> tuple[list[Token | Named | Matrix], list[Sequence[Token]]]:
+        """The quantities that a line is about, and the sides by which it gives them."""
+        other: list[Sequence[Token]] = [
+            side for side, subject in zip(line, subjects, strict=True) if subject is None
+        ]
         given = {x.text for side in other for x in side if x.kind == "name"}
         for subject in named[1:]:  # F1 = τ1 + m1 g·v = τ1: given by τ1, not about it
             if isinstance(subject, Token) and (
@@ -73,14 +92,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
                 other.append((subject,))
         if not other:
             named, other = named[:1], list(line[1:])
-        found = []
-        for side in other:
-            if self._closes(named[0], side, len(other)):
-                continue
-            stated = partial(self._stated, named, side, any(map(self.is_matrix, other)))
-            whole = [*(x for x in named if isinstance(x, Token)), *side]
-            found += self.in_some_axes(whole, stated)
-        return found
+        return named, other
 
     def _refuse_motion(self, line: AnswerLine) -> None:
         """Refuse what moves beside virtual displacements: read as rates, what does no work along
@@ -207,9 +219,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
             return self._of_own_name(name, label, node)
         single, table = self.targets.single.get(name.text), self.targets.tables.get(name.text)
         single = self._meant(name.text, single, node)
-        if isinstance(node, Number) and table and self.may_be_vector(name.text, node):
-            zeros = tuple((replace(node),) for _ in table)
-            node = Matrix(zeros, span=node.span) if node.value == 0 else node
+        node = self._zeros(name.text, table, node)
         if table and [len(row) for row in table] == [1] and single is None:
             node = node if isinstance(node, Matrix) else Matrix(((node,),), span=node.span)
         if not isinstance(node, Matrix):
@@ -223,6 +233,16 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         if (of_bodies := self._table_of_bodies(name.text, node)) is not None:
             table = of_bodies
         return self._entries(label, node, table or [])
+
+    def _zeros(
+        self, name: str, table: Sequence[Sequence[AskedQuantity]] | None, node: Expression
+    ) -> Expression:
+        """The vector of zeros that a plain 0 stands for where a vector is asked for, else what is
+        written."""
+        if isinstance(node, Number) and table and self.may_be_vector(name, node):
+            zeros = tuple((replace(node),) for _ in table)
+            return Matrix(zeros, span=node.span) if node.value == 0 else node
+        return node
 
     def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
         """What is said of a name of the user's own for an expression of quantities, by more than

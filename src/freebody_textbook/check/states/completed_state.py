@@ -45,6 +45,15 @@ def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, 
     found |= {x: values[x] for x in _determined(rows, free, values)}
     if len(found) < len(free):  # nothing is taken for 0
         return found
+    return found | _of_motion(drawing, given, values)
+
+
+def _of_motion(
+    drawing: StateSampler, given: Mapping[str, float], values: dict[str, float]
+) -> dict[str, float]:
+    """The rates, accelerations and multipliers that follow where all coordinates are known: each
+    only where those before it are determined."""
+    names, found = drawing.setting.symbols.coordinates, dict[str, float]()
     for order, ending in enumerate((RATE, SECOND), 1):
         free = [x + ending for x in names if x + ending not in given]
         more = _solved(Rows(drawing.loops[order], free), free, values)

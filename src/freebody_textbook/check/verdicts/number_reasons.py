@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 from freebody.errors import listed
 from freebody.expressions.printed_names import sym
@@ -11,6 +11,7 @@ from freebody.expressions.quantities.units import si_text
 from freebody.outputs.number_text import shortest
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.asked_quantities import Targets
+from freebody_textbook.check.numbers.states import GivenValue
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.misconceptions import explaining
 from freebody_textbook.check.reasons.thoughts import Subject
@@ -76,6 +77,11 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
         if unit == "°":
             text = f"Degrees were taken for radians: {names} must be put in as radians."
         yield text, lambda raw=raw: number.with_values(raw)
+    yield from _radians(number, used)
+
+
+def _radians(number: NumberAtState, used: Mapping[str, GivenValue]) -> Iterator[Thought]:
+    """Angles in radians that were put into a calculator set to degrees."""
     angles = {n: x.value for n, x in used.items() if n in number.setting.ring.angles}
     if angles and not any(used[name].is_converted for name in angles):
         names = listed(str(sym(name)) for name in angles)
