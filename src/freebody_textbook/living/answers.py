@@ -25,7 +25,7 @@ from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
 from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.numbers.units import in_other_units
@@ -162,35 +162,55 @@ class PageAnswers:
     def _all_meanings(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """What each name stands for: "s" a scalar, "t" a vector or matrix, "q" a quantity's number,
         "bodies" whether it is one of bodies."""
-        vocabulary, targets = self.vocabulary, self.targets
-        for name in dict.fromkeys((*sorted(vocabulary.known), *self._own, *self._called)):
-            meant = vocabulary.aliases.get(name, self._called.get(name, name))
-            single, table = targets.single.get(meant), targets.tables.get(meant)
-            found: dict[str, Any] = {}
-            if name in vocabulary.symbols:
-                found["s"] = self._slots(vocabulary.symbols[name])
-            elif name in vocabulary.waves:
-                function, angle = vocabulary.waves[name]
-                found["s"] = [f"~{function}", *(x for x, _ in angle)]
-            elif single is not None:
-                found["s"] = self._values.get(_key(single))
-            if table is not None:
-                found["t"] = self._table([[_key(x) for x in row] for row in table])
-            named = table if name not in vocabulary.symbols else None  # g is no vector's name
-            keys = [_key(single)] if single is not None else [_key(x) for (x, *_) in named or ()]
-            if not keys and meant in self._own:
-                x = self._own[meant]
-                keys = self._keys(meant, x)
-                kind, rows = ("s", self._values[keys[0]]) if rank(x) == 0 else ("t", None)
-                found.setdefault(kind, rows or self._table([[key] for key in keys]))
-            asked = single or (table[0][0] if table else None)
-            found = {key: x for key, x in found.items() if x is not None}
-            if found and keys and any(key in self._values for key in keys):
-                found["q"] = self._number(keys[0])
-            if found and asked and name not in vocabulary.symbols and _is_of_bodies(asked):
-                found["bodies"] = 1
+        for name in dict.fromkeys((*sorted(self.vocabulary.known), *self._own, *self._called)):
+            meaning = self._meaning(name)
             if name not in ("t", "pi"):
-                yield name, found
+                yield name, meaning
+
+    def _meaning(self, name: str) -> dict[str, Any]:
+        """What one name stands for."""
+        vocabulary, targets = self.vocabulary, self.targets
+        meant = vocabulary.aliases.get(name, self._called.get(name, name))
+        single, table = targets.single.get(meant), targets.tables.get(meant)
+        known = name in vocabulary.symbols or name in vocabulary.waves or single is not None
+        found: dict[str, Any] = {"s": self._scalar(name, single)} if known else {}
+        if table is not None:
+            found["t"] = self._table(_keys_of(table))
+        named = table if name not in vocabulary.symbols else None  # g is no vector's name
+        keys = [_key(single)] if single is not None else [_key(x) for (x, *_) in named or ()]
+        if not keys and meant in self._own:
+            keys = self._keys(meant, self._own[meant])
+            found = self._of_page(meant, keys) | found
+        found = {key: x for key, x in found.items() if x is not None}
+        asked = single or (table[0][0] if table else None)
+        return found | self._marks(name, asked, keys) if found else {}
+
+    def _marks(
+        self, name: str, asked: AskedQuantity | None, keys: list[_QuantityKey]
+    ) -> dict[str, int]:
+        """A quantity's number, and whether it is one of bodies."""
+        found: dict[str, int] = {}
+        if any(key in self._values for key in keys):
+            found["q"] = self._number(keys[0])
+        if asked and name not in self.vocabulary.symbols and _is_of_bodies(asked):
+            found["bodies"] = 1
+        return found
+
+    def _of_page(self, name: str, keys: list[_QuantityKey]) -> dict[str, Any]:
+        """A name of the page's own lines: a scalar, or a column of entries."""
+        if rank(self._own[name]) == 0:
+            return {"s": self._values[keys[0]]}
+        return {"t": self._table([[key] for key in keys])}
+
+    def _scalar(self, name: str, single: AskedQuantity | None) -> ValueSum | list[int] | None:
+        """The number that a name stands for: a symbol, a sine or cosine, or a quantity."""
+        vocabulary = self.vocabulary
+        if name in vocabulary.symbols:
+            return self._slots(vocabulary.symbols[name])
+        if name in vocabulary.waves:
+            function, angle = vocabulary.waves[name]
+            return [f"~{function}", *(x for x, _ in angle)]
+        return self._values.get(_key(single)) if single is not None else None
 
     def _table(self, keys: list[list[_QuantityKey]]) -> list[list[list[int]]] | None:
         if any(key not in self._values for row in keys for key in row):
@@ -507,6 +527,10 @@ class PageAnswers:
 def _key(target: AskedQuantity) -> _QuantityKey:
     """A key by which a quantity is told from others."""
     return target.kind, target.index, target.axis, target.words, target.joint
+
+
+def _keys_of(table: QuantityTable) -> list[list[_QuantityKey]]:
+    return [[_key(entry) for entry in row] for row in table]
 
 
 def _is_of_bodies(target: AskedQuantity) -> bool:

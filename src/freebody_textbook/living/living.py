@@ -140,12 +140,8 @@ def _parts(
         indices = {x["name"]: k for k, x in enumerate(inputs)}
         page[following.key] = following.page(kernel, indices)
     page |= {"inputs": inputs, "size": kernel.size}
-    axes = [labels.number(x) for x in ("xy" if plain.equations.symbols.model.dim == 2 else "XYZ")]
-    rods = [labels.number(x) for x in figure.rods]
-    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
-    points = marked.get("points", [])
-    page["figure"] = {"rule": dict(figure.rule), "axes": axes, "rods": rods, "points": points}
-    page["figure"] |= {"tip": tip} if tip else {}
+    axes = "xy" if plain.equations.symbols.model.dim == 2 else "XYZ"
+    page["figure"] = _figure(labels, axes, marked)
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
     script = _script().replace("PAGE", packed(page), 1)
@@ -160,6 +156,20 @@ def _parts(
         {own[step]: rows for step, rows in told.items()},
         f"{kernel.source(answers.symbols(inputs))}\n{script}",
     )
+
+
+def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, Any]:
+    """What the script draws beside the bodies: axes, rods, points, and the tip where there is
+    one."""
+    figure = labels.figure
+    drawn: dict[str, Any] = {
+        "rule": dict(figure.rule),
+        "axes": [labels.number(x) for x in axes],
+        "rods": [labels.number(x) for x in figure.rods],
+    }
+    tip = {"at": marked["tip"], "name": labels.number(figure.tip)} if marked["tip"] else None
+    drawn["points"] = marked.get("points", [])
+    return drawn | ({"tip": tip} if tip else {})
 
 
 def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:

@@ -48,14 +48,13 @@ class Statements:
     """Where values of parameters are told."""
 
 
-def statements(
+def _names(
     setting: RightEquations,
     document: AnswerDocument,
     names: Mapping[str, str],
     notation: BookNotation,
-    at: Mapping[str, Any] | str | None = None,
-) -> Statements:
-    """All that an answer states; at: the state of its numbers."""
+) -> tuple[Targets, Vocabulary]:
+    """Quantities and all names that an answer may be written with."""
     formulas = document.lexemes
     coefficients = (
         setting.turned is None
@@ -71,6 +70,31 @@ def statements(
         vocabulary.define(name, value)
     own_names.of_notation(vocabulary, targets, notation)
     own_names.of_user(vocabulary, targets, names)
+    return targets, vocabulary
+
+
+def _refuse_none_or_too_many(lines: Sequence[AnswerLine], has_others: bool) -> None:
+    """Refuse an answer without an equation or anything else, and one with too many."""
+    if not lines and not has_others:
+        raise AnswerError(
+            "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
+            "+ I2"
+        )
+    if len(lines) > MOST_EQUATIONS:
+        raise AnswerError(
+            f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
+        )
+
+
+def statements(
+    setting: RightEquations,
+    document: AnswerDocument,
+    names: Mapping[str, str],
+    notation: BookNotation,
+    at: Mapping[str, Any] | str | None = None,
+) -> Statements:
+    """All that an answer states; at: the state of its numbers."""
+    targets, vocabulary = _names(setting, document, names, notation)
     states = StateReader(vocabulary, targets)
     document, poses = singular_poses.taken_from(document, vocabulary, targets)
     document, numbers = taken_from(document, states, states.given(at))
@@ -82,15 +106,7 @@ def statements(
     for name in pending:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
-    if not lines and not reading.unread and not poses:
-        raise AnswerError(
-            "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
-            "+ I2"
-        )
-    if len(lines) > MOST_EQUATIONS:
-        raise AnswerError(
-            f"the answer has {len(lines)} equations; at most {MOST_EQUATIONS} are read"
-        )
+    _refuse_none_or_too_many(lines, bool(reading.unread or poses))
     claimed = ClaimReader(source, vocabulary, targets, numbers)
     for line in lines:
         with reading.passing_over(line):

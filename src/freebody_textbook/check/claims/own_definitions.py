@@ -13,6 +13,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, pair
 from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS
+from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.solved_quantities import SolvedQuantities
 from freebody_textbook.check.numbers.units import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
@@ -88,19 +89,8 @@ class OwnDefinitions(SolvedQuantities):
             return [line]
         is_taken = not self._is_free(name) and name not in self.own_coordinates(lines)
         if name in self.vocabulary.waves or name in self.setting.zeros or is_taken:
-            own, given = self.vocabulary.symbols.get(name), self._given(line[1])
-            if own is not None and given is not None and difference(own, given).is_zero:
-                self.source.fail(
-                    "both sides are the same: there is nothing to check", line[1][0].span
-                )
-            if self.setting.system is not None and not self._is_still(given):
-                return []  # a loop's equation, solved for a length
-            self.source.fail(
-                f"{self.source[first[0].span]} is a symbol of the model, not a result to be "
-                f"checked",
-                first[0].span,
-                _BY_FORMULA if name in self.setting.symbols.model.parameters else "",
-            )
+            self._refuse_symbol(name, line)
+            return []  # a loop's equation, solved for a length
         node = self.parse(line[1])
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         if self.targets.single.get(name) in given:
@@ -108,6 +98,20 @@ class OwnDefinitions(SolvedQuantities):
         self.define(name, node, given)
         self.own_sides[name] = line[1]
         return [line]
+
+    def _refuse_symbol(self, name: str, line: AnswerLine) -> None:
+        """Refuse to define a symbol of the model, but where a loop's equation is solved for it."""
+        own, given = self.vocabulary.symbols.get(name), self._given(line[1])
+        if own is not None and given is not None and difference(own, given).is_zero:
+            self.source.fail("both sides are the same: there is nothing to check", line[1][0].span)
+        if self.setting.system is not None and not self._is_still(given):
+            return
+        span = line[0][0].span
+        self.source.fail(
+            f"{self.source[span]} is a symbol of the model, not a result to be checked",
+            span,
+            _BY_FORMULA if name in self.setting.symbols.model.parameters else "",
+        )
 
     def _repeats_a_formula(self, name: str, line: AnswerLine) -> bool:
         """Whether a line says of a parameter that a formula gives only what that formula says."""
@@ -182,6 +186,18 @@ class OwnDefinitions(SolvedQuantities):
                 and not self._is_zero_vector(name, line)
                 and not self.says_that_the_base_moves(line)
             )
+        return self._is_other_number(name, line, lines, target, soft)
+
+    def _is_other_number(
+        self,
+        name: str,
+        line: AnswerLine,
+        lines: Sequence[AnswerLine],
+        target: AskedQuantity,
+        soft: bool,
+    ) -> bool:
+        """Whether a line gives a quantity's name to a number that the quantity cannot be; soft:
+        whether the name is often another's."""
         given = self._given(line[1])
         if isinstance(given, Ratio):
             return not target.kind.is_quotient

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from fractions import Fraction
 
@@ -36,12 +37,15 @@ class SolvedQuantities(FormulaReader):
         if self._is_position(line):
             return True
         names = {token.text for token in line[1] if token.kind == "name"}
-        by_quantities = any(
-            x in self.targets.names and x not in self.vocabulary.symbols for x in names
-        )
         if first.text in self.vocabulary.waves:
             tip = (x for x in names if x in self.targets.single)
             return any(self.targets.single[x].kind.has_legs for x in tip)
+        return self._is_of_motion(line, names)
+
+    def _is_of_motion(self, line: AnswerLine, names: Collection[str]) -> bool:
+        """Whether a line with one name on its left tells a coordinate, rate or acceleration by the
+        names on its right."""
+        first = line[0][0]
         value = self.vocabulary.symbols.get(first.text)
         moving = self._moving(value)
         is_asked = first.text in self.targets.single and not self.is_own(first.text)
@@ -55,6 +59,9 @@ class SolvedQuantities(FormulaReader):
             return True  # d3 = 0.74 m at θ1 = 40°
         if self.setting.is_free_body or self.setting.system is not None:
             return bool(names) or (self.setting.is_free_body and atom(moving).dots > 0)
+        by_quantities = any(
+            x in self.targets.names and x not in self.vocabulary.symbols for x in names
+        )
         return by_quantities or (atom(moving).dots == 2 and bool(names))
 
     def _is_position(self, line: AnswerLine) -> bool:

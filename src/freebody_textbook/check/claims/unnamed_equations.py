@@ -57,6 +57,10 @@ class UnnamedEquations(FormulaReader):
             )
         if self.setting.is_free_body:
             return self._identities(line)
+        return self._of_joints(line, before)
+
+    def _of_joints(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
+        """What an equation with two sides says of a robot with joints."""
         asked = self._asked(line)
         torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
         told = frozenset(asked.values()) | self._behind_own_names(line)

@@ -153,24 +153,32 @@ class _NumberSearch:
             start, values, end, word = self._list_behind_words(match.stop)
             is_alone = not self._is_result(values) and _SENTENCE_END.at(self.lexemes, end)
             if values and (word in _KEYWORDS or is_alone):
-                begun = self.standing[-1].state if self.standing else {}
-                moving = {name for name in values if not self._is_constant(name)}
-                if moving & set(begun):  # another state
-                    begun = {name: x for name, x in begun.items() if self._is_constant(name)}
-                colon = _COLON.at(self.lexemes, end)
-                still = AT_REST.at(self.lexemes, match.stop) is not None
-                told = (word in _KEYWORDS or still) and moving and _INTRODUCES.at(self.lexemes, end)
-                first, last = (match.start, end) if colon or told else (start, end)
-                last = colon.stop if colon else last
-                self.standing.append(
-                    StandingState(
-                        self._end(end),
-                        {**begun, **values},
-                        bool(colon or told),
-                        len(self.text) if still else self._paragraph_end(last),
-                    )
-                )
-                self._take(self._start(first), self._end(last))
+                self._stand(match, (start, end), values, word in _KEYWORDS)
+
+    def _stand(
+        self, match: Match, place: tuple[int, int], values: GivenState, is_introduced: bool
+    ) -> None:
+        """Note a state that stands for what follows, values by name in a stretch of lexemes behind
+        a sentence's begin, and take its text."""
+        start, end = place
+        begun = self.standing[-1].state if self.standing else {}
+        moving = {name for name in values if not self._is_constant(name)}
+        if moving & set(begun):  # another state
+            begun = {name: x for name, x in begun.items() if self._is_constant(name)}
+        colon = _COLON.at(self.lexemes, end)
+        still = AT_REST.at(self.lexemes, match.stop) is not None
+        told = (is_introduced or still) and moving and _INTRODUCES.at(self.lexemes, end)
+        first, last = (match.start, end) if colon or told else (start, end)
+        last = colon.stop if colon else last
+        self.standing.append(
+            StandingState(
+                self._end(end),
+                {**begun, **values},
+                bool(colon or told),
+                len(self.text) if still else self._paragraph_end(last),
+            )
+        )
+        self._take(self._start(first), self._end(last))
 
     def _end_condition(self, k: int) -> None:
         """In general: from there on only values of parameters hold that were told before."""
@@ -260,18 +268,12 @@ class _NumberSearch:
         if self.is_taken[start] or not self.document.formulas[start].strip():
             return None
         at = match.stop
-        unit = self._unit(at, number[0])
-        behind_lines = unit and any(x.kind == "line" for x in self.lexemes[at : unit[1]])
-        if unit and behind_lines and _EQUALS.at(self.lexemes, unit[1]):
-            unit = None  # N = … on the next line
+        unit = self._unit_behind(at, number[0])
         stop = unit[1] if unit else at
         own, behind = self._clause(stop)
         if not (own or unit or "pm" in match or self.heads):
             return None
-        line = self._begin(number[0])
-        is_list = self.lexemes[number[0]].text == "]" or self.lexemes[number[0]].kind == "end"
-        if is_list:
-            line = self._behind_equals(0, number[0])
+        line = self._line_of(number[0])
         sign = self._behind_equals(line, number[0]) - 1
         begun = max(self._end(sign + 1), self._end(line))
         head = None if unit else self._unit_in_head(sign, number[0], at)
@@ -288,6 +290,19 @@ class _NumberSearch:
             (begun, end), self._end(line), (end, self._end(behind)),
             unit[0] if unit else head, match["within"], own,
         )  # fmt: skip
+
+    def _unit_behind(self, at: int, start: int) -> tuple[WrittenUnit, int] | None:
+        """The unit behind a number and where it ends; none where it is a name on the next line, N
+        = …."""
+        unit = self._unit(at, start)
+        behind_lines = unit and any(x.kind == "line" for x in self.lexemes[at : unit[1]])
+        return None if unit and behind_lines and _EQUALS.at(self.lexemes, unit[1]) else unit
+
+    def _line_of(self, k: int) -> int:
+        """The lexeme with which the equation begins whose number begins at k; of lists of numbers,
+        which may go over lines, the one behind the equals sign."""
+        is_list = self.lexemes[k].text == "]" or self.lexemes[k].kind == "end"
+        return self._behind_equals(0, k) if is_list else self._begin(k)
 
     def _expression(self, k: int) -> WrittenNumber | None:
         """The state behind an expression in symbols."""

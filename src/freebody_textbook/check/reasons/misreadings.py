@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 from freebody.expressions.grammar.atoms import atom
@@ -75,14 +75,9 @@ def _links(
 
     what = _kind(claim.target)
     name = next((x for x, target in targets.single.items() if _kind(target) == what), "")
-    found: dict[Expression, Expression] = {}
-    for node in work.values:
-        own_target = targets.single.get(node.name) if isinstance(node, Named) else None
-        if isinstance(node, Named) and own_target and own_target.kind.of_one_body:
-            new = of_link(own_target, node.name)
-            if new is None:  # a number that no link has
-                return
-            found[node] = replace(node, value=new.compute())
+    found = _of_links(targets, work, of_link)
+    if found is None:
+        return
     target = of_link(claim.target, name)
     if target is None and claim.target.kind.of_one_body:
         return
@@ -92,6 +87,24 @@ def _links(
     if found or target is not None:
         text = "Bodies are counted as the links of the robot's file."
         yield Misreading(found, text, text, False, target)
+
+
+def _of_links(
+    targets: Targets,
+    work: Workspace,
+    of_link: Callable[[AskedQuantity | None, str], AskedQuantity | None],
+) -> dict[Expression, Expression] | None:
+    """Names of bodies' quantities in an answer with the values of the links of these numbers; None
+    where a number is that of no link."""
+    found: dict[Expression, Expression] = {}
+    for node in work.values:
+        own_target = targets.single.get(node.name) if isinstance(node, Named) else None
+        if isinstance(node, Named) and own_target and own_target.kind.of_one_body:
+            new = of_link(own_target, node.name)
+            if new is None:
+                return None
+            found[node] = replace(node, value=new.compute())
+    return found
 
 
 def _kind(target: AskedQuantity) -> tuple[object, ...]:

@@ -208,6 +208,12 @@ class _AtStates:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
+        return self._wrong_only_here(found, explain, by_functions)
+
+    def _wrong_only_here(
+        self, found: Agreement, explain: bool, by_functions: bool
+    ) -> EquationVerdict | None:
+        """Wrong, where numbers alone can tell it or a mistake explains it; else None."""
         only_here = by_functions or self._is_by_loops
         if not (only_here or self._goes_another_way):
             return None
