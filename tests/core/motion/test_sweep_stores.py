@@ -165,7 +165,9 @@ def test_functions_are_known_again_by_the_globals_that_they_read(monkeypatch):
     """Also those of functions that they call; in another process the same."""
     first = fingerprint(gained)
     script = "import test_sweep_stores as t; print(t.digest(t.fingerprint(t.gained)))"
-    paths = os.pathsep.join([str(Path(__file__).parents[2]), str(Path(fb.__file__).parents[1])])
+    here = Path(__file__)
+    folders = (here.parent, here.parents[2], Path(fb.__file__).parents[1])
+    paths = os.pathsep.join(map(str, folders))
     environment = {**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": "1"}
     printed = subprocess.run(
         [sys.executable, "-c", script], env=environment, capture_output=True, text=True
