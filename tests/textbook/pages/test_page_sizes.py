@@ -8,7 +8,7 @@ import pytest
 import freebody as fb
 from support.formula_font import lacking
 
-LARGEST = 640_000  # bytes
+LARGEST = 660_000  # bytes
 LONG = {"3RRR", "bricard", "double_four_bar", "five_bar", "five_bar_rods", "four_bar", "stewart"}
 
 
