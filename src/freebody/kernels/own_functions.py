@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
-from itertools import count
-from math import prod
 from numbers import Real
 from operator import index
 from typing import Any
@@ -15,8 +13,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
 from freebody.identifiers import is_identifier
-from freebody.program import Argument, ProgramError, trace
-from freebody.scalars.dual import Dual, Outer, slopes, value
+from freebody.program import Argument, Program, ProgramError, trace
+from freebody.program.derivative import Directions, differentiated
 from freebody.scalars.expr import Expr
 from freebody.scalars.nodes import GraphError
 from freebody.targets import Kernel, compile_program
@@ -82,33 +80,24 @@ def compile(  # noqa: A001  the name that users look for
     name = getattr(function, "__name__", "")
     name = name if is_identifier(name) else "compiled"
     _require_parameters(function, name, [x.name for x in taken])
+    shapes = {x.name: x.shape for x in taken}
     chosen = (by,) if isinstance(by, str) else tuple(by)
     for label in chosen:
         if label not in inputs:
             raise UnknownNameError("input", label, "by=", inputs)
 
-    shapes = {x.name: x.shape for x in taken}
+    labels = [x.name for x in taken]
 
     def evaluate(*values: Any) -> dict[str, Array]:
-        given = dict(zip((x.name for x in taken), values, strict=True))
-        directions = {label: shapes[label] for label in chosen}
-        results = _results(
-            name, wanted, _called(name, function, _differentiated(given, directions))
-        )
-        found = {label: _each(array, lambda x: value(x, Outer)) for label, array in results.items()}
-        for label, array in results.items():
-            for title, block in _derivatives(label, array, directions).items():
-                if title in found:
-                    raise ProgramError(
-                        f"fb.compile: {title} is both an output of {name} and a derivative; rename "
-                        f"it."
-                    )
-                found[title] = block
-        return found
+        given = dict(zip(labels, values, strict=True))
+        return _results(name, wanted, _called(name, function, given))
 
-    return compile_program(
-        trace(name, evaluate, taken, None), target=target, width=width, dtype=dtype
-    )
+    program = trace(name, evaluate, taken, None)
+    if chosen:
+        directions = {labels.index(label): Directions(shapes[label]) for label in chosen}
+        _require_derivatives(program, [labels[k] for k in directions])
+        program = differentiated(program, directions)
+    return compile_program(program, target=target, width=width, dtype=dtype)
 
 
 def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
@@ -176,8 +165,7 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
         ) from None
     except TypeError as problem:
         if not any(
-            word in str(problem)
-            for word in ("Expr", "Dual", "Outer", "ufunc", "dtype('O')", "object")
+            word in str(problem) for word in ("Expr", "Dual", "ufunc", "dtype('O')", "object")
         ):
             raise
         said = str(problem).rstrip(".")
@@ -189,17 +177,18 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
         ) from problem
 
 
-def _differentiated(
-    given: dict[str, Any], directions: dict[str, tuple[int, ...]]
-) -> dict[str, Any]:
-    """The inputs; the scalars of those with directions, in the order of these, each with a slope of
-    its own."""
-    number = count()
-
-    def lifted(x: Any) -> Any:
-        return tuple(map(lifted, x)) if isinstance(x, tuple) else Outer(x, {next(number): 1.0})
-
-    return given | {name: lifted(given[name]) for name in directions}
+def _require_derivatives(program: Program, by: Sequence[str]) -> None:
+    """Refuse derivatives of too many entries, and one that is called as an output is."""
+    outputs = [x.name for x in program.outputs]
+    count = sum(x.size for x in program.inputs if x.name in by)
+    for output in program.outputs:
+        _require_few(f"the derivatives of {output.name}", output.size * count)
+        for title in (f"d{output.name}_d{name}" for name in by):
+            if title in outputs:
+                raise ProgramError(
+                    f"fb.compile: {title} is both an output of {program.name} and a derivative; "
+                    f"rename it."
+                )
 
 
 def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> dict[str, Array]:
@@ -251,7 +240,7 @@ def _flat(title: str, name: str, nested: Any) -> tuple[tuple[int, ...], list[Any
         return nested.shape, [
             x for entry in nested.ravel().tolist() for x in _flat(title, name, entry)[1]
         ]
-    if isinstance(nested, Expr | Dual | Real):
+    if isinstance(nested, Expr | Real):
         return (), [nested]
     if not isinstance(nested, tuple | list):
         raise ProgramError(
@@ -267,26 +256,3 @@ def _flat(title: str, name: str, nested: Any) -> tuple[tuple[int, ...], list[Any
             "Several outputs are returned as a dict, {name: value}."
         )
     return (len(nested), *next(iter(shapes), ())), [x for _, flat in parts for x in flat]
-
-
-def _each(array: Array, function: Callable[[Any], Any]) -> Array:
-    made = np.empty(array.size, dtype=object)
-    made[:] = [function(x) for x in array.ravel().tolist()]
-    return made.reshape(array.shape)
-
-
-def _derivatives(
-    label: str, array: Array, directions: dict[str, tuple[int, ...]]
-) -> dict[str, Array]:
-    """The derivatives of one output by each of some inputs."""
-    sizes = [prod(shape) for shape in directions.values()]
-    _require_few(f"the derivatives of {label}", array.size * sum(sizes))
-    rows = [slopes(x, sum(sizes), Outer) for x in array.ravel().tolist()]
-    found, start = {}, 0
-    for (name, shape), size in zip(directions.items(), sizes, strict=True):
-        block = np.empty((array.size, size), dtype=object)
-        for row, every in zip(block, rows, strict=True):
-            row[:] = every[start : start + size]
-        found[f"d{label}_d{name}"] = block.reshape((*array.shape, *shape))
-        start += size
-    return found

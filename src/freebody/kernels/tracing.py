@@ -1,10 +1,9 @@
 """From formulas and a model to their program: what it takes and returns, the trace, and derivatives
-by any of its inputs, for which scalars have slopes in the trace."""
+by any of its inputs."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from freebody.algorithms.kinematics import position_rates
@@ -20,8 +19,8 @@ from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
-from freebody.scalars.dual import Outer, slopes, value
-from freebody.spatial import identity
+from freebody.program.derivative import Directions, differentiated
+from freebody.spatial import Vector, identity
 
 
 def program(
@@ -43,22 +42,21 @@ def program(
     inputs = arguments(model, names, option) if p is None else (*arguments(model, names, option), p)
     labels = [a.name for a in inputs]
     outputs = _outputs(model, names, option, fixed)
-    sizes = _directions(model, inputs, by)
+    directions = _directions(fixed, labels, inputs, by)
 
     def traced(ways: dict[str, Evaluation]) -> Program:
         def evaluate(*values: Any) -> tuple[Any, ...]:
-            given, tree = _lifted(dict(zip(labels, values, strict=True)), sizes, fixed, over)
+            given = dict(zip(labels, values, strict=True))
+            tree = fixed if over is None else over(given.pop("p"))
             if all(FORMULAS[name].by_motion for name in names):
                 tree = lightened(tree)  # no output shows the links one by one
-            results = tuple(
+            return tuple(
                 x for name in names for x in ways[name](tree, option, **chosen(name, given, option))
             )
-            return _with_slopes(results, outputs, sizes)
 
         try:
-            return trace(
-                "_".join(names), evaluate, inputs, (*outputs, *_slope_arguments(outputs, sizes))
-            )
+            plain = trace("_".join(names), evaluate, inputs, outputs)
+            return differentiated(plain, directions) if directions else plain
         except ZeroDivisionError:
             raise SingularError(
                 f"{', '.join(names)} of {model.name!r} divides by zero in every state: a joint "
@@ -163,79 +161,23 @@ def shape(
     return tuple(d if isinstance(d, int) else sizes[d]() for d in dims)
 
 
-def _directions(model: Model, inputs: Sequence[Argument], by: Sequence[str]) -> dict[str, int]:
-    """How many directions there are of each input by which the outputs are differentiated: of
-    positions nv, tangent ones; 0 stands for the one of a bare number."""
-    sizes = {a.name: model.nv if a.name in POSITIONS else a.size if a.shape else 0 for a in inputs}
-    for name in by:
-        if name not in sizes:
-            raise UnknownNameError("input", name, "by=", sizes)
-    return {name: sizes[name] for name in dict.fromkeys(by)}
+def _directions(
+    tree: Tree, labels: list[str], inputs: Sequence[Argument], by: Sequence[str]
+) -> dict[int, Directions]:
+    """The directions of each input by which the outputs are differentiated: of positions the nv
+    tangent ones."""
 
+    def tangent(q: Vector) -> list[Vector]:
+        return [position_rates(tree, q, unit) for unit in identity(tree.nv)]
 
-def _lifted(
-    given: dict[str, Any],
-    sizes: dict[str, int],
-    fixed: Tree,
-    over: Callable[[Sequence[Scalar]], Tree] | None,
-) -> tuple[dict[str, Any], Tree]:
-    """The inputs, some with slopes, and the tree over those of p."""
-    starts, start = {}, 0
-    for name, size in sizes.items():
-        starts[name], start = start, start + (size or 1)
-    plain = given
-    given = dict(given)
-    for name in sizes:
-        if name not in POSITIONS:
-            given[name] = _units(plain[name], itertools.count(starts[name]))
-    p = given.pop("p", None)
-    tree = fixed if over is None else over(p)
-    for name in sizes:
-        if name in POSITIONS:
-            q = plain[name]
-            along = [position_rates(tree, q, unit) for unit in identity(tree.nv)]
-            given[name] = tuple(
-                Outer(x, {starts[name] + k: rates[i] for k, rates in enumerate(along)})
-                for i, x in enumerate(q)
-            )
-    return given, tree
-
-
-def _units(scalars: Any, numbers: Iterator[int]) -> Any:
-    """Each scalar with a slope of its own, a matrix's row by row."""
-    if not isinstance(scalars, tuple):
-        return Outer(scalars, {next(numbers): 1.0})
-    return tuple(_units(x, numbers) for x in scalars)
-
-
-def _with_slopes(
-    results: tuple[Any, ...], outputs: Sequence[Argument], sizes: dict[str, int]
-) -> tuple[Any, ...]:
-    """The values, then of each result in turn its slopes by each of the inputs."""
-    if not sizes:
-        return results
-    count = sum(size or 1 for size in sizes.values())
-    found = [
-        _each(x, len(a.shape), lambda s: value(s, Outer))
-        for x, a in zip(results, outputs, strict=True)
-    ]
-    for x, a in zip(results, outputs, strict=True):
-        start = 0
-        for size in sizes.values():
-            at = slice(start, start + size) if size else start
-            found.append(_each(x, len(a.shape), lambda s, at=at: slopes(s, count, Outer)[at]))
-            start += size or 1
-    return tuple(found)
-
-
-def _slope_arguments(outputs: Sequence[Argument], sizes: dict[str, int]) -> tuple[Argument, ...]:
-    """d<output>_d<input> (*output, directions); by a bare number of the output's shape."""
-    return tuple(
-        Argument(f"d{a.name}_d{name}", (*a.shape, *((size,) if size else ())))
-        for a in outputs
-        for name, size in sizes.items()
-    )
-
-
-def _each(nested: Any, depth: int, function: Callable[[Any], Any]) -> Any:
-    return function(nested) if depth == 0 else tuple(_each(x, depth - 1, function) for x in nested)
+    found = {}
+    for name in dict.fromkeys(by):
+        if name not in labels:
+            raise UnknownNameError("input", name, "by=", labels)
+        given = inputs[labels.index(name)]
+        found[labels.index(name)] = (
+            Directions((tree.nv,), tangent)
+            if name in POSITIONS
+            else Directions((given.size,) if given.shape else ())
+        )
+    return found

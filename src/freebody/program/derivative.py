@@ -7,15 +7,43 @@ again, so it has derivatives too.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import count
-from typing import Any
+from math import prod
+from typing import Any, NamedTuple
 
 from freebody.elementary import Scalar
 from freebody.program.evaluate import evaluated, flat, free_prefix, nested
 from freebody.program.program import Argument, Program
 from freebody.program.tracer import trace
-from freebody.scalars.dual import Outer, slopes
+from freebody.scalars.dual import Outer, slopes, value
+
+
+class Directions(NamedTuple):
+    """Directions along which an input is differentiated: their core shape, and the rates of its
+    scalars along each, a row each, at a value; None: each scalar is a direction of its own."""
+
+    shape: tuple[int, ...]
+    rates: Callable[[Any], Sequence[Sequence[Scalar]]] | None = None
+
+
+def differentiated(program: Program, by: Mapping[int, Directions]) -> Program:
+    """The program's outputs, then of each in turn its derivatives by each of some inputs, called
+    dy_dx, (*output, *directions).
+
+    by: directions by positions among the inputs.
+    """
+    slopes = tuple(
+        Argument(f"d{y.name}_d{program.inputs[k].name}", (*y.shape, *directions.shape))
+        for y in program.outputs
+        for k, directions in by.items()
+    )
+
+    def evaluate(*given: Any) -> tuple[Any, ...]:
+        results, found = _with_slopes(program, by, given)
+        return (*results, *found)
+
+    return trace(program.name, evaluate, program.inputs, (*program.outputs, *slopes))
 
 
 def jacobian(program: Program, by: Sequence[int]) -> Program:
@@ -24,30 +52,40 @@ def jacobian(program: Program, by: Sequence[int]) -> Program:
     by: positions among the inputs. Outputs: of each output in turn one for each of these inputs,
     (*output, *input).
     """
-    inputs = [program.inputs[k] for k in by]
-    sizes = [argument.size for argument in inputs]
+    directions = {k: Directions(program.inputs[k].shape) for k in by}
 
     def evaluate(*given: Any) -> tuple[Any, ...]:
-        number = count()
-        lifted = list(given)
-        for k in by:
-            lifted[k] = nested(
-                [Outer(x, {next(number): 1.0}) for x in flat(given[k])], program.inputs[k].shape
-            )
-        tables = [
-            [slopes(x, sum(sizes), Outer) for x in flat(result)]
-            for result in evaluated(program, lifted)
-        ]
-        found = []
-        for table, output in zip(tables, program.outputs, strict=True):
-            start = 0
-            for argument, size in zip(inputs, sizes, strict=True):
-                entries = [s for row in table for s in row[start : start + size]]
-                found.append(nested(entries, (*output.shape, *argument.shape)))
-                start += size
-        return tuple(found)
+        return _with_slopes(program, directions, given)[1]
 
     return trace(f"{program.name}_jacobian", evaluate, program.inputs, slope_arguments(program, by))
+
+
+def _with_slopes(
+    program: Program, by: Mapping[int, Directions], given: Sequence[Any]
+) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """The outputs, and of each in turn the derivatives by each of some inputs."""
+    lifted, number = list(given), count()
+    for k, directions in by.items():
+        ways = [next(number) for _ in range(prod(directions.shape))]
+        rows = None if directions.rates is None else directions.rates(given[k])
+        slopes_of = (
+            ({way: 1.0} for way in ways)
+            if rows is None
+            else (dict(zip(ways, column, strict=True)) for column in zip(*rows, strict=True))
+        )
+        scalars = zip(flat(given[k]), slopes_of, strict=True)
+        lifted[k] = nested([Outer(x, of) for x, of in scalars], program.inputs[k].shape)
+    results, found, total = [], [], next(number)
+    for result, output in zip(evaluated(program, lifted), program.outputs, strict=True):
+        scalars, start = flat(result), 0
+        table = [slopes(x, total, Outer) for x in scalars]
+        results.append(nested([value(x, Outer) for x in scalars], output.shape))
+        for directions in by.values():
+            end = start + prod(directions.shape)
+            entries = [s for row in table for s in row[start:end]]
+            found.append(nested(entries, (*output.shape, *directions.shape)))
+            start = end
+    return tuple(results), tuple(found)
 
 
 def directional(program: Program, by: Sequence[int]) -> Program:
