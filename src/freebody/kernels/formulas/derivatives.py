@@ -22,6 +22,7 @@ from freebody.kernels.formulas.record import (
     Option,
     Output,
     along_every_direction,
+    one,
     seeded,
 )
 from freebody.model.tree import Tree
@@ -144,7 +145,7 @@ FORMULAS = {
     ),
     "inverse_dynamics_along": Formula(
         ("q", "qd", "qdd", "dq", "dqd"),
-        {"dtau": Output(("nv",), "change of tau along the direction (N m, N)")},
+        one("dtau", ("nv",), "change of tau along the direction (N m, N)"),
         _along,
         chains="open",
     ),

@@ -32,9 +32,9 @@ from freebody.kernels.formulas.record import (
     Fetch,
     Formula,
     Option,
-    Output,
     at_driven_joints,
     external,
+    one,
     still,
 )
 from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
@@ -138,7 +138,7 @@ def _coriolis_by_columns(
 FORMULAS = {
     "inverse_dynamics": Formula(
         ("q", "qd", "qdd", "wrenches"),
-        {"tau": Output(("nv",), "torques and forces of the joints (N m, N)")},
+        one("tau", ("nv",), "torques and forces of the joints (N m, N)"),
         _inverse,
         by_motion=True,
         settled="partition",
@@ -146,7 +146,7 @@ FORMULAS = {
     ),
     "forward_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
-        {"qdd": Output(("nv",), "accelerations (rad/s^2, m/s^2)")},
+        one("qdd", ("nv",), "accelerations (rad/s^2, m/s^2)"),
         _forward,
         by_motion=True,
         settled="equations",
@@ -157,7 +157,7 @@ FORMULAS = {
     ),
     "mass_matrix": Formula(
         ("q",),
-        {"M": Output(("nv", "nv"), "mass matrix (kg m^2, kg)")},
+        one("M", ("nv", "nv"), "mass matrix (kg m^2, kg)"),
         lambda t, o, q: (crba(t, q),),
         by_motion=True,
         by_columns=mass_by_columns,
@@ -165,7 +165,7 @@ FORMULAS = {
     ),
     "mass_matrix_inverse": Formula(
         ("q",),
-        {"Minv": Output(("nv", "nv"), "inverse of the mass matrix (1/(kg m^2), 1/kg)")},
+        one("Minv", ("nv", "nv"), "inverse of the mass matrix (1/(kg m^2), 1/kg)"),
         lambda t, o, q: (mass_matrix_inverse(t, q),),
         chains="open",
         by_columns=_inverse_mass_by_columns,
@@ -173,50 +173,46 @@ FORMULAS = {
     ),
     "mass_product": Formula(
         ("q", "x"),
-        {"Mx": Output(("nv",), "mass matrix times x")},
+        one("Mx", ("nv",), "mass matrix times x"),
         lambda t, o, q, x: (mass_product(t, q, x),),
         touches=(*INERTIAL, ROTORS),
     ),
     "coriolis_matrix": Formula(
         ("q", "qd"),
-        {"C": Output(("nv", "nv"), "Coriolis matrix (N m s/rad, N s/m)")},
+        one("C", ("nv", "nv"), "Coriolis matrix (N m s/rad, N s/m)"),
         lambda t, o, q, qd: (coriolis_matrix(t, q, qd),),
         by_columns=_coriolis_by_columns,
         touches=INERTIAL,
     ),
     "coriolis_product": Formula(
         ("q", "qd", "x"),
-        {"Cx": Output(("nv",), "Coriolis matrix times x")},
+        one("Cx", ("nv",), "Coriolis matrix times x"),
         lambda t, o, q, qd, x: (coriolis_product(t, q, qd, x),),
         touches=INERTIAL,
     ),
     "bias": Formula(
         ("q", "qd"),
-        {"bias": Output(("nv",), "torques at zero accelerations (N m, N)")},
+        one("bias", ("nv",), "torques at zero accelerations (N m, N)"),
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
         touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(
         ("q",),
-        {"g": Output(("nv",), "torques that balance gravity (N m, N)")},
+        one("g", ("nv",), "torques that balance gravity (N m, N)"),
         _gravity,
         touches=(MASSES,),
     ),
     "static_torque": Formula(
         ("q", "wrenches"),
-        {"tau": Output(("nv",), "torques that hold the robot still (N m, N)")},
+        one("tau", ("nv",), "torques that hold the robot still (N m, N)"),
         _static,
         settled="partition",
         touches=(MASSES,),
     ),
     "joint_wrenches": Formula(
         ("q", "qd", "qdd", "wrenches"),
-        {
-            "W": Output(
-                ("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)"
-            )
-        },
+        one("W", ("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)"),
         _wrenches,
         axes=("child",),
         chains="open",

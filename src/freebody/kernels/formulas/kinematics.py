@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from freebody.algorithms import inverse_rates, kinematics
 from freebody.kernels.formulas.record import (
     Formula,
     Option,
-    Output,
     along_every_direction,
     frame_of,
+    one,
     still,
 )
 from freebody.model.doubts import MASSES
@@ -60,119 +61,90 @@ def _jacobian_by_position(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
 
 _AXES = ("body",)
 
+_along_rows = partial(
+    Formula, of_frame=True, of_rows=True, free_rows=True, chains="open", touches=()
+)
+_in_axes = partial(Formula, of_frame=True, axes=_AXES, touches=())
+_of_frame = partial(Formula, of_frame=True, touches=())
+
 FORMULAS = {
-    "forward_kinematics": Formula(
+    "forward_kinematics": _of_frame(
         ("q",),
-        {"T": Output(("pose", "pose"), "pose of the frame in the world, homogeneous matrix (m)")},
+        one("T", ("pose", "pose"), "pose of the frame in the world, homogeneous matrix (m)"),
         _pose,
-        of_frame=True,
-        touches=(),
     ),
-    "velocity": Formula(
+    "velocity": _of_frame(
         ("q", "qd", "point"),
-        {"V": Output(("six",), "velocity of the point, then angular velocity (m/s, rad/s)")},
+        one("V", ("six",), "velocity of the point, then angular velocity (m/s, rad/s)"),
         _velocity,
-        of_frame=True,
-        touches=(),
     ),
-    "acceleration": Formula(
+    "acceleration": _of_frame(
         ("q", "qd", "qdd", "point"),
-        {
-            "A": Output(
-                ("six",), "acceleration of the point, then angular acceleration (m/s^2, rad/s^2)"
-            )
-        },
+        one("A", ("six",), "acceleration of the point, then angular acceleration (m/s^2, rad/s^2)"),
         _acceleration,
-        of_frame=True,
-        touches=(),
     ),
-    "jacobian": Formula(
+    "jacobian": _in_axes(
         ("q",),
-        {"J": Output(("six", "nv"), "Jacobian of the frame: rows linear, then angular")},
+        one("J", ("six", "nv"), "Jacobian of the frame: rows linear, then angular"),
         _jacobian,
-        of_frame=True,
-        axes=_AXES,
-        touches=(),
     ),
-    "jacobian_dot": Formula(
+    "jacobian_dot": _in_axes(
         ("q", "qd"),
-        {"Jd": Output(("six", "nv"), "rate of the Jacobian")},
+        one("Jd", ("six", "nv"), "rate of the Jacobian"),
         _jacobian_dot,
-        of_frame=True,
-        axes=_AXES,
-        touches=(),
     ),
-    "jacobian_derivatives": Formula(
+    "jacobian_derivatives": _in_axes(
         ("q",),
-        {"dJ_dq": Output(("six", "nv", "nv"), "derivative of the Jacobian with respect to q")},
+        one("dJ_dq", ("six", "nv", "nv"), "derivative of the Jacobian with respect to q"),
         _jacobian_by_position,
-        of_frame=True,
-        axes=_AXES,
-        touches=(),
     ),
-    "inverse_velocity": Formula(
+    "inverse_velocity": _along_rows(
         ("q", "V_ref"),
-        {
-            "qd": Output(
-                ("nv",),
-                "rates of least norm that move the frame so; NaN next to a singularity (rad/s, "
-                "m/s)",
-            )
-        },
+        one(
+            "qd",
+            ("nv",),
+            "rates of least norm that move the frame so; NaN next to a singularity (rad/s, m/s)",
+        ),
         lambda t, o, q, V_ref: (inverse_rates.inverse_velocity(t, q, frame_of(o), o.rows, V_ref),),
-        of_frame=True,
-        of_rows=True,
-        free_rows=True,
-        chains="open",
-        touches=(),
     ),
-    "inverse_acceleration": Formula(
+    "inverse_acceleration": _along_rows(
         ("q", "qd", "A_ref"),
-        {
-            "qdd": Output(
-                ("nv",),
-                "accelerations of least norm that move the frame so; NaN next to a singularity "
-                "(rad/s^2, m/s^2)",
-            )
-        },
+        one(
+            "qdd",
+            ("nv",),
+            "accelerations of least norm that move the frame so; NaN next to a singularity "
+            "(rad/s^2, m/s^2)",
+        ),
         lambda t, o, q, qd, A_ref: (
             inverse_rates.inverse_acceleration(t, q, qd, frame_of(o), o.rows, A_ref),
         ),
-        of_frame=True,
-        of_rows=True,
-        free_rows=True,
-        chains="open",
-        touches=(),
     ),
-    "tip_wrench": Formula(
+    "tip_wrench": _of_frame(
         ("q", "tau"),
-        {
-            "wrench": Output(
-                ("six",),
-                "force, then moment of the frame on its surroundings with torques tau alone; NaN "
-                "next to a singularity (N, N m)",
-            )
-        },
+        one(
+            "wrench",
+            ("six",),
+            "force, then moment of the frame on its surroundings with torques tau alone; NaN next "
+            "to a singularity (N, N m)",
+        ),
         lambda t, o, q, tau: (inverse_rates.tip_wrench(t, q, frame_of(o), tau),),
-        of_frame=True,
         chains="square",
-        touches=(),
     ),
     "center_of_mass": Formula(
         ("q",),
-        {"com": Output(("dim",), "centre of mass in the world (m)")},
+        one("com", ("dim",), "centre of mass in the world (m)"),
         lambda t, o, q: (kinematics.centre_of_mass(t, q),),
         touches=(MASSES,),
     ),
     "integrate": Formula(
         ("q", "v"),
-        {"q1": Output(("nq",), "positions after the displacement")},
+        one("q1", ("nq",), "positions after the displacement"),
         lambda t, o, q, v: (kinematics.moved(t, q, v),),
         touches=(),
     ),
     "difference": Formula(
         ("q0", "q1"),
-        {"v": Output(("nv",), "displacement from q0 to q1 (rad, m)")},
+        one("v", ("nv",), "displacement from q0 to q1 (rad, m)"),
         lambda t, o, q0, q1: (kinematics.between(t, q0, q1),),
         touches=(),
     ),

@@ -3,6 +3,7 @@ chains."""
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from freebody.algorithms import kinematics
@@ -20,7 +21,15 @@ from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loo
 from freebody.algorithms.loop_rates import led, nearest
 from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.rnea import joint_wrenches, rnea
-from freebody.kernels.formulas.record import Formula, Option, Output, external, partition_of, seeded
+from freebody.kernels.formulas.record import (
+    Formula,
+    Option,
+    Output,
+    external,
+    one,
+    partition_of,
+    seeded,
+)
 from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
 from freebody.scalars.dual import slopes
@@ -111,48 +120,38 @@ def _balance(
 _WRENCH = "force, then moment (N, N m)"
 _AXES = ("child",)
 
+_by_loops = partial(Formula, chains="closed", settled="loops", touches=())
+_geometric = partial(Formula, touches=())
+
 FORMULAS = {
-    "constraint": Formula(
+    "constraint": _geometric(
         ("q",),
-        {
-            "Phi": Output(
-                ("constraints",), "loop equations, zero where the loops are closed (m, or no unit)"
-            )
-        },
+        one(
+            "Phi",
+            ("constraints",),
+            "loop equations, zero where the loops are closed (m, or no unit)",
+        ),
         lambda t, o, q: (constraint(t, q),),
-        touches=(),
     ),
-    "constraint_jacobian": Formula(
+    "constraint_jacobian": _geometric(
         ("q",),
-        {
-            "Phi_q": Output(
-                ("constraints", "nv"), "derivative of the loop equations along the rates"
-            )
-        },
+        one("Phi_q", ("constraints", "nv"), "derivative of the loop equations along the rates"),
         lambda t, o, q: (constraint_jacobian(t, q),),
-        touches=(),
     ),
-    "constraint_bias": Formula(
+    "constraint_bias": _geometric(
         ("q", "qd"),
-        {"c": Output(("constraints",), "right-hand side of Phi_q qdd = c")},
+        one("c", ("constraints",), "right-hand side of Phi_q qdd = c"),
         lambda t, o, q, qd: (constraint_bias(t, q, qd),),
-        touches=(),
     ),
-    "constraint_rate": Formula(
+    "constraint_rate": _geometric(
         ("q", "qd"),
-        {"Phid": Output(("constraints",), "rate of the loop equations")},
+        one("Phid", ("constraints",), "rate of the loop equations"),
         lambda t, o, q, qd: (constraint_rate(t, q, qd),),
-        touches=(),
     ),
-    "constraint_jerk": Formula(
+    "constraint_jerk": _geometric(
         ("q", "qd", "x"),
-        {
-            "jerk": Output(
-                ("constraints",), "third derivative of the loop equations at accelerations x"
-            )
-        },
+        one("jerk", ("constraints",), "third derivative of the loop equations at accelerations x"),
         _jerk,
-        touches=(),
     ),
     "constrained_dynamics": Formula(
         ("q", "qd", "tau", "wrenches"),
@@ -167,67 +166,50 @@ FORMULAS = {
         },
         _constrained,
     ),
-    "loop_velocity": Formula(
+    "loop_velocity": _by_loops(
         ("q", "x"),
-        {"qd": Output(("nv",), "rates nearest to x that keep the loops closed (rad/s, m/s)")},
+        one("qd", ("nv",), "rates nearest to x that keep the loops closed (rad/s, m/s)"),
         _velocity,
-        chains="closed",
-        settled="loops",
-        touches=(),
     ),
-    "loop_acceleration": Formula(
+    "loop_acceleration": _by_loops(
         ("q", "qd", "x"),
-        {
-            "qdd": Output(
-                ("nv",), "accelerations nearest to x that keep the loops closed (rad/s^2, m/s^2)"
-            )
-        },
+        one(
+            "qdd", ("nv",), "accelerations nearest to x that keep the loops closed (rad/s^2, m/s^2)"
+        ),
         _acceleration,
-        chains="closed",
-        settled="loops",
-        touches=(),
     ),
-    "drive_torques": Formula(
+    "drive_torques": _geometric(
         ("q", "x"),
-        {
-            "tau": Output(
-                ("nv",),
-                "torques and forces of the drives that do what x does at all joints (N m, N)",
-            )
-        },
+        one(
+            "tau",
+            ("nv",),
+            "torques and forces of the drives that do what x does at all joints (N m, N)",
+        ),
         lambda t, o, q, x: (drive_torques(t, q, x, partition_of(o)),),
         chains="closed",
         settled="partition",
-        touches=(),
     ),
-    "loop_multipliers": Formula(
+    "loop_multipliers": _by_loops(
         ("q", "x"),
-        {"multipliers": Output(("constraints",), "one for each loop equation (N, N m)")},
+        one("multipliers", ("constraints",), "one for each loop equation (N, N m)"),
         lambda t, o, q, x: (loop_multipliers(t, q, x, partition_of(o)),),
-        chains="closed",
-        settled="loops",
-        touches=(),
     ),
     "closed_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"),
-        {"W": Output(("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}")},
+        one("W", ("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}"),
         _wrenches,
         axes=_AXES,
         touches=INERTIAL,
     ),
-    "loose_wrenches": Formula(
+    "loose_wrenches": _by_loops(
         ("q",),
-        {
-            "W": Output(
-                ("loose", "reactions", "six"),
-                f"wrenches that balance among themselves, of each joint and loop: {_WRENCH}",
-            )
-        },
+        one(
+            "W",
+            ("loose", "reactions", "six"),
+            f"wrenches that balance among themselves, of each joint and loop: {_WRENCH}",
+        ),
         _loose_wrenches,
         axes=_AXES,
-        chains="closed",
-        settled="loops",
-        touches=(),
     ),
     "balance": Formula(
         ("q", "qd", "qdd", "reactions", "wrenches"),

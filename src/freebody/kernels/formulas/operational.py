@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from freebody.algorithms.operational_space import (
@@ -9,7 +10,7 @@ from freebody.algorithms.operational_space import (
     operational_space,
     where_sure,
 )
-from freebody.kernels.formulas.record import Formula, Option, Output, frame_of
+from freebody.kernels.formulas.record import Formula, Option, frame_of, one
 from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector
@@ -19,43 +20,34 @@ def _sure(t: Tree, o: Option, q: Vector, values: Vector | Matrix) -> tuple[Any]:
     return (where_sure(t, q, frame_of(o), o.rows, values),)
 
 
+_along_rows = partial(Formula, of_frame=True, of_rows=True, free_rows=True, chains="open")
+
 FORMULAS = {
-    "operational_space_inertia": Formula(
+    "operational_space_inertia": _along_rows(
         ("q",),
-        {
-            "Lambda": Output(
-                ("rows", "rows"),
-                "inertia of the motion of the frame; NaN next to a singularity (kg, kg m, kg m^2)",
-            )
-        },
+        one(
+            "Lambda",
+            ("rows", "rows"),
+            "inertia of the motion of the frame; NaN next to a singularity (kg, kg m, kg m^2)",
+        ),
         lambda t, o, q: _sure(t, o, q, operational_space(t, q, None, frame_of(o), o.rows)[0]),
-        of_frame=True,
-        of_rows=True,
-        free_rows=True,
-        chains="open",
     ),
-    "operational_space_bias": Formula(
+    "operational_space_bias": _along_rows(
         ("q", "qd"),
-        {
-            "mu": Output(
-                ("rows",),
-                "bias of the motion of the frame: force, then moment; NaN as Lambda (N, N m)",
-            )
-        },
+        one(
+            "mu",
+            ("rows",),
+            "bias of the motion of the frame: force, then moment; NaN as Lambda (N, N m)",
+        ),
         lambda t, o, q, qd: _sure(t, o, q, operational_space(t, q, qd, frame_of(o), o.rows)[1]),
-        of_frame=True,
-        of_rows=True,
-        free_rows=True,
-        chains="open",
     ),
     "centroidal_momentum_matrix": Formula(
         ("q",),
-        {
-            "A": Output(
-                ("six", "nv"),
-                "factors of the rates in the momentum about the centre of mass (kg m, kg m^2)",
-            )
-        },
+        one(
+            "A",
+            ("six", "nv"),
+            "factors of the rates in the momentum about the centre of mass (kg m, kg m^2)",
+        ),
         lambda t, o, q: (centroidal_momentum_matrix(t, q),),
         touches=INERTIAL,
     ),

@@ -67,6 +67,11 @@ class Output(NamedTuple):
     meaning: str
 
 
+def one(name: str, dims: Dimensions, meaning: str) -> dict[str, Output]:
+    """The outputs of a formula that has one."""
+    return {name: Output(dims, meaning)}
+
+
 @dataclass(frozen=True)
 class Formula:
     """A computable quantity.

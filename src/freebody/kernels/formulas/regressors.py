@@ -6,7 +6,7 @@ from typing import Any
 
 from freebody.algorithms.crba import crba, factor, forward_dynamics, substitute
 from freebody.algorithms.regressor import energy_regressor, regressor
-from freebody.kernels.formulas.record import Formula, Option, Output
+from freebody.kernels.formulas.record import Formula, Option, one
 from freebody.model.tree import Tree
 from freebody.spatial import Vector, neg, transposed
 
@@ -24,30 +24,28 @@ def _forward_by_parameters(
 FORMULAS = {
     "regressor": Formula(
         ("q", "qd", "qdd"),
-        {"Y": Output(("nv", "parameters"), "factors of the inertial parameters in the torques")},
+        one("Y", ("nv", "parameters"), "factors of the inertial parameters in the torques"),
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
         touches=(),
     ),
     "energy_regressor": Formula(
         ("q", "qd"),
-        {
-            "E": Output(
-                (2, "parameters"),
-                "factors of the inertial parameters in the kinetic, then the potential energy",
-            )
-        },
+        one(
+            "E",
+            (2, "parameters"),
+            "factors of the inertial parameters in the kinetic, then the potential energy",
+        ),
         lambda t, o, q, qd: (energy_regressor(t, q, qd),),
         touches=(),
     ),
     "forward_dynamics_parameter_derivatives": Formula(
         ("q", "qd", "tau"),
-        {
-            "dqdd_dpi": Output(
-                ("nv", "parameters"),
-                "derivative of the accelerations with respect to the inertial parameters",
-            )
-        },
+        one(
+            "dqdd_dpi",
+            ("nv", "parameters"),
+            "derivative of the accelerations with respect to the inertial parameters",
+        ),
         _forward_by_parameters,
         chains="open",
     ),
