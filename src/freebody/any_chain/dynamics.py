@@ -6,7 +6,7 @@ does: `trees` with care, or `loops`, which is imported when the first closed cha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
 from freebody.arrays import Array
@@ -16,6 +16,7 @@ from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
 from freebody.trees.public_calls import (
+    CallKey,
     FrameWrenchTable,
     JointVector,
     careful,
@@ -74,12 +75,10 @@ def inverse_dynamics(
     Source: Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
     """
     if actuated is None and forces is None:
-        return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _inverse_dynamics)
+        return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _INVERSE)
     require_model("inverse_dynamics", model)
     if model.loops:
-        from freebody.loops import drive_torques as closed
-
-        return closed.inverse_dynamics(model, q, qd, qdd, wrenches, actuated, forces)
+        return _closed_inverse(model, q, qd, qdd, wrenches, actuated, forces)
     if actuated is not None:
         raise FreebodyError(
             f"inverse_dynamics: actuated= chooses among the joints of a closed chain; "
@@ -87,24 +86,7 @@ def inverse_dynamics(
         )
     given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
     (*motion, acting), loads = _checked("inverse_dynamics", model, given, wrenches)
-    key = "inverse_dynamics"
-    return evaluate(key, model, tuple(motion), None, loads, _inverse_dynamics) - acting
-
-
-def _inverse_dynamics(
-    function: str,
-    model: Model,
-    inputs: tuple[JointVector, ...],
-    _: None,
-    wrenches: FrameWrenchTable,
-) -> Any:
-    require_model(function, model)
-    if model.loops:
-        from freebody.loops import drive_torques as closed
-
-        q, qd, qdd = inputs
-        return closed.inverse_dynamics(model, q, qd, qdd, wrenches)
-    return careful(function, model, inputs, None, wrenches)
+    return evaluate("inverse_dynamics", model, tuple(motion), None, loads, _INVERSE) - acting
 
 
 def forward_dynamics(
@@ -152,7 +134,7 @@ def forward_dynamics(
         given = {"q": q, "qd": qd, "tau": tau, "forces": forces}
         (q, qd, tau, acting), wrenches = _checked("forward_dynamics", model, given, wrenches)
         tau = tau + acting
-    return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _forward_dynamics)
+    return evaluate("forward_dynamics", model, (q, qd, tau), None, wrenches, _FORWARD)
 
 
 def _checked(
@@ -162,24 +144,6 @@ def _checked(
     frames, arrays = checked_inputs(function, model, given, wrenches)
     loads = dict(zip(frames, arrays[len(given) :], strict=True))
     return arrays[: len(given)], loads or None
-
-
-def _forward_dynamics(
-    function: str,
-    model: Model,
-    inputs: tuple[JointVector, ...],
-    _: None,
-    wrenches: FrameWrenchTable,
-) -> Array:
-    require_model(function, model)
-    if model.loops:
-        from freebody.loops import accelerations as closed
-
-        q, qd, tau = inputs
-        return closed.forward_dynamics(model, q, qd, tau, wrenches)
-    result = where_all_move_mass(function, model, inputs, None, wrenches)
-    refuse_singular(function, model, result)
-    return result
 
 
 def static_torque(model: Model, q: JointVector, wrenches: FrameWrenchTable = None) -> Array:
@@ -207,22 +171,7 @@ def static_torque(model: Model, q: JointVector, wrenches: FrameWrenchTable = Non
     LoopError, SingularError
         As `inverse_dynamics` does.
     """
-    return evaluate("static_torque", model, (q,), None, wrenches, _static_torque)
-
-
-def _static_torque(
-    function: str,
-    model: Model,
-    inputs: tuple[JointVector, ...],
-    _: None,
-    wrenches: FrameWrenchTable,
-) -> Any:
-    require_model(function, model)
-    if model.loops:
-        from freebody.loops import drive_torques as closed
-
-        return closed.static_torque(model, inputs[0], wrenches)
-    return careful(function, model, inputs, None, wrenches)
+    return evaluate("static_torque", model, (q,), None, wrenches, _STATIC)
 
 
 def joint_wrenches(
@@ -262,25 +211,61 @@ def joint_wrenches(
         As `inverse_dynamics` does.
     """
     key = "joint_wrenches", reference
-    return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _joint_wrenches)
-
-
-def _joint_wrenches(
-    key: tuple[str, Any],
-    model: Model,
-    inputs: tuple[JointVector, ...],
-    option: Any,
-    wrenches: FrameWrenchTable,
-) -> Array:
-    function, reference = key
-    require_model(function, model)
-    if model.loops:
-        from freebody.any_chain.reactions import reactions
-
-        q, qd, qdd = inputs
-        return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
-    return careful(key, model, inputs, option, wrenches)
+    return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _WRENCHES)
 
 
 def _in_axes(model: Model, reference: str) -> Option:
     return Option(reference=checked_reference(reference, ("world", "child")))
+
+
+def _by_chain(
+    closed: Callable[..., Any], opened: Callable[..., Any] = careful
+) -> Callable[..., Any]:
+    """The answer where no kernel is ready: that of the room of the model's chains."""
+
+    def answer(
+        key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, wrenches: FrameWrenchTable
+    ) -> Any:
+        function, *choice = (key,) if isinstance(key, str) else key
+        require_model(function, model)
+        if model.loops:
+            return closed(model, *inputs, wrenches, *choice)
+        return opened(key, model, inputs, option, wrenches)
+
+    return answer
+
+
+def _closed_inverse(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.drive_torques import inverse_dynamics
+
+    return inverse_dynamics(model, *arguments)
+
+
+def _closed_forward(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.accelerations import forward_dynamics
+
+    return forward_dynamics(model, *arguments)
+
+
+def _closed_static(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.drive_torques import static_torque
+
+    return static_torque(model, *arguments)
+
+
+def _closed_wrenches(
+    model: Model, q: Any, qd: Any, qdd: Any, wrenches: FrameWrenchTable, reference: Any
+) -> Array:
+    from freebody.any_chain.reactions import reactions
+
+    return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
+
+
+def _opened_forward(function: str, model: Model, *arguments: Any) -> Array:
+    result = where_all_move_mass(function, model, *arguments)
+    refuse_singular(function, model, result)
+    return result
+
+
+_INVERSE, _STATIC = _by_chain(_closed_inverse), _by_chain(_closed_static)
+_FORWARD, _WRENCHES = _by_chain(_closed_forward, _opened_forward), _by_chain(_closed_wrenches)
