@@ -262,20 +262,6 @@ def test_a_line_stays_a_line(capsys: pytest.CaptureFixture[str]):
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_show_prints_the_program_after_each_pass(capsys: pytest.CaptureFixture[str]):
-    assert run(["show", "2R", "--graph", "mass_matrix"]) == 0
-    text = capsys.readouterr().out
-    assert "# traced: mass_matrix: q(2) -> M(2, 2);" in text
-    assert "# after 'share reciprocals'" in text
-    assert "# after 'schedule'" in text
-    assert "cos" in text
-    assert run(["show", "2R", "--graph", "mass"]) == 2
-    assert (
-        "no quantity 'mass' in freebody show --graph. Quantities: forward_kinematics"
-        in capsys.readouterr().err
-    )
-
-
 def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_written(
     capsys: pytest.CaptureFixture[str],
 ):

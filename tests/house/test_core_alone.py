@@ -73,7 +73,7 @@ def test_all_but_the_textbook_works_without_it(tmp_path):
     assert found["svg"].startswith("<svg")
     assert "det J = l₁ l₂ sin θ₂" in found["said"]
     page = (tmp_path / "study.html").read_text(encoding="utf-8")
-    assert "equations of motion: freebody_textbook is not installed" in page
+    assert "Equations of motion: freebody_textbook is not installed" in page
     assert found["runs"] == {
         "show": 0, "study": 0, "fbd": 0, "export": 0, "derive": 2, "check": 2, "help": 0,
     }  # fmt: skip

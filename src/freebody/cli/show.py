@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from freebody.cli import options, terminal
 from freebody.model import joint_table
@@ -26,27 +23,13 @@ _DEEPEST = 24
 
 
 @options.reading(*options.FILE, "estimate_inertia")
-def show(
-    robot: options.GivenRobot,
-    graph: Annotated[
-        str | None,
-        typer.Option(
-            metavar="QUANTITY",
-            help="Print the program of a quantity instead, such as inverse_dynamics: traced, "
-            "and after each pass.",
-        ),
-    ] = None,
-) -> None:
+def show(robot: options.GivenRobot) -> None:
     """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was
     read."""
     from rich.text import Text
 
     model = robot.load()
     out = terminal.out()
-    if graph is not None:
-        for text in _programs(model, graph):
-            out.print(text, markup=False, soft_wrap=True)
-        return
     out.print(Text(_heading(model)))
     if model.about:
         out.print(Text(model.about))
@@ -139,19 +122,3 @@ def _mobility(model: Model) -> str:
         return str(mobility(model, assemble(model)))
     except LoopError as problem:
         return f"not closed: {problem}"
-
-
-def _programs(model: Model, quantity: str) -> Iterator[str]:
-    """A heading and the listing for each stage of a quantity's program."""
-    from freebody.any_chain.kernel_options import chosen_option
-    from freebody.kernels.tracing import program
-    from freebody.program.passes import PASSES
-
-    names, option = chosen_option(model, quantity, function="freebody show --graph")
-    stage = program(model, names, option)
-    yield f"# traced: {stage}"
-    yield stage.listing()
-    for name, apply in PASSES.items():
-        stage = apply(stage)
-        yield f"\n# after {name!r}: {stage}"
-        yield stage.listing()

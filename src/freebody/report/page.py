@@ -92,7 +92,7 @@ def _equations(study: Study) -> Any:
     """The equations of motion where they are short, or the words that say which package they need;
     None where they are long."""
     try:
-        return beside.found(beside.EQUATIONS_OF_A_STUDY, "equations of motion").shown(study.model)
+        return beside.found(beside.EQUATIONS_OF_A_STUDY, "Equations of motion").shown(study.model)
     except MissingPackageError as problem:
         return str(problem)
 
