@@ -20,7 +20,7 @@ from freebody.targets.llvm.instructions import (
     functions,
     instructions,
 )
-from freebody.targets.llvm.lanes import Lanes
+from freebody.targets.llvm.lanes import Lanes, loaded, stored
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.sample_transfers import check_slots
@@ -157,8 +157,7 @@ def _arithmetic(
                 known = lanes.constant(program.constants[program.a[index]])
             else:
                 known = f"%v{index}"
-                lines.append(f"  %p{index} = getelementptr {v}, ptr %tile, i64 {step.loads[index]}")
-                lines.append(f"  {known} = load {v}, ptr %p{index}, align {align}")
+                lines.append(loaded(known, v, "%tile", step.loads[index], align=align))
             names[index] = known
         return known
 
@@ -170,14 +169,12 @@ def _arithmetic(
             op = CHOICE
         lines.append("  " + table[op].format(result, *operands))
         for position, slot in enumerate(step.stores.get(index, ())):
-            lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
-            lines.append(f"  store {v} {result}, ptr %q{index}.{position}, align {align}")
+            lines.append(stored(f"%q{index}.{position}", v, result, "%tile", slot, align=align))
     for index, slots in step.stores.items():
         if index not in computed:
             for position, slot in enumerate(slots):
-                value = name(index)
-                lines.append(f"  %q{index}.{position} = getelementptr {v}, ptr %tile, i64 {slot}")
-                lines.append(f"  store {v} {value}, ptr %q{index}.{position}, align {align}")
+                at, value = f"%q{index}.{position}", name(index)
+                lines.append(stored(at, v, value, "%tile", slot, align=align))
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
@@ -185,8 +182,7 @@ def _spread(lines: list[str], index: int, number: int, lanes: Lanes) -> str:
     """A uniform number in all lanes."""
     kind, v = lanes.real.name, lanes.v
     lines += [
-        f"  %u{index}.p = getelementptr {kind}, ptr %uniform, i64 {number}",
-        f"  %u{index} = load {kind}, ptr %u{index}.p, align {lanes.real.size}",
+        loaded(f"%u{index}", kind, "%uniform", number, align=lanes.real.size),
         f"  %u{index}.v = insertelement {v} poison, {kind} %u{index}, i64 0",
         f"  %v{index} = shufflevector {v} %u{index}.v, {v} poison, <{lanes.width} x i32> "
         f"zeroinitializer",
@@ -254,8 +250,7 @@ def _finite(every: Program, layout: SegmentedProgram, poison: int | None, lanes:
     seen = begin
     for k, slot in enumerate(check_slots(every, layout).values()):
         lines += [
-            f"  %at{k} = getelementptr {v}, ptr %tile, i64 {slot}",
-            f"  %check{k} = load {v}, ptr %at{k}, align {align}",
+            loaded(f"%check{k}", v, "%tile", slot, align=align),
             f"  %nothing{k} = fmul contract {v} %check{k}, zeroinitializer",
             f"  %seen{k} = fadd contract {v} {seen}, %nothing{k}",
         ]

@@ -7,7 +7,7 @@ import struct
 
 from freebody.program.program import Argument
 from freebody.targets.finite_check import UNIT
-from freebody.targets.llvm.lanes import DOUBLE, Real
+from freebody.targets.llvm.lanes import DOUBLE, Real, loaded
 
 _COUNT = 16  # offset in PyBytesObject of its length
 BYTES = 32
@@ -25,8 +25,7 @@ def are_unit(real: Real) -> str:
     lines = [
         "define internal i1 @fast.unit(ptr %units, ptr %data, ptr %steps, i64 %count) {",
         "entry:",
-        f"  %bytes.at = getelementptr i8, ptr %units, i64 {_COUNT}",
-        "  %bytes = load i64, ptr %bytes.at, align 8",
+        loaded("%bytes", "i64", "%units", _COUNT, of="i8"),
         f"  %first = getelementptr i8, ptr %units, i64 {BYTES}",
         "  %end = getelementptr i8, ptr %first, i64 %bytes",
         "  br label %more",
@@ -37,12 +36,9 @@ def are_unit(real: Real) -> str:
         "one:",
         f"  %next = getelementptr i8, ptr %pair, i64 {struct.calcsize(PAIR)}",
         "  %argument = load i64, ptr %pair, align 8",
-        "  %offset.at = getelementptr i64, ptr %pair, i64 1",
-        "  %offset = load i64, ptr %offset.at, align 8",
-        "  %array.at = getelementptr ptr, ptr %data, i64 %argument",
-        "  %array.first = load ptr, ptr %array.at, align 8",
-        "  %step.at = getelementptr i64, ptr %steps, i64 %argument",
-        "  %step = load i64, ptr %step.at, align 8",
+        loaded("%offset", "i64", "%pair", 1),
+        loaded("%array.first", "ptr", "%data", "%argument"),
+        loaded("%step", "i64", "%steps", "%argument"),
         "  br label %sample",
         "sample:",
         "  %array = phi ptr [%array.first, %one], [%array.next, %another]",
@@ -56,8 +52,7 @@ def are_unit(real: Real) -> str:
     for k in range(4):
         lines += [
             f"  %at{k} = getelementptr {real.name}, ptr %array, i64 %offset",
-            f"  %x{k}.at = getelementptr {real.name}, ptr %at{k}, i64 {k}",
-            f"  %{widened}x{k} = load {real.name}, ptr %x{k}.at, align {real.size}",
+            loaded(f"%{widened}x{k}", real.name, f"%at{k}", k, align=real.size),
             *([f"  %x{k} = fpext {real.name} %wx{k} to double"] if widened else []),
             f"  %xx{k} = fmul double %x{k}, %x{k}",
             *([f"  %sum{k} = fadd double %{'sum' if k > 1 else 'xx'}{k - 1}, %xx{k}"] if k else []),

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from freebody.program.program import Argument, Program
 from freebody.targets.llvm import fastchecks
-from freebody.targets.llvm.lanes import DOUBLE, Real
+from freebody.targets.llvm.lanes import DOUBLE, Real, loaded, stored
 
 _CONTIGUOUS_ALIGNED = 0x0001 | 0x0100
 _WRITEABLE = 0x0400
@@ -39,8 +39,7 @@ def text(program: Program, real: Real) -> str:
         *_outputs_given(inputs, outputs, real),
         *_outputs_made(inputs, outputs, real),
         "general:",
-        f"  %callable.at = getelementptr i8, ptr %self, i64 {_GENERAL}",
-        "  %callable = load ptr, ptr %callable.at, align 8",
+        loaded("%callable", "ptr", "%self", _GENERAL, of="i8"),
         "  %result = call ptr @PyObject_Vectorcall(ptr %callable, ptr %args, i64 %nargs, ptr "
         "%kwnames)",
         "  ret ptr %result",
@@ -116,10 +115,8 @@ def _counted(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> lis
         ),
         "  %batch = alloca i64, align 8",
         "  store i64 0, ptr %batch, align 8",
-        f"  %most.at = getelementptr i8, ptr %self, i64 {_MOST}",
-        "  %most.bytes = load ptr, ptr %most.at, align 8",
-        f"  %most.value = getelementptr i8, ptr %most.bytes, i64 {fastchecks.BYTES}",
-        "  %most = load i64, ptr %most.value, align 8",
+        loaded("%most.bytes", "ptr", "%self", _MOST, of="i8"),
+        loaded("%most", "i64", "%most.bytes", fastchecks.BYTES, of="i8"),
         f"  %all = icmp eq i64 %nargs, {len(inputs)}",
         f"  %but.last = icmp eq i64 %nargs, {len(inputs) - 1}",
         "  %right.count = or i1 %all, %but.last",
@@ -150,8 +147,7 @@ def _inputs_seen(inputs: _FastArguments, real: Real) -> list[str]:
         "  store i64 %count, ptr %dims, align 8",
         "  br i1 %checked, label %lengths, label %looked",
         "lengths:",
-        f"  %units.at = getelementptr i8, ptr %self, i64 {_UNITS}",
-        "  %units = load ptr, ptr %units.at, align 8",
+        loaded("%units", "ptr", "%self", _UNITS, of="i8"),
         "  %are.unit = call i1 @fast.unit(ptr %units, ptr %data, ptr %steps, i64 %count)",
         "  br i1 %are.unit, label %looked, label %general",
         "looked:",
@@ -223,11 +219,9 @@ def _named_out(outputs: int) -> list[str]:
         "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
         "  br i1 %no.names, label %look0, label %named",
         "named:",
-        f"  %names.at = getelementptr i8, ptr %kwnames, i64 {_COUNT}",
-        "  %names = load i64, ptr %names.at, align 8",
+        loaded("%names", "i64", "%kwnames", _COUNT, of="i8"),
         "  %one.name = icmp eq i64 %names, 1",
-        f"  %name.at = getelementptr i8, ptr %kwnames, i64 {_ITEMS}",
-        "  %name = load ptr, ptr %name.at, align 8",
+        loaded("%name", "ptr", "%kwnames", _ITEMS, of="i8"),
         "  %is.out = icmp eq ptr %name, @freebody.name.out",
         "  %only.out = and i1 %one.name, %is.out",
     ]
@@ -238,13 +232,11 @@ def _named_out(outputs: int) -> list[str]:
             "  br i1 %only.out, label %several, label %general",
             "several:",
             "  %tuple.given = load ptr, ptr %given.at, align 8",
-            f"  %kind.at = getelementptr i8, ptr %tuple.given, i64 {_TYPE}",
-            "  %kind = load ptr, ptr %kind.at, align 8",
+            loaded("%kind", "ptr", "%tuple.given", _TYPE, of="i8"),
             "  %is.tuple = icmp eq ptr %kind, @freebody.PyTuple_Type",
             "  br i1 %is.tuple, label %counting, label %general",
             "counting:",
-            f"  %length.at = getelementptr i8, ptr %tuple.given, i64 {_COUNT}",
-            "  %length = load i64, ptr %length.at, align 8",
+            loaded("%length", "i64", "%tuple.given", _COUNT, of="i8"),
             f"  %as.many = icmp eq i64 %length, {outputs}",
             "  br i1 %as.many, label %look0, label %general",
         ]
@@ -265,10 +257,8 @@ def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]
     lines, apart = ["  %others = sub i64 %count, 1"], "true"
     for k, argument in enumerate(arguments):
         lines += [
-            f"  %start.at{k} = getelementptr ptr, ptr %data, i64 {k}",
-            f"  %start{k} = load ptr, ptr %start.at{k}, align 8",
-            f"  %way.at{k} = getelementptr i64, ptr %steps, i64 {k}",
-            f"  %way{k} = load i64, ptr %way.at{k}, align 8",
+            loaded(f"%start{k}", "ptr", "%data", k),
+            loaded(f"%way{k}", "i64", "%steps", k),
             f"  %to.last{k} = mul i64 %way{k}, %others",
             f"  %last{k} = getelementptr i8, ptr %start{k}, i64 %to.last{k}",
             f"  %stop{k} = getelementptr i8, ptr %last{k}, i64 {size * argument.size}",
@@ -310,13 +300,13 @@ def _look(
         f"  %{'given.' if last else ''}slot{k} = getelementptr ptr, ptr {place}",
         *([f"  %slot{k} = select i1 %but.last, ptr %held.at, ptr %given.slot{k}"] if last else []),
         f"  %object{k} = load ptr, ptr %slot{k}, align 8",
-        *_field(k, "type", _TYPE, "ptr"),
+        _field(k, "type", _TYPE, "ptr"),
         f"  %is{k} = icmp eq ptr %type{k}, @freebody.PyArray_Type",
         f"  br i1 %is{k}, label %array{k}, label %{otherwise}",
         f"array{k}:",
-        *_field(k, "nd", _ND, "i32"),
-        *_field(k, "descr", _DESCR, "ptr"),
-        *_field(k, "flags", _FLAGS, "i32"),
+        _field(k, "nd", _ND, "i32"),
+        _field(k, "descr", _DESCR, "ptr"),
+        _field(k, "flags", _FLAGS, "i32"),
         f"  %masked{k} = and i32 %flags{k}, {flags}",
         f"  %is.one{k} = icmp eq i32 %nd{k}, {nd}",
         f"  %is.rows{k} = icmp eq i32 %nd{k}, {nd + 1}",
@@ -327,7 +317,7 @@ def _look(
         f"  %abc{k} = and i1 %ab{k}, %c{k}",
         f"  br i1 %abc{k}, label %shape{k}, label %general",
         f"shape{k}:",
-        *_field(k, "dims", _DIMS, "ptr"),
+        _field(k, "dims", _DIMS, "ptr"),
         f"  %axes{k} = zext i1 %is.rows{k} to i64",
         f"  %core.dims{k} = getelementptr i64, ptr %dims{k}, i64 %axes{k}",
         *([f"  br i1 %is.one{k}, label %core{k}, label %general"] if rows == "general" else rows),
@@ -336,17 +326,15 @@ def _look(
     fits = "true"
     for axis, size in enumerate(argument.shape):
         lines += [
-            f"  %at{k}.{axis} = getelementptr i64, ptr %core.dims{k}, i64 {axis}",
-            f"  %size{k}.{axis} = load i64, ptr %at{k}.{axis}, align 8",
+            loaded(f"%size{k}.{axis}", "i64", f"%core.dims{k}", axis),
             f"  %same{k}.{axis} = icmp eq i64 %size{k}.{axis}, {size}",
             f"  %fits{k}.{axis} = and i1 {fits}, %same{k}.{axis}",
         ]
         fits = f"%fits{k}.{axis}"
     return [
         *lines,
-        *_field(k, "buffer", _DATA, "ptr"),
-        f"  %entry{k} = getelementptr ptr, ptr %data, i64 {k + shift}",
-        f"  store ptr %buffer{k}, ptr %entry{k}, align 8",
+        _field(k, "buffer", _DATA, "ptr"),
+        stored(f"%entry{k}", "ptr", f"%buffer{k}", "%data", k + shift),
         f"  br i1 {fits}, label %look{k + 1}, label %general",
     ]
 
@@ -367,8 +355,7 @@ def _counts(k: int, argument: Argument, real: Real) -> list[str]:
         f"  %is.some{k} = and i1 %is.any{k}, %is.few{k}",
         f"  %good{k} = and i1 %agrees{k}, %is.some{k}",
         f"  store i64 %n{k}, ptr %batch, align 8",
-        f"  %step.at{k} = getelementptr i64, ptr %steps, i64 {k}",
-        f"  store i64 {real.size * argument.size}, ptr %step.at{k}, align 8",
+        stored(f"%step.at{k}", "i64", str(real.size * argument.size), "%steps", k),
         f"  br i1 %good{k}, label %core{k}, label %general",
     ]
 
@@ -396,17 +383,14 @@ def _float(k: int) -> list[str]:
         f"  br i1 %is.float{k}, label %number{k}, label %general",
         f"number{k}:",
         f"  %value{k} = getelementptr i8, ptr %object{k}, i64 {_VALUE}",
-        f"  %value.entry{k} = getelementptr ptr, ptr %data, i64 {k}",
-        f"  store ptr %value{k}, ptr %value.entry{k}, align 8",
+        stored(f"%value.entry{k}", "ptr", f"%value{k}", "%data", k),
         f"  br label %look{k + 1}",
     ]
 
 
-def _field(k: int, name: str, offset: int, kind: str) -> list[str]:
-    return [
-        f"  %{name}.at{k} = getelementptr i8, ptr %object{k}, i64 {offset}",
-        f"  %{name}{k} = load {kind}, ptr %{name}.at{k}, align {8 if kind == 'ptr' else 4}",
-    ]
+def _field(k: int, name: str, offset: int, kind: str) -> str:
+    align = 8 if kind == "ptr" else 4
+    return loaded(f"%{name}{k}", kind, f"%object{k}", offset, of="i8", align=align)
 
 
 def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
@@ -432,8 +416,7 @@ def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
         *_new(k, f"%nd{k}.made", f"%shape{k}.made", real),
         f"  %out{k} = getelementptr i8, ptr %new{k}, i64 0",
         f"  %out.data{k} = load ptr, ptr %out.at{k}, align 8",
-        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
-        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+        stored(f"%out.entry{k}", "ptr", f"%out.data{k}", "%data", position),
     ]
 
 
@@ -452,8 +435,7 @@ def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
         f"  br label %placed{k}",
         f"placed{k}:",
         f"  %out.data{k} = phi ptr [%row.data{k}, %new.{k}], [%cell{k}, %single{k}]",
-        f"  %out.entry{k} = getelementptr ptr, ptr %data, i64 {position}",
-        f"  store ptr %out.data{k}, ptr %out.entry{k}, align 8",
+        stored(f"%out.entry{k}", "ptr", f"%out.data{k}", "%data", position),
     ]
 
 

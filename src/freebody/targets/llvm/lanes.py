@@ -7,6 +7,23 @@ from dataclasses import dataclass
 from typing import Any
 
 
+def loaded(
+    name: str, kind: str, base: str, index: str | int, *, of: str = "", align: int = 8
+) -> str:
+    """Lines that load the entry of a table; of: the type that its entries are counted in, where it
+    is another."""
+    at = f"  {name}.p = getelementptr {of or kind}, ptr {base}, i64 {index}"
+    return f"{at}\n  {name} = load {kind}, ptr {name}.p, align {align}"
+
+
+def stored(
+    at: str, kind: str, value: str, base: str, index: str | int, *, of: str = "", align: int = 8
+) -> str:
+    """Lines that store the entry of a table, whose address is called `at`; of: as for `loaded`."""
+    place = f"  {at} = getelementptr {of or kind}, ptr {base}, i64 {index}"
+    return f"{place}\n  store {kind} {value}, ptr {at}, align {align}"
+
+
 @dataclass(frozen=True)
 class Real:
     """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 
 from freebody.program.program import Argument, Program
 from freebody.program.segments import SegmentedProgram
-from freebody.targets.llvm.lanes import Lanes
+from freebody.targets.llvm.lanes import Lanes, loaded, stored
 from freebody.targets.llvm.machine import Machine
 from freebody.targets.llvm.sample_transfers import check_slots, integers, transfers
 from freebody.targets.llvm.uniform import one_by_one
@@ -337,17 +337,14 @@ def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
     """Base and step of argument k, and whether the scalars of one sample lie one after the
     other."""
     lines = [
-        f"  %pbase{k} = getelementptr ptr, ptr %args, i64 {k}",
-        f"  %base{k} = load ptr, ptr %pbase{k}, align 8",
-        f"  %pstep{k} = getelementptr i64, ptr %steps, i64 {k}",
-        f"  %step{k} = load i64, ptr %pstep{k}, align 8",
+        loaded(f"%base{k}", "ptr", "%args", k),
+        loaded(f"%step{k}", "i64", "%steps", k),
         f"  %strides{k} = getelementptr i64, ptr %steps, i64 {core}",
     ]
     rows, natural = "true", size
     for d in reversed(range(len(argument.shape))):
         lines += [
-            f"  %pcore{k}.{d} = getelementptr i64, ptr %steps, i64 {core + d}",
-            f"  %core{k}.{d} = load i64, ptr %pcore{k}.{d}, align 8",
+            loaded(f"%core{k}.{d}", "i64", "%steps", core + d),
         ]
         if argument.shape[d] > 1:  # the stride along an axis of one entry means nothing
             lines.append(f"  %natural{k}.{d} = icmp eq i64 %core{k}.{d}, {natural}")
@@ -401,8 +398,7 @@ def _lane_table(k: int, width: int, last: str | None) -> list[str]:
     return [
         *lines,
         f"  %lane{tag} = mul {v} {numbers}, %step{tag}",
-        f"  %lane.at{tag} = getelementptr i64, ptr {table}, i64 {k * width}",
-        f"  store {v} %lane{tag}, ptr %lane.at{tag}, align 8",
+        stored(f"%lane.at{tag}", v, f"%lane{tag}", table, k * width, of="i64"),
     ]
 
 

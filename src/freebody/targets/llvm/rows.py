@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from freebody.targets.llvm.lanes import Lanes, Real
+from freebody.targets.llvm.lanes import Lanes, Real, loaded, stored
 
 
 def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
@@ -32,8 +32,7 @@ def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
         )
     if whole < size:
         looked = _load_block(lines, "r", str(whole), first, size - whole, looked, lanes)
-    lines.append(f"  %check = getelementptr {v}, ptr %tile, i64 {check}")
-    lines.append(f"  store {v} {looked}, ptr %check, align {lanes.size}")
+    lines.append(stored("%check", v, looked, "%tile", check, align=lanes.size))
     return "\n".join([*lines, "  ret void", "}", ""])
 
 
@@ -45,8 +44,7 @@ def _begin_rows(k: int, width: int) -> list[str]:
         "entry:",
     ]
     for lane in range(width):
-        lines.append(f"  %pl{lane} = getelementptr i64, ptr %lanes, i64 {lane}")
-        lines.append(f"  %l{lane} = load i64, ptr %pl{lane}, align 8")
+        lines.append(loaded(f"%l{lane}", "i64", "%lanes", lane))
         lines.append(f"  %row{lane} = getelementptr i8, ptr %at, i64 %l{lane}")
     return lines
 
@@ -84,8 +82,8 @@ def _load_block(
     names = _transpose(lines, tag, loaded, width, lanes.real)
     for column in range(columns):
         lines.append(f"  %{tag}o{column} = add i64 {j}, {first + column}")
-        lines.append(f"  %{tag}q{column} = getelementptr {v}, ptr %tile, i64 %{tag}o{column}")
-        lines.append(f"  store {v} {names[column]}, ptr %{tag}q{column}, align {lanes.size}")
+        at, place = f"%{tag}q{column}", f"%{tag}o{column}"
+        lines.append(stored(at, v, names[column], "%tile", place, align=lanes.size))
     return looked
 
 
@@ -135,8 +133,7 @@ def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
         lines.append("  br label %panel\npanel:\n  %j = phi i64 [ 0, %entry ], [ %j.next, %panel ]")
         lines.append(f"  %place = getelementptr i64, ptr @places{k}, i64 %j")
         for column in range(step):
-            lines.append(f"  %place.at{column} = getelementptr i64, ptr %place, i64 {column}")
-            lines.append(f"  %place{column} = load i64, ptr %place.at{column}, align 8")
+            lines.append(loaded(f"%place{column}", "i64", "%place", column))
         lines += _store_panel("p", "%j", [f"%place{column}" for column in range(step)], lanes)
         lines.append(
             f"  %j.next = add i64 %j, {step}\n  %more = icmp ult i64 %j.next, {looped}\n"
@@ -281,10 +278,8 @@ def _load_lanes(
     """`count` lanes of a slot from lane `start` on."""
     kind = lanes.real.name
     lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
-    lines.append(f"  %{name}.p = getelementptr {kind}, ptr %{name}.s, i64 {start}")
-    lines.append(
-        f"  %{name} = load <{count} x {kind}>, ptr %{name}.p, align {lanes.real.size * count}"
-    )
+    v, align = f"<{count} x {kind}>", lanes.real.size * count
+    lines.append(loaded(f"%{name}", v, f"%{name}.s", start, of=kind, align=align))
     return f"%{name}"
 
 

@@ -20,7 +20,7 @@ from freebody.targets.kernel import BatchLoop, Kernel
 from freebody.targets.llvm import cache as disk
 from freebody.targets.llvm.cpu import compiler_version
 from freebody.targets.llvm.emit import emit_single
-from freebody.targets.llvm.lanes import REALS, Real
+from freebody.targets.llvm.lanes import REALS, Real, loaded, stored
 from freebody.targets.llvm.loader import load
 from freebody.targets.llvm.loop import FLAGS
 from freebody.targets.llvm.machine import Machine, at_level, object_code
@@ -73,16 +73,13 @@ def _text(program: Program, machine: Machine) -> str:
     real, flags, begin, step = machine.real, FLAGS[machine.x86], [], []
     for k in range(len(program.inputs)):
         begin += [
-            f"  %start{k}.p = getelementptr ptr, ptr %addresses, i64 {k}",
-            f"  %start{k} = load ptr, ptr %start{k}.p, align 8",
-            f"  %move{k}.p = getelementptr i64, ptr %moves, i64 {k}",
-            f"  %move{k} = load i64, ptr %move{k}.p, align 8",
+            loaded(f"%start{k}", "ptr", "%addresses", k),
+            loaded(f"%move{k}", "i64", "%moves", k),
         ]
         step.append(f"  %at{k} = phi ptr [ %start{k}, %entry ], [ %next{k}, %step ]")
     for k in range(program.inputs[0].size):
         begin += [
-            f"  %first{k}.p = getelementptr {real.name}, ptr %start0, i64 {k}",
-            f"  %first{k} = load {real.name}, ptr %first{k}.p, align {real.size}",
+            loaded(f"%first{k}", real.name, "%start0", k, align=real.size),
         ]
         step.append(f"  %state{k} = phi {real.name} [ %first{k}, %entry ], [ %x{k}, %step ]")
     step += [
@@ -93,11 +90,9 @@ def _text(program: Program, machine: Machine) -> str:
     step += [f"  call void {piece}(ptr %tile, ptr null)" for piece in pieces]
     for k, node in enumerate(program.results):
         step += [
-            f"  %from{k} = getelementptr {real.name}, ptr %tile, i64 {layout.results[node]}",
-            f"  %found{k} = load {real.name}, ptr %from{k}, align {real.size}",
+            loaded(f"%found{k}", real.name, "%tile", layout.results[node], align=real.size),
             f"  %x{k} = select i1 {doubt}, {real.name} {real.constant(nan)}, {real.name} %found{k}",
-            f"  %to{k} = getelementptr {real.name}, ptr %next0, i64 {k}",
-            f"  store {real.name} %x{k}, ptr %to{k}, align {real.size}",
+            stored(f"%to{k}", real.name, f"%x{k}", "%next0", k, align=real.size),
         ]
     lines = [
         text,
@@ -131,15 +126,11 @@ def _inputs(lines: list[str], program: Program, real: Real) -> str:
         for start in [*range(0, last, width), last]:
             name = f"%in{k}.{start}"
             if k:
-                lines += [
-                    f"  {name}.p = getelementptr {real.name}, ptr %at{k}, i64 {start}",
-                    f"  {name} = load {v}, ptr {name}.p, align {real.size}",
-                ]
+                lines.append(loaded(name, v, f"%at{k}", start, of=real.name, align=real.size))
             else:
                 lines.append(f"  {name} = bitcast {real.name} %state{start} to {v}")
             lines += [
-                f"  {name}.q = getelementptr {real.name}, ptr %tile, i64 {place + start}",
-                f"  store {v} {name}, ptr {name}.q, align {real.size}",
+                stored(f"{name}.q", v, name, "%tile", place + start, of=real.name, align=real.size),
                 f"  {name}.m = fmul contract {v} {name}, zeroinitializer",
                 f"  {name}.s = fadd contract {v} {name}.m, {seen.get(width, 'zeroinitializer')}",
             ]

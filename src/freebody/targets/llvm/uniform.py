@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import nan
 
 from freebody.program.program import Program
-from freebody.targets.llvm.lanes import Lanes
+from freebody.targets.llvm.lanes import Lanes, loaded
 
 
 def gather(lanes: Lanes) -> str:
@@ -139,8 +139,7 @@ def one_by_one(program: Program) -> str:
     for k, argument in enumerate(program.inputs):
         if argument.uniform:
             lines += [
-                f"  %step.at{k} = getelementptr i64, ptr %steps, i64 {k}",
-                f"  %step{k} = load i64, ptr %step.at{k}, align 8",
+                loaded(f"%step{k}", "i64", "%steps", k),
                 f"  %other{k} = icmp ne i64 %step{k}, 0",
                 f"  %moves{k} = or i1 {moves}, %other{k}",
             ]

@@ -8,7 +8,7 @@ nobody waits for a thread that has not begun. A sample's numbers do not depend o
 from __future__ import annotations
 
 from freebody.program.program import Argument
-from freebody.targets.llvm.lanes import Real
+from freebody.targets.llvm.lanes import Real, loaded, stored
 from freebody.targets.threads import GRAIN
 from freebody.targets.xla.layout import OFFSETS, SIZES
 
@@ -18,8 +18,8 @@ class TextLines(list[str]):
 
     def field(self, name: str, kind: str, base: str, offset: int) -> str:
         """Load what lies at an offset."""
-        self.append(f"  %{name}.at = getelementptr i8, ptr {base}, i64 {offset}")
-        self.append(f"  %{name} = load {kind}, ptr %{name}.at, align {4 if kind == 'i32' else 8}")
+        align = 4 if kind == "i32" else 8
+        self.append(loaded(f"%{name}", kind, base, offset, of="i8", align=align))
         return f"%{name}"
 
     def entry(self, name: str, base: str, index: int) -> str:
@@ -28,9 +28,8 @@ class TextLines(list[str]):
 
     def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
         """Store something at an offset."""
-        name = f"%put{len(self)}"
-        self.append(f"  {name} = getelementptr i8, ptr {base}, i64 {offset}")
-        self.append(f"  store {kind} {value}, ptr {name}, align {4 if kind == 'i32' else 8}")
+        at, align = f"%put{len(self)}", 4 if kind == "i32" else 8
+        self.append(stored(at, kind, str(value), base, offset, of="i8", align=align))
 
     def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
         """Whether two numbers are equal."""
