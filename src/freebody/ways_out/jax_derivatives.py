@@ -13,7 +13,7 @@ import contextlib
 from collections.abc import Callable, Sequence
 from functools import cache
 from math import prod
-from typing import Any
+from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -66,9 +66,8 @@ class JaxFunction:
         given = _level(self.program.inputs, primals)
         rates = [tangents[k].reshape(given[k].shape) for k in by]
         every = tuple(range(len(results)))
-        changes = _linear.bind(
-            *given, *rates, function=self, by=by, of=every, back=None, matrix=False
-        )
+        products = _Products(self, by, every, None)
+        changes = _linear.bind(*given, *rates, products=products, matrix=False)
         return results, tuple(changes)
 
     def _along(self, by: _ArgumentPlaces) -> JaxFunction:
@@ -123,51 +122,66 @@ def _level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
     return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
 
 
+class _Products(NamedTuple):
+    """Products with the Jacobian of a function: if `back` is None of rates of the inputs `by`, and
+    the results are those of the outputs `of`. Else of its transpose with cotangents of the outputs
+    `of`, and the results are those of the inputs `by`, with the leading axes `back`."""
+
+    function: JaxFunction
+    by: _ArgumentPlaces
+    of: _ArgumentPlaces
+    back: Any
+
+    @property
+    def inputs(self) -> list[tuple[int, ...]]:
+        """Core shapes of the inputs `by`."""
+        return [self.function.program.inputs[k].shape for k in self.by]
+
+    @property
+    def outputs(self) -> list[tuple[int, ...]]:
+        """Core shapes of the outputs `of`."""
+        return [self.function.program.outputs[k].shape for k in self.of]
+
+    def batches(self, operands: Sequence[Any]) -> list[Any]:
+        """The leading axes of each operand."""
+        last = self.inputs if self.back is None else self.outputs
+        cores = (*(x.shape for x in self.function.program.inputs), *last)
+        return [x.shape[: x.ndim - len(core)] for x, core in zip(operands, cores, strict=True)]
+
+
 _linear = Primitive("freebody_linear")
-"""Operands: the inputs of a function; then, if `back` is None, rates of the inputs `by`, and the
-results are those of the outputs `of`. Else cotangents of the outputs `of`, and the results are
-those of the inputs `by`, with the leading axes `back`. All operands have equally many leading axes.
-matrix: whether through whole Jacobians."""
+"""Operands: the inputs of a function, then rates or cotangents, all with equally many leading axes.
+products: which. matrix: whether through whole Jacobians."""
 _linear.multiple_results = True
 
 
-def _evaluate(
-    *operands: Any,
-    function: JaxFunction,
-    by: _ArgumentPlaces,
-    of: _ArgumentPlaces,
-    back: Any,
-    matrix: bool,
-) -> JaxArrays:
+def _evaluate(*operands: Any, products: _Products, matrix: bool) -> JaxArrays:
     """The results of the operation, in terms of kernels that have derivatives themselves."""
+    function, by, of, back = products
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
     if not matrix and back is None:
         rates = function.along(by).call(*primals, *given)
         return tuple(rates[k] for k in of)
     if not matrix:
-        slopes = function.gradient(by, of).call(*primals, *given)
-        inputs = [function.program.inputs[k].shape for k in by]
-        return tuple(
-            _summed(x, (*batch, *shape))
-            for x, batch, shape in zip(slopes, back, inputs, strict=True)
-        )
-    how = function, by, of, back
-    results = _shared(*how, primals, given)
-    return _multiplied(*how, primals, given) if results is None else results
+        return _to_inputs(products, function.gradient(by, of).call(*primals, *given))
+    results = _shared(products, primals, given)
+    return _multiplied(products, primals, given) if results is None else results
 
 
-def _shared(
-    function: JaxFunction,
-    by: _ArgumentPlaces,
-    of: _ArgumentPlaces,
-    back: Any,
-    primals: JaxArrays,
-    given: JaxArrays,
-) -> JaxArrays | None:
+def _to_inputs(products: _Products, slopes: Sequence[Any]) -> JaxArrays:
+    """Cotangents of the inputs, summed over axes along which these were broadcast."""
+    shapes = zip(products.back, products.inputs, strict=True)
+    return tuple(
+        _summed(x, (*batch, *core)) for x, (batch, core) in zip(slopes, shapes, strict=True)
+    )
+
+
+def _shared(products: _Products, primals: JaxArrays, given: JaxArrays) -> JaxArrays | None:
     """The products with vectors that are the same for all samples, by a kernel that multiplies with
     them itself; None where others come, or too many."""
-    sizes = _batches(function.program, by, of, back, (*primals, *given))
+    function, by, of, back = products
+    sizes = products.batches((*primals, *given))
     values, vectors = (
         np.broadcast_shapes(*some) for some in (sizes[: len(primals)], sizes[len(primals) :])
     )
@@ -186,34 +200,23 @@ def _shared(
     one = [k for k in range(len(vectors)) if k not in many]
     sizes_of = [values[k] for k in one], [vectors[k] for k in many]
     if back is None:
-        cores = [function.program.outputs[k].shape for k in of]
         return tuple(
             _placed(
                 y.reshape(*sizes_of[0], *core, *sizes_of[1]), [*one, *range(-len(core), 0), *many]
             )
-            for y, core in zip(results, cores, strict=True)
+            for y, core in zip(results, products.outputs, strict=True)
         )
-    cores = [function.program.inputs[k].shape for k in by]
     made = [
         _placed(y.reshape(*sizes_of[0], *sizes_of[1], *core), [*one, *many, *range(-len(core), 0)])
-        for y, core in zip(results, cores, strict=True)
+        for y, core in zip(results, products.inputs, strict=True)
     ]
-    return tuple(
-        _summed(x, (*batch, *core)) for x, batch, core in zip(made, back, cores, strict=True)
-    )
+    return _to_inputs(products, made)
 
 
-def _multiplied(
-    function: JaxFunction,
-    by: _ArgumentPlaces,
-    of: _ArgumentPlaces,
-    back: Any,
-    primals: JaxArrays,
-    given: JaxArrays,
-) -> JaxArrays:
+def _multiplied(products: _Products, primals: JaxArrays, given: JaxArrays) -> JaxArrays:
     """The products with Jacobians as arrays."""
-    inputs = [function.program.inputs[k].shape for k in by]
-    outputs = [function.program.outputs[k].shape for k in of]
+    function, by, of, back = products
+    inputs, outputs = products.inputs, products.outputs
     every = function.matrices(by)(*primals)
     tables = [every[k * len(by) : (k + 1) * len(by)] for k in of]
     if back is None:
@@ -224,66 +227,48 @@ def _multiplied(
             )
             for row, out in zip(tables, outputs, strict=True)
         )
-    return tuple(
-        _summed(
-            sum(
-                _product(True, row[j], y, out, shape)
-                for row, y, out in zip(tables, given, outputs, strict=True)
-            ),
-            (*back[j], *shape),
+    slopes = [
+        sum(
+            _product(True, row[j], y, out, shape)
+            for row, y, out in zip(tables, given, outputs, strict=True)
         )
         for j, shape in enumerate(inputs)
-    )
-
-
-def _batches(
-    program: Any, by: _ArgumentPlaces, of: _ArgumentPlaces, back: Any, operands: Sequence[Any]
-) -> list[Any]:
-    """The leading axes of each operand."""
-    last = [program.inputs[k] for k in by] if back is None else [program.outputs[k] for k in of]
-    arguments = (*program.inputs, *last)
-    return [x.shape[: x.ndim - len(a.shape)] for x, a in zip(operands, arguments, strict=True)]
+    ]
+    return _to_inputs(products, slopes)
 
 
 @_linear.def_abstract_eval
-def _shapes(
-    *operands: Any,
-    function: JaxFunction,
-    by: _ArgumentPlaces,
-    of: _ArgumentPlaces,
-    back: Any,
-    matrix: bool,
-) -> Any:
-    program, dtype = function.program, operands[0].dtype
-    if back is None:
-        batch = np.broadcast_shapes(*_batches(program, by, of, back, operands))
-        shapes = [(*batch, *program.outputs[k].shape) for k in of]
+def _shapes(*operands: Any, products: _Products, matrix: bool) -> Any:
+    if products.back is None:
+        batch = np.broadcast_shapes(*products.batches(operands))
+        shapes = [(*batch, *core) for core in products.outputs]
     else:
-        shapes = [(*batch, *program.inputs[k].shape) for batch, k in zip(back, by, strict=True)]
-    return [ShapedArray(shape, dtype) for shape in shapes]
+        shapes = [(*x, *core) for x, core in zip(products.back, products.inputs, strict=True)]
+    return [ShapedArray(shape, operands[0].dtype) for shape in shapes]
 
 
-def _mapped(operands: Sequence[Any], axes: Sequence[int | None], **params: Any) -> Any:
+def _mapped(
+    operands: Sequence[Any], axes: Sequence[int | None], products: _Products, matrix: bool
+) -> Any:
     """The operation over one axis more; where many vectors come for the same values, through a
     matrix."""
-    count = len(params["function"].program.inputs)
+    count = len(products.function.program.inputs)
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [
         x[None] if axis is None else jnp.moveaxis(x, axis, 0)
         for x, axis in zip(operands, axes, strict=True)
     ]
-    if all(axis is None for axis in axes[:count]):
-        params["matrix"] = True
-    if params["back"] is not None:
-        params["back"] = tuple((size, *batch) for batch in params["back"])
-    results = _linear.bind(*moved, **params)
+    if products.back is not None:
+        products = products._replace(back=tuple((size, *batch) for batch in products.back))
+    matrix = matrix or all(axis is None for axis in axes[:count])
+    results = _linear.bind(*moved, products=products, matrix=matrix)
     return results, [0] * len(results)
 
 
 def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
     """The derivative of the operation: it is linear in its last operands, and in the others that of
     `_evaluate`."""
-    count = len(params["function"].program.inputs)
+    count = len(params["products"].function.program.inputs)
     results, changes = _linear.bind(*operands, **params), []
     moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
     if moving:
@@ -303,16 +288,11 @@ def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any
 
 
 def _transposed(
-    cotangents: Sequence[Any],
-    *operands: Any,
-    function: JaxFunction,
-    by: _ArgumentPlaces,
-    of: _ArgumentPlaces,
-    back: Any,
-    matrix: bool,
+    cotangents: Sequence[Any], *operands: Any, products: _Products, matrix: bool
 ) -> list[Any]:
     """The transpose of the operation, by the operands that are unknown, of the results that
     count."""
+    function, by, of, back = products
     count = len(function.program.inputs)
     primals, last = operands[:count], operands[count:]
     unknown = [k for k, x in enumerate(last) if ad.is_undefined_primal(x)]
@@ -326,15 +306,12 @@ def _transposed(
         wanted = tuple(by[k] for k in unknown)
         cores = [len(function.program.inputs[k].shape) for k in wanted]
         axes = tuple(shape[: len(shape) - core] for shape, core in zip(shapes, cores, strict=True))
-        kept = tuple(of[k] for k in counting)
-        results = _linear.bind(
-            *primals, *given, function=function, by=wanted, of=kept, back=axes, matrix=matrix
-        )
+        other = _Products(function, wanted, tuple(of[k] for k in counting), axes)
     else:
         kept, wanted = tuple(by[k] for k in counting), tuple(of[k] for k in unknown)
-        results = _linear.bind(
-            *primals, *given, function=function, by=kept, of=wanted, back=None, matrix=matrix
-        )
+        other = _Products(function, kept, wanted, None)
+    results = _linear.bind(*primals, *given, products=other, matrix=matrix)
+    if back is not None:
         results = [_summed(x, shape) for x, shape in zip(results, shapes, strict=True)]
     for k, result in zip(unknown, results, strict=True):
         found[count + k] = result
