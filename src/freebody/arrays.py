@@ -64,12 +64,13 @@ def is_count(value: object, least: int = 1) -> bool:
 
 
 def check_core(
-    function: str, argument: str, array: Array, core: tuple[int, ...], because: str
+    function: str, argument: str, array: Any, core: tuple[int, ...], because: str = ""
 ) -> None:
-    """Refuse an array whose last dimensions are not `core`."""
-    if array.shape[array.ndim - len(core) :] != core or array.ndim < len(core):
+    """Refuse an array, or another library's, whose last dimensions are not `core`."""
+    shape = tuple(array.shape)
+    if shape[len(shape) - len(core) :] != core or len(shape) < len(core):
         raise ShapeError(
-            function, argument, array.shape, f"(..., {', '.join(map(str, core))})", because
+            function, argument, shape, f"({', '.join(['...', *map(str, core)])})", because
         )
 
 

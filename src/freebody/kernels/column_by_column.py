@@ -20,7 +20,7 @@ from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.record import Fetch
 from freebody.lazy import cached_property
 from freebody.program import Argument, Program
-from freebody.targets import KernelError
+from freebody.targets.call_errors import require_count
 
 LARGEST = 64
 """Coordinates up to which a matrix is one straight-line program."""
@@ -72,15 +72,10 @@ class ColumnKernel(_InParts):
         return results[0] if len(results) == 1 else results
 
     def _check(self, arrays: tuple[ArrayLike, ...]) -> None:
-        if len(arrays) != len(self.inputs):
-            wanted = ", ".join(map(str, self.inputs))
-            raise KernelError(
-                f"{self.name}: {len(arrays)} arguments given, expected {len(self.inputs)}: "
-                f"{wanted}."
-            )
+        require_count(self.name, arrays, self.inputs)
         for argument, array in zip(self.inputs, arrays, strict=True):
             given = as_floats(self.name, argument.name, array)
-            check_core(self.name, argument.name, given, argument.shape, "")
+            check_core(self.name, argument.name, given, argument.shape)
 
     def __repr__(self) -> str:
         return f"ColumnKernel({self.name}: {', '.join(map(str, self.inputs))}; n = {self.n})"
@@ -107,11 +102,7 @@ class KernelList(_InParts):
         self, *arrays: ArrayLike, out: tuple[Array, ...] | None = None, threads: int | None = None
     ) -> Any:
         """The outputs in order; refuses what a `Kernel` refuses."""
-        if len(arrays) != len(self.inputs):
-            wanted = ", ".join(map(str, self.inputs))
-            raise KernelError(
-                f"{len(arrays)} arguments given, expected {len(self.inputs)}: {wanted}."
-            )
+        require_count("fb.kernel", arrays, self.inputs)
         cores = [len(argument.shape) for argument in self.inputs]
         values = [np.asarray(array) for array in arrays]
         batch = np.broadcast_shapes(

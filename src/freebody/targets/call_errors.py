@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from freebody.arrays import too_large
+from freebody.arrays import check_core, too_large
 from freebody.errors import FreebodyError, ShapeError, shown
 from freebody.program.program import Argument, Program
 from freebody.targets.target import KernelError
@@ -14,6 +15,44 @@ from freebody.targets.target import KernelError
 
 class BatchError(FreebodyError, ValueError):
     """Leading dimensions that do not broadcast."""
+
+    def __init__(self, function: str, shapes: Mapping[str, Any], what: str = "batch shapes"):
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        super().__init__(f"{function}: the {what} do not broadcast together: {listed}.")
+
+
+def require_count(function: str, given: Sequence[Any], inputs: Sequence[Argument]) -> None:
+    """Refuse a call with too few or too many arrays."""
+    if len(given) != len(inputs):
+        raise KernelError(
+            f"{function}: {len(given)} arguments given, expected {len(inputs)}: "
+            f"{', '.join(map(str, inputs))}."
+        )
+
+
+def require_real(function: str, argument: Argument, given: Any, wanted: Any) -> None:
+    """Refuse numbers of a type that is not converted to the kernel's."""
+    if not np.can_cast(given, wanted, "same_kind"):
+        raise KernelError(
+            f"{function}: {argument.name} holds {given} values, expected real numbers."
+        )
+
+
+def common_batch(
+    function: str,
+    inputs: Sequence[Argument],
+    arrays: Sequence[Any],
+    broadcast: Callable[..., tuple[int, ...]] = np.broadcast_shapes,
+) -> tuple[int, ...]:
+    """The batch shape of arrays, of any library's; refuses wrong core shapes."""
+    batches = {}
+    for argument, array in zip(inputs, arrays, strict=True):
+        check_core(function, argument.name, array, argument.shape)
+        batches[argument.name] = tuple(array.shape[: len(array.shape) - len(argument.shape)])
+    try:
+        return broadcast(*batches.values())
+    except (ValueError, RuntimeError):
+        raise BatchError(function, batches) from None
 
 
 def explained(
@@ -25,30 +64,14 @@ def explained(
         return too_large(
             program.name, dict(zip(names, map(np.asarray, arrays), strict=True)), problem
         )
-    name, inputs = program.name, program.inputs
-    if len(arrays) != len(inputs):
-        wanted = ", ".join(map(str, inputs))
-        return KernelError(
-            f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-        )
-    for array, argument in zip(arrays, inputs, strict=True):
-        given = np.asarray(array)
-        if not np.can_cast(given.dtype, dtype, "same_kind"):
-            return KernelError(
-                f"{name}: {argument.name} holds {given.dtype} values, expected real numbers."
-            )
-        core = len(argument.shape)
-        if given.ndim < core or given.shape[given.ndim - core :] != argument.shape:
-            expected = f"({', '.join(['...', *map(str, argument.shape)])})"
-            return ShapeError(name, argument.name, given.shape, expected)
-    shapes = [np.shape(x)[: np.ndim(x) - len(i.shape)] for x, i in zip(arrays, inputs, strict=True)]
+    name, inputs, given = program.name, program.inputs, [np.asarray(x) for x in arrays]
     try:
-        batch = np.broadcast_shapes(*shapes)
-    except ValueError:
-        listed = ", ".join(
-            f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True)
-        )
-        return BatchError(f"{name}: the batch shapes do not broadcast together: {listed}.")
+        require_count(name, given, inputs)
+        for array, argument in zip(given, inputs, strict=True):
+            require_real(name, argument, array.dtype, dtype)
+        batch = common_batch(name, inputs, given)
+    except FreebodyError as fault:
+        return fault
     return (None if out is None else _of_out(program, dtype, batch, out)) or problem
 
 

@@ -17,12 +17,11 @@ import numpy as np
 import torch  # pyright: ignore[reportMissingImports]
 from torch.autograd import forward_ad  # pyright: ignore[reportMissingImports]
 
-from freebody.errors import ShapeError
 from freebody.lazy import cached_property
-from freebody.program import Argument, Program
+from freebody.program import Program
 from freebody.program.derivative import directional
 from freebody.program.gradient import gradient
-from freebody.targets.call_errors import BatchError
+from freebody.targets.call_errors import common_batch
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.target import KernelError
 
@@ -73,20 +72,8 @@ class TensorProgram:
 
     def batch(self, tensors: Sequence[Tensor]) -> tuple[int, ...]:
         """The common shape in front, checked."""
-        fronts = []
-        for x, argument in zip(tensors, self.program.inputs, strict=True):
-            front = x.ndim - len(argument.shape)
-            if front < 0 or tuple(x.shape[front:]) != argument.shape:
-                expected = f"({', '.join(['...', *map(str, argument.shape)])})"
-                raise ShapeError(self.program.name, argument.name, tuple(x.shape), expected)
-            fronts.append(x.shape[:front])
-        try:
-            return torch.broadcast_shapes(*fronts)
-        except RuntimeError:
-            listed = ", ".join(map(_of_batch, self.program.inputs, fronts))
-            raise BatchError(
-                f"{self.program.name}: the batch shapes do not broadcast together: {listed}."
-            ) from None
+        program = self.program
+        return common_batch(program.name, program.inputs, tensors, torch.broadcast_shapes)
 
 
 _KNOWN: WeakValueDictionary[str, TensorProgram] = WeakValueDictionary()
@@ -94,10 +81,6 @@ _KNOWN: WeakValueDictionary[str, TensorProgram] = WeakValueDictionary()
 
 _IN_GRAPHS: dict[str, TensorProgram] = {}
 """By key, those that are in a graph: PyTorch keeps graphs, and they have nothing but the key."""
-
-
-def _of_batch(argument: Argument, shape: Sequence[int]) -> str:
-    return f"{argument.name} {tuple(shape)}"
 
 
 def evaluate(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:

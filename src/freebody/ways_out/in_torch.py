@@ -11,6 +11,7 @@ from freebody.errors import FreebodyError, KindError, MissingPackageError
 from freebody.kernels.inputs import InputKernel
 from freebody.model.model import Model
 from freebody.targets import Kernel, KernelError
+from freebody.targets.call_errors import require_count
 from freebody.targets.target import target_named
 from freebody.ways_out.kernel import kernel
 
@@ -137,12 +138,7 @@ class TorchFunction:
         values = [self._tensor(x, kind) for x in tensors]
         if p is not None or (self.parameters and len(values) < len(self.program.inputs)):
             values.append(self._numbers(p, kind))
-        if len(values) != len(self.program.inputs):
-            wanted = ", ".join(map(str, self.program.inputs))
-            raise KernelError(
-                f"{self.program.name}: {len(values)} arguments given, expected "
-                f"{len(self.program.inputs)}: {wanted}."
-            )
+        require_count(self.program.name, values, self.program.inputs)
         made = self._evaluate(self._of[kind], values)
         return made[0] if len(made) == 1 else made
 

@@ -12,6 +12,7 @@ from freebody.errors import FreebodyError, ShapeError, SingularError
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.tracing import arguments, chosen
 from freebody.model.model import Model
+from freebody.targets.call_errors import require_count
 
 
 def formula(
@@ -60,11 +61,7 @@ def formula(
     inputs, record, tree = arguments(model, listed, option), FORMULAS[name], model.tree
 
     def function(*values: Any) -> Any:
-        if len(values) != len(inputs):
-            raise FreebodyError(
-                f"{name}: {len(values)} arguments given, expected {len(inputs)}: "
-                f"{', '.join(map(str, inputs))}."
-            )
+        require_count(name, values, inputs)
         given = {
             x.name: _nested(name, x.name, v, x.shape) for x, v in zip(inputs, values, strict=True)
         }

@@ -149,7 +149,9 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
     out = tuple(map(np.empty_like, found))
     assert all(a is b for a, b in zip(kernel(q[0, 0], qd, out=out), out, strict=True))
     assert all(map(np.array_equal, out, found))
-    with pytest.raises(KernelError, match=r"^1 arguments given, expected 2: q\(9\), qd\(9\)\.$"):
+    with pytest.raises(
+        KernelError, match=r"^fb.kernel: 1 arguments given, expected 2: q\(9\), qd\(9\)\.$"
+    ):
         kernel(q)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
-from freebody.targets.call_errors import BatchError
+from freebody.targets.call_errors import common_batch, require_count, require_real
 from freebody.targets.cuda import driver
 from freebody.targets.cuda.arrays import (
     DeviceArray,
@@ -70,7 +70,7 @@ class GpuKernel(Kernel):
 
     def _run(self, *arrays: Any, out: Any = None, stream: Any = None) -> Any:
         inputs = self.program.inputs
-        self._require_all(arrays)
+        require_count(self.program.name, arrays, self.program.inputs)
         there = next((x for x in arrays if on_gpu(x)), None)
         handle = driver.DEFAULT_STREAM if stream is None else driver.handle_of(stream)
         device = self._device(arrays)
@@ -93,15 +93,6 @@ class GpuKernel(Kernel):
         done = given_out or made
         return done[0] if len(done) == 1 else done
 
-    def _require_all(self, arrays: tuple[Any, ...]) -> None:
-        """Refuse a call with too few or too many arrays."""
-        inputs, name = self.program.inputs, self.program.name
-        if len(arrays) != len(inputs):
-            wanted = ", ".join(map(str, inputs))
-            raise KernelError(
-                f"{name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-            )
-
     def _varies(self, given: Sequence[np.ndarray | DeviceView]) -> bool:
         """Whether a uniform input has a value for every sample."""
         return any(
@@ -112,36 +103,19 @@ class GpuKernel(Kernel):
     def _hosted(self, argument: Argument, value: Any) -> np.ndarray:
         """An array of the host, of the kernel's numbers and in C order."""
         array = np.asarray(value)
-        if not np.can_cast(array.dtype, self.dtype, "same_kind"):
-            raise KernelError(
-                f"{self.program.name}: {argument.name} holds {array.dtype} values, expected real "
-                f"numbers."
-            )
+        require_real(self.program.name, argument, array.dtype, self.dtype)
         return np.ascontiguousarray(array, self.dtype).reshape(array.shape)
 
     def _batch(self, given: Sequence[np.ndarray | DeviceView]) -> tuple[int, ...]:
         """The batch shape of arrays with the right core shapes and numbers."""
         name, inputs = self.program.name, self.program.inputs
         for argument, x in zip(inputs, given, strict=True):
-            core = len(argument.shape)
-            if len(x.shape) < core or x.shape[len(x.shape) - core :] != argument.shape:
-                expected = f"({', '.join(['...', *map(str, argument.shape)])})"
-                raise ShapeError(name, argument.name, x.shape, expected)
             if x.dtype != self.dtype:
                 raise KernelError(
                     f"{name}: {argument.name} holds {x.dtype} on the GPU, expected {self.dtype}; "
                     f"convert it, or ask for fb.kernel(..., dtype={x.dtype.name!r})."
                 )
-        shapes = [
-            x.shape[: len(x.shape) - len(a.shape)] for a, x in zip(inputs, given, strict=True)
-        ]
-        try:
-            return np.broadcast_shapes(*shapes)
-        except ValueError:
-            listed = ", ".join(f"{a.name} {shape}" for a, shape in zip(inputs, shapes, strict=True))
-            raise BatchError(
-                f"{name}: the batch shapes do not broadcast together: {listed}."
-            ) from None
+        return common_batch(name, inputs, given)
 
     def _device(self, arrays: Sequence[Any]) -> int:
         """The GPU that all arrays are on; the first one where they are the host's."""
