@@ -123,46 +123,38 @@ def _solved(
         raise FreebodyError(
             f"{function}: damping is {damping}; it must be positive, such as 0.05, or None."
         )
-    name = model.frame(frame).name
     rows, wanted = _wanted(function, model, letter, given, task)
+    option = Option(model.frame(frame).name, rows=tuple(rows))
     if damping is None and len(rows) <= model.nv:
-        option = Option(name, rows=tuple(rows))
         inputs = (q, wanted) if qd is None else (q, qd, wanted)
-        answer = looking_closer(partial(_closer, function, letter), {f"{letter}_ref": letter})
+        answer = looking_closer(partial(_closer, function, letter, None), {f"{letter}_ref": letter})
         return evaluate((function, option), model, inputs, as_it_is, None, answer)
-    J = jacobian(model, finite_vector(function, model, "q", q), name)[..., rows, :]
-    if qd is not None:
-        rates = finite_vector(function, model, "qd", qd)
-        drift = jacobian_dot(model, q, rates, name)[..., rows, :] @ rates[..., None]
-        common_batch(function, {"q": drift[..., 0], letter: wanted})
-        wanted = wanted - drift[..., 0]
-    batch = common_batch(function, {"q": J[..., 0], letter: wanted})
-    _refuse_too_few(function, model, name, J, rows)
-    return _inverted(
-        _JacobianRows(function, model, name, rows, letter),
-        J,
-        np.broadcast_to(wanted, (*batch, len(rows))),
-        damping,
-    )
+    state = {"q": q} if qd is None else {"q": q, "qd": qd}
+    state = {name: finite_vector(function, model, name, x) for name, x in state.items()}
+    batch = common_batch(function, {**state, letter: wanted})
+    wanted = np.broadcast_to(wanted, (*batch, len(rows)))
+    return _closer(function, letter, damping, model, option, None, *state.values(), wanted)
 
 
 def _closer(
     function: str,
     letter: str,
+    damping: float | None,
     model: Model,
     option: Option,
-    at: np.ndarray,
+    at: np.ndarray | None,
     q: Array,
     *others: Array,
 ) -> Array:
-    """Rates of samples that are not clear to a kernel; at: index of each, for errors."""
+    """Rates of samples that are not clear to a kernel, or are damped; at: index of each among more,
+    for errors."""
     name, rows = str(option.frame), list(option.rows)
     J, (*rates, wanted) = jacobian(model, q, name)[..., rows, :], others
     for qd in rates:
         drift = jacobian_dot(model, q, qd, name)[..., rows, :] @ qd[..., None]
         wanted = wanted - drift[..., 0]
     _refuse_too_few(function, model, name, J, rows)
-    return _inverted(_JacobianRows(function, model, name, rows, letter), J, wanted, None, at)
+    return _inverted(_JacobianRows(function, model, name, rows, letter), J, wanted, damping, at)
 
 
 def _wanted(

@@ -47,85 +47,37 @@ class InputReader(QuantityReader):
 
 @dataclass(frozen=True)
 class KernelInputs:
-    """The numbers of a model that a kernel is given: their names, in the order of `fb.parameters`,
-    and the model with placeholders in them."""
+    """The numbers of a model that a kernel is given, the entries of its last argument p: their
+    names, in the order of `fb.parameters`, the model's own values, and the model."""
 
     names: tuple[str, ...]
     values: Array
-    """(..., k): the model's own, NaN where a symbol has none; of a family its shape stands in
-    front."""
+    """(..., k): NaN where a symbol has no value; of a family its shape stands in front."""
     model: Model
+
+    @cached_property
+    def opened(self) -> Model:
+        """The model with placeholders in the place of these numbers."""
+        places = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(self.names)}
+        return written(self.model, places)
 
     def tree(self, scalars: Sequence[Scalar]) -> Tree:
         """The model's tree over scalars in the place of these numbers; refuses other symbols that
         it needs."""
+        opened = self.opened
         try:
-            return lower(self.model, InputReader(scalars))
+            return lower(opened, InputReader(scalars))
         except ModelError:
             left = {
                 x.name
-                for x in each_parameter(self.model)
+                for x in each_parameter(opened)
                 if x.value is None and not isinstance(x, Placeholder | FollowingParameter)
             }
             if left:
                 raise MissingValueError(
-                    f"what is not an input of a kernel of {self.model.name!r}", left
+                    f"what is not an input of a kernel of {opened.name!r}", left
                 ) from None
             raise
-
-
-def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInputs:
-    """The numbers that names and patterns mean, and all those that members of a family have each
-    their own of."""
-    records = Parameters(model)
-    meant = {record.name for pattern in wanted for record in records.matching(pattern)}
-    for record in records:
-        if record.name in meant:
-            _require_input(function, record)
-    chosen = [
-        record for record in records if record.name in meant or _differs_among_members(record)
-    ]
-    if model.family and not chosen:  # only limits differ: one number tells the family's shape
-        chosen = [next(record for record in records if not record.limit)]
-    names = tuple(record.name for record in chosen)
-    placeholders = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(names)}
-    columns = [np.nan if record.value is None else record.value for record in chosen]
-    shape = (*model.family, len(names))
-    values = (
-        np.stack([np.broadcast_to(x, model.family) for x in columns], axis=-1)
-        if columns
-        else np.zeros(shape)
-    )
-    values.flags.writeable = False
-    return KernelInputs(names, values, written(model, placeholders))
-
-
-def _require_input(function: str, record: ModelParameter) -> None:
-    """Refuse a number that no kernel reads, or that follows from others."""
-    if record.limit:
-        raise FreebodyError(
-            f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
-        )
-    if record.formula:
-        raise FreebodyError(
-            f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
-            f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
-            f"{record.name}={record.name}."
-        )
-
-
-def _differs_among_members(record: ModelParameter) -> bool:
-    """Whether members of a family have each their own of a number that a kernel reads."""
-    return isinstance(record.value, np.ndarray) and not (record.limit or record.formula)
-
-
-@dataclass(frozen=True)
-class NamedNumbers:
-    """The entries of p: their names, the model's own values (..., k), and the model."""
-
-    names: tuple[str, ...]
-    values: Array
-    model: Model
 
     @cached_property
     def at(self) -> dict[str, int]:
@@ -156,6 +108,50 @@ class NamedNumbers:
             raise MissingValueError(f"the inputs of a kernel of {self.model.name!r}", missing)
 
 
+def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInputs:
+    """The numbers that names and patterns mean, and all those that members of a family have each
+    their own of."""
+    records = Parameters(model)
+    meant = {record.name for pattern in wanted for record in records.matching(pattern)}
+    for record in records:
+        if record.name in meant:
+            _require_input(function, record)
+    chosen = [
+        record for record in records if record.name in meant or _differs_among_members(record)
+    ]
+    if model.family and not chosen:  # only limits differ: one number tells the family's shape
+        chosen = [next(record for record in records if not record.limit)]
+    names = tuple(record.name for record in chosen)
+    columns = [np.nan if record.value is None else record.value for record in chosen]
+    shape = (*model.family, len(names))
+    values = (
+        np.stack([np.broadcast_to(x, model.family) for x in columns], axis=-1)
+        if columns
+        else np.zeros(shape)
+    )
+    values.flags.writeable = False
+    return KernelInputs(names, values, model)
+
+
+def _require_input(function: str, record: ModelParameter) -> None:
+    """Refuse a number that no kernel reads, or that follows from others."""
+    if record.limit:
+        raise FreebodyError(
+            f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
+        )
+    if record.formula:
+        raise FreebodyError(
+            f"{function}: {record.name!r} follows from {record.formula}; name what it follows "
+            f"from, or set it free first: bind({record.name}={record.name!r}), --parameter "
+            f"{record.name}={record.name}."
+        )
+
+
+def _differs_among_members(record: ModelParameter) -> bool:
+    """Whether members of a family have each their own of a number that a kernel reads."""
+    return isinstance(record.value, np.ndarray) and not (record.limit or record.formula)
+
+
 class InputKernel:
     """A kernel to which numbers of the model are given: its last argument is p (..., k).
 
@@ -176,13 +172,11 @@ class InputKernel:
         These names and values.
     """
 
-    def __init__(self, kernel: Kernel, names: tuple[str, ...], values: Array, model: Model):
-        self.kernel, self.parameters, self.values = kernel, names, values
-        self.program = kernel.program
-        self.model = model
+    def __init__(self, kernel: Kernel, named: KernelInputs):
+        self.kernel, self.program, self.named = kernel, kernel.program, named
+        self.parameters, self.values, self.model = named.names, named.values, named.model
         self._count = len(kernel.program.inputs)
-        self.named = NamedNumbers(names, values, model)
-        self._held = values if values.ndim == 1 and not self.named.missing else None
+        self._held = self.values if self.values.ndim == 1 and not named.missing else None
         self._refuse_beyond_range()
 
     def _refuse_beyond_range(self) -> None:
@@ -241,11 +235,9 @@ class InputKernel:
                 self.values.shape[:-1], *(x.shape for x in columns.values())
             )
         except ValueError:
-            listed = ", ".join(f"{name!r} {value.shape}" for name, value in columns.items())
-            family = f", model.family {self.model.family}" if self.model.family else ""
-            raise BatchError(
-                f"fb.kernel: the values of p do not broadcast together: {listed}{family}."
-            ) from None
+            shapes = {repr(name): value.shape for name, value in columns.items()}
+            family = {"model.family": self.model.family} if self.model.family else {}
+            raise BatchError("fb.kernel", shapes | family, "values of p") from None
         numbers = np.array(np.broadcast_to(self.values, (*shape, len(self.parameters))))
         for name, value in columns.items():
             numbers[..., self.named.at[name]] = value
@@ -285,6 +277,6 @@ def input_kernel(
     kernel: Kernel, names: tuple[str, ...], values: Array, model: Model
 ) -> InputKernel:
     """A kernel whose last input is p, to be called in all the ways of an `InputKernel`."""
-    plain = InputKernel(kernel, names, values, model)
+    plain = InputKernel(kernel, KernelInputs(names, values, model))
     call = kernel.quick(plain.__call__, plain._held)
     return plain if call is None else _QuickInputKernel(plain, call)

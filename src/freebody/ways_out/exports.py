@@ -155,11 +155,7 @@ def _unit(
     chosen = requested(function, what, names, options)
     if not isinstance(chosen, QuantityRequest):
         traced = share_reciprocals(chosen.program)
-        given = (
-            KernelInputs(chosen.parameters, chosen.values, chosen.model)
-            if isinstance(chosen, InputKernel)
-            else None
-        )
+        given = chosen.named if isinstance(chosen, InputKernel) else None
         comment, words = of_program(traced, given)
         return SourceUnit(traced, name or traced.name, comment, None, dtype), words, given, None, ()
     traced = share_reciprocals(chosen.program())

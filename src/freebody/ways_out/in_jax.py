@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import MissingPackageError, ShapeError, warn
-from freebody.kernels.inputs import InputKernel, NamedNumbers
+from freebody.errors import MissingPackageError, warn
+from freebody.kernels.inputs import InputKernel, KernelInputs
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program
 from freebody.targets import Kernel, KernelError
-from freebody.targets.call_errors import BatchError
+from freebody.targets.call_errors import common_batch, require_count
 from freebody.targets.xla.operation import Compilation, JaxArrays, interface
 from freebody.ways_out.differentials import Differentiable, of_quantities
 from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
@@ -75,9 +75,7 @@ def to_jax(
     if isinstance(chosen, QuantityRequest):
         if chosen.model.family and not chosen.given:
             raise FamilyError("fb.to_jax without inputs=", chosen.model.name, chosen.model.family)
-        computed, way, given = of_quantities(chosen), Compilation(), None
-        if chosen.given:
-            given = NamedNumbers(chosen.given.names, chosen.given.values, chosen.model)
+        computed, way, given = of_quantities(chosen), Compilation(), chosen.given
     else:
         kernel, given = (
             (chosen.kernel, chosen.named) if isinstance(chosen, InputKernel) else (chosen, None)
@@ -119,7 +117,7 @@ def _checked(
     program: Program,
     compute: Callable[..., JaxArrays],
     fixed: str | None,
-    named: NamedNumbers | None,
+    named: KernelInputs | None,
 ) -> Any:
     """The function of whatever JAX makes arrays of: one array or a tuple."""
     import jax
@@ -141,7 +139,7 @@ def _checked(
     return function
 
 
-def _numbers(program: Program, named: NamedNumbers | None, p: Any, others: Sequence[Any]) -> Any:
+def _numbers(program: Program, named: KernelInputs | None, p: Any, others: Sequence[Any]) -> Any:
     """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of
     them; these are of the type of what is given."""
     import jax.numpy as jnp
@@ -174,12 +172,7 @@ def _array(program: Program, k: int, given: Any) -> Any:
 def _check(program: Program, arrays: Sequence[Any]) -> None:
     """Refuse what has wrong shapes."""
     inputs = program.inputs
-    if len(arrays) != len(inputs):
-        wanted = ", ".join(map(str, inputs))
-        raise KernelError(
-            f"{program.name}: {len(arrays)} arguments given, expected {len(inputs)}: {wanted}."
-        )
-    shapes = []
+    require_count(program.name, arrays, inputs)
     for x, argument in zip(arrays, inputs, strict=True):
         along = tuple(getattr(getattr(x.aval, "sharding", None), "spec", ()))
         if any(axis is not None for axis in along):
@@ -189,20 +182,7 @@ def _check(program: Program, arrays: Sequence[Any]) -> None:
                 f"Auto, …), along whose axes the batch is cut; or call it in jax.shard_map, where "
                 f"each device has its own samples."
             )
-        core = len(argument.shape)
-        if x.ndim < core or x.shape[x.ndim - core :] != argument.shape:
-            expected = f"({', '.join(['...', *map(str, argument.shape)])})"
-            raise ShapeError(program.name, argument.name, x.shape, expected)
-        shapes.append(x.shape[: x.ndim - core])
-    try:
-        np.broadcast_shapes(*shapes)
-    except ValueError:
-        listed = ", ".join(
-            f"{argument.name} {shape}" for argument, shape in zip(inputs, shapes, strict=True)
-        )
-        raise BatchError(
-            f"{program.name}: the batch shapes do not broadcast together: {listed}."
-        ) from None
+    common_batch(program.name, inputs, arrays)
 
 
 def _common(program: Program, arrays: Sequence[Any]) -> Any:

@@ -195,7 +195,7 @@ class ProgramDescription:
 
     def _gravity(self) -> str:
         """The direction in which gravity pulls: whoever mounts the robot has to know."""
-        given = self.numbers.model if self.numbers else self.model
+        given = self.numbers.opened if self.numbers else self.model
         if (given.gravity_size, given.gravity_direction) != (
             self.model.gravity_size,
             self.model.gravity_direction,
