@@ -11,7 +11,7 @@ import torch
 
 import freebody as fb
 from common import quickest
-from freebody.program.gradient import gradient
+from freebody.program.derivative import gradient
 from freebody.targets import compile_program
 
 BATCH, ROUNDS = 4096, 60

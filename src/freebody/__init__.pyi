@@ -118,8 +118,8 @@ from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
 from freebody.ways_out.in_jax import to_jax as to_jax
 from freebody.ways_out.in_torch import to_torch as to_torch
+from freebody.ways_out.kernel import formula as formula
 from freebody.ways_out.kernel import kernel as kernel
-from freebody.ways_out.scalar_formulas import formula as formula
 from freebody_notes.figures.catalogue import notes_figure as notes_figure
 from freebody_textbook.check.check import check as check
 from freebody_textbook.closed_chains.loops import loop_equations as loop_equations

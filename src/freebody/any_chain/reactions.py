@@ -173,47 +173,37 @@ def reactions(
     frames, (at, rates, given, acting, *loads) = checked_inputs(
         "reactions", model, {"q": q, "qd": qd, name: third, "forces": acting}, wrenches
     )
-    if qdd is not None:
-        drive, second = _torques(model, frames, acting, at, rates, given, loads, actuated), given
+    if qdd is None:
+        drive, second = given, _accelerations(model, frames, at, rates, given + acting, *loads)
     else:
-        drive, second = given, _accelerations(model, frames, at, rates, given + acting, loads)
-    return _found(model, frames, at, rates, second, drive, acting, loads, reference)
+        second, drive = given, _torques(model, frames, acting, actuated, at, rates, given, *loads)
+    return _found(model, frames, (at, rates, second), drive, acting, loads, reference)
 
 
 def _torques(
     model: Model,
     frames: tuple[str, ...],
     forces: Array,
-    q: Array,
-    qd: Array,
-    qdd: Array,
-    loads: list[Array],
     actuated: Sequence[str] | None,
+    *motion: Array,
 ) -> Array:
     """Torques (..., nv) of the drives that a motion needs besides the forces, of any chain."""
     if model.loops:
-        motion = q, qd, qdd, *loads
         return motion_torques("reactions", model, frames, forces, *motion, actuated=actuated)
-    inverse = fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))
-    return inverse(q, qd, qdd, *loads) - forces
+    return fetch(model, ("inverse_dynamics",), Option(wrench_frames=frames))(*motion) - forces
 
 
-def _accelerations(
-    model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, loads: list[Array]
-) -> Array:
+def _accelerations(model: Model, frames: tuple[str, ...], *state: Array) -> Array:
     """Accelerations (..., nv) that torques and forces cause, of any chain."""
     if model.loops:
-        return definite_accelerations("reactions", model, frames, q, qd, tau, *loads)
-    forward = fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))
-    return forward(q, qd, tau, *loads)
+        return definite_accelerations("reactions", model, frames, *state)
+    return fetch(model, ("forward_dynamics",), Option(wrench_frames=frames))(*state)
 
 
 def _found(
     model: Model,
     frames: tuple[str, ...],
-    q: Array,
-    qd: Array,
-    qdd: Array,
+    motion: tuple[Array, Array, Array],
     tau: Array,
     forces: Array,
     loads: list[Array],
@@ -223,21 +213,23 @@ def _found(
 
     def wrenches_in(axes: str) -> Array:
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
-        return kernel(q, qd, qdd, multipliers, *loads)
+        return kernel(*motion, multipliers, *loads)
 
+    q, _, qdd = motion
     multipliers = np.zeros((*q.shape[:-1], 0))
     determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
     if model.loops:
-        needed = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))(
-            q, qd, qdd, *loads
-        )
+        opened = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))
+        needed = opened(*motion, *loads)
         multipliers, determined = _multipliers(
             first_member(model), q, tau + forces - needed, reference
         )
     world = wrenches_in("world")
-    left = _miss(model, q, qd, qdd, world, frames, loads)
+    left = balance(model, *motion, world, dict(zip(frames, loads, strict=True)))
     chosen = world if reference == "world" else wrenches_in(reference)
-    return Reactions(model.reaction_names, chosen, determined, multipliers, qdd, tau, left)
+    force, moment = (float(np.abs(x).max(initial=0.0)) for x in (left.force, left.moment))
+    miss = max(force, moment / length(first_member(model))) / (left.largest_force or 1.0)
+    return Reactions(model.reaction_names, chosen, determined, multipliers, qdd, tau, miss)
 
 
 def _shape(model: Model) -> tuple[int, int]:
@@ -311,22 +303,6 @@ def _doubt(counting: Array, every: Array) -> float:
     s = np.linalg.svd(counting, compute_uv=False)
     least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
     return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
-
-
-def _miss(
-    model: Model,
-    q: Array,
-    qd: Array,
-    qdd: Array,
-    wrenches: Array,
-    frames: tuple[str, ...],
-    loads: list[Array],
-) -> float:
-    """Largest miss of ΣF = m a and ΣM = Ḣ over all bodies, relative to the largest force that
-    enters."""
-    found = balance(model, q, qd, qdd, wrenches, dict(zip(frames, loads, strict=True)))
-    force, moment = (float(np.abs(x).max(initial=0.0)) for x in (found.force, found.moment))
-    return max(force, moment / length(first_member(model))) / (found.largest_force or 1.0)
 
 
 @dataclass(frozen=True)

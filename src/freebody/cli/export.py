@@ -110,4 +110,4 @@ def export(
             rows=row,
         )
     for path in paths:
-        terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
+        terminal.out().print(f"written: {path}", soft_wrap=True)

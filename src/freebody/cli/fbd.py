@@ -75,16 +75,14 @@ def fbd(
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
         shown = ", ".join(f"{round(x, 9) + 0.0:.3g}" for x in figure.q)  # without rounding's rest
-        terminal.out().print(
-            f"at q = {shown}; choose another with --q", markup=False, soft_wrap=True
-        )
+        terminal.out().print(f"at q = {shown}; choose another with --q", soft_wrap=True)
     terminal.table(_table(figure))
     if figure.missing:
         assumed = f"drawn for typical values; without value: {', '.join(figure.missing)}"
-        terminal.out().print(assumed, markup=False, soft_wrap=True)
+        terminal.out().print(assumed, soft_wrap=True)
     for text in figure.unheld:
-        terminal.out().print(text, markup=False, soft_wrap=True)
-    terminal.out().print(f"written: {path}", markup=False, soft_wrap=True)
+        terminal.out().print(text, soft_wrap=True)
+    terminal.out().print(f"written: {path}", soft_wrap=True)
 
 
 def _table(figure: FreeBodyDiagram) -> TextTable:

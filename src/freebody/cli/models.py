@@ -10,13 +10,12 @@ EXAMPLE = "Example: freebody models"
 def models() -> None:
     """List the bundled models, each with a description and the source of its numbers."""
     from rich.padding import Padding
-    from rich.text import Text
 
     from freebody.robots import abouts
     from freebody.robots import models as bundled
 
     out, told = terminal.out(), abouts()
     for name, source in bundled().items():
-        out.print(Text(name, style="bold"))
-        out.print(Padding(Text(told[name]), (0, 0, 0, 4)))
-        out.print(Padding(Text(f"source: {source}", style="dim"), (0, 0, 0, 4)))
+        out.print(name, style="bold")
+        out.print(Padding(told[name], (0, 0, 0, 4)))
+        out.print(Padding(f"source: {source}", (0, 0, 0, 4)), style="dim")

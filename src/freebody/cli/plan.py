@@ -186,8 +186,8 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
         terminal.warn(text)
     if motion.doubts:
         terminal.warn(in_one_line(motion.doubts))
-    out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.", markup=False)
-    out.print(f"{model.tip_reason} " * of_tip + in_a_line(model), markup=False)
+    out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.")
+    out.print(f"{model.tip_reason} " * of_tip + in_a_line(model))
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
     names = model.driven_names if model.loops else model.velocity_names
@@ -212,8 +212,8 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
         )
     head = ("joint", "from", "to", "peak speed", "of its limit", "peak acceleration")
     terminal.table(TextTable(head, rows))
-    out.print(f"written: {path}", markup=False, soft_wrap=True)
-    out.print(f"again:   {again}", markup=False, soft_wrap=True)
+    out.print(f"written: {path}", soft_wrap=True)
+    out.print(f"again:   {again}", soft_wrap=True)
 
 
 _KEEP = "keep"

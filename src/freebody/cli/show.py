@@ -26,15 +26,13 @@ _DEEPEST = 24
 def show(robot: options.GivenRobot) -> None:
     """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was
     read."""
-    from rich.text import Text
-
     model = robot.load()
     out = terminal.out()
-    out.print(Text(_heading(model)))
+    out.print(_heading(model))
     if model.about:
-        out.print(Text(model.about))
+        out.print(model.about)
     if model.source:
-        out.print(Text(f"source: {model.source}"))
+        out.print(f"source: {model.source}")
     out.print()
     out.print(_tree(model))
     out.print()
@@ -42,18 +40,18 @@ def show(robot: options.GivenRobot) -> None:
     out.print()
     if model.loops:
         terminal.table(_loops(model))
-        out.print(Text(_mobility(model)), soft_wrap=True)
+        out.print(_mobility(model), soft_wrap=True)
         if not any(body.joint.passive for body in model.bodies):
-            out.print(Text(_UNSAID), soft_wrap=True)
+            out.print(_UNSAID, soft_wrap=True)
         out.print()
-    out.print(Text(f"frames: {', '.join(model.frame_names)}"))
+    out.print(f"frames: {', '.join(model.frame_names)}")
     if model.formulas:
-        out.print(Text(f"formulas: {', '.join(f'{x.name} = {x.text}' for x in model.formulas)}"))
+        out.print(f"formulas: {', '.join(f'{x.name} = {x.text}' for x in model.formulas)}")
     for notice in model.notices:
         if not isinstance(notice, Doubt) and notice.kind not in ("physical", "drive"):
-            out.print(Text(f"note: {notice}"), soft_wrap=True)  # those have been printed in yellow
+            out.print(f"note: {notice}", soft_wrap=True)  # those have been printed in yellow
     for doubt in doubts_used(model, *ALL):
-        out.print(Text(capital(doubt.text)), soft_wrap=True)
+        out.print(capital(doubt.text), soft_wrap=True)
 
 
 _UNSAID = (

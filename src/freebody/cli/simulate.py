@@ -246,8 +246,8 @@ def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
     console = terminal.out()
     if "doubts" in found.attrs:
         terminal.warn(found.attrs["doubts"])
-    console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.", markup=False)
-    console.print(in_a_line(model), markup=False)
+    console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.")
+    console.print(in_a_line(model))
     rows = []
     for k, name in enumerate(model.velocity_names):
         unit, effort = ("rad", "N m") if angular(model)[k] else ("m", "N")
@@ -256,5 +256,5 @@ def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
             (name, f"{speed:.4g} {unit}/s", f"{qd[-1, k]:.4g} {unit}/s", f"{most:.4g} {effort}")
         )
     terminal.table(TextTable(("joint", "largest speed", "at the end", "largest torque"), rows))
-    console.print(f"written: {path}", markup=False, soft_wrap=True)
-    console.print(f"again:   {again}", markup=False, soft_wrap=True)
+    console.print(f"written: {path}", soft_wrap=True)
+    console.print(f"again:   {again}", soft_wrap=True)

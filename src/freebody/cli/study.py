@@ -112,9 +112,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
     out = terminal.out()
     for sentence in found.warnings:
         terminal.warn(sentence)
-    out.print(
-        found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good], markup=False
-    )
+    out.print(found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good])
     replay = found.replay.text if found.replay else found.replay_skipped
     above = (
         f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
@@ -122,7 +120,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         found.model.tip_reason,
         in_a_line(found.model),
     )
-    out.print(*above, sep="\n", markup=False)
+    out.print(*above, sep="\n")
     shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values
     table = drive_table(found.model, found.summary)
     terminal.table(table, red=[k for k, share in enumerate(shares) if share > 1])
@@ -132,12 +130,12 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         *([found.singularity.text] if found.singularity else []),
         replay,
     )
-    out.print(*sentences, sep="\n", markup=False)
+    out.print(*sentences, sep="\n")
     _print_checks(found)
     for title, name in (("report: {}", REPORT), ("data:   {} and CSV tables beside it", DATA)):
         if failure is None or (isinstance(failure, OutputError) and name in failure.written):
-            out.print(title.format(directory / name), markup=False, soft_wrap=True)
-    out.print(f"again:  {found.command}", markup=False, soft_wrap=True)
+            out.print(title.format(directory / name), soft_wrap=True)
+    out.print(f"again:  {found.command}", soft_wrap=True)
 
 
 def _print_checks(found: Study) -> None:
@@ -148,4 +146,4 @@ def _print_checks(found: Study) -> None:
     for check in failed:
         value, bar = compared(check.value, check.bar, digits=3)
         text = f"self-check failed: {check.name}: {value}, allowed {bar}. {check.text}"
-        out.print(text, style="bold red", markup=False)
+        out.print(text, style="bold red")

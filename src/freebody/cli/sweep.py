@@ -231,13 +231,13 @@ def _print(
     to = terminal.out()
     if "doubts" in found.attrs:
         terminal.warn(found.attrs["doubts"])
-    to.print(f"{model.name}: {found.attrs['points']} points.", markup=False)
+    to.print(f"{model.name}: {found.attrs['points']} points.")
     left = len(rows) - _SHOWN
     terminal.table(TextTable(head, rows[:_SHOWN]))
     if left > 0:
         where = "the file has all" if out else "--out FILE writes all"
-        to.print(f"… and {left} more; {where}.", markup=False)
+        to.print(f"… and {left} more; {where}.")
     for text in found.attrs["failures"]:
-        to.print(f"failed {text}", style="bold red", markup=False, soft_wrap=True)
+        to.print(f"failed {text}", style="bold red", soft_wrap=True)
     if out is not None:
-        to.print(f"written: {out}", markup=False, soft_wrap=True)
+        to.print(f"written: {out}", soft_wrap=True)

@@ -70,8 +70,8 @@ def _console(stderr: bool) -> Console:
     from rich.segment import Segment
 
     class Inert(Console):
-        """A console on which text from outside gives no orders: escape sequences and the like are
-        shown as �."""
+        """A console on which text from outside gives no orders: no markup, no emoji by name, and
+        escape sequences and the like are shown as �."""
 
         def render(
             self, renderable: RenderableType, options: ConsoleOptions | None = None
@@ -80,7 +80,8 @@ def _console(stderr: bool) -> Console:
                 yield segment if segment.control else segment._replace(text=legal(segment.text))
 
     stream = sys.stderr if stderr else sys.stdout
-    return Inert(stderr=stderr, highlight=False, width=None if stream.isatty() else _WIDE)
+    width = None if stream.isatty() else _WIDE
+    return Inert(stderr=stderr, markup=False, emoji=False, highlight=False, width=width)
 
 
 class Gone(Exception):
@@ -152,7 +153,7 @@ def warn(text: str) -> None:
 
 
 def _line(text: str, style: str) -> None:
-    err().print(" ".join(text.split()), style=style, markup=False, highlight=False, soft_wrap=True)
+    err().print(" ".join(text.split()), style=style, soft_wrap=True)
 
 
 def table(found: TextTable, red: Container[int] = ()) -> None:

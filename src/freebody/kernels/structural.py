@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.elementary import Scalar
-from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, POSITIONS, Option
-from freebody.kernels.lookup import in_columns
+from freebody.kernels.lookup import ColumnKernel, KernelList, in_columns
 from freebody.kernels.tracing import program
 from freebody.model.contributions import joined, pose_part
 from freebody.model.model import Model

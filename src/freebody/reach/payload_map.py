@@ -32,7 +32,7 @@ from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import JointVector, finite_vector
 from freebody.values import ByValue
-from freebody.ways_out.scalar_formulas import formula
+from freebody.ways_out.kernel import formula
 
 if TYPE_CHECKING:
     import xarray as xr

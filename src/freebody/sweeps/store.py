@@ -127,35 +127,21 @@ class SweepStore:
     def _create(self, parts: Any) -> None:
         (every, columns), blocks = self._task.grid.shape, self._blocks
         high, wide, (groups, count) = blocks.high, blocks.wide, blocks.count
+
+        def create(
+            key: str, shape: tuple[int, ...], chunks: tuple[int, ...], kind: Any, *names: str
+        ) -> None:
+            empty = float("nan") if np.dtype(kind).kind == "f" else 0
+            more = {"fill_value": empty, "dimension_names": names}
+            parts.create_array(key, shape=shape, chunks=chunks, dtype=kind, **more)
+
         for key, (core, kind) in self._shapes().items():
-            along = (count, 1) if self._task.reductions else (columns, wide)
-            parts.create_array(
-                key,
-                shape=(every, along[0], *core),
-                chunks=(high, along[1], *core),
-                dtype=kind,
-                fill_value=float("nan") if kind.kind == "f" else 0,
-                dimension_names=("row", "column", *(f"{key}_{k}" for k in range(len(core)))),
-            )
-        places = (groups, count, _REASONS)
-        parts.create_array(
-            "reasons",
-            shape=places,
-            chunks=(1, 1, _REASONS),
-            dtype="u1",
-            fill_value=0,
-            dimension_names=("group", "part", "byte"),
-        )
-        shape = every, count
-        nan = float("nan")
-        parts.create_array(
-            "failed",
-            shape=shape,
-            chunks=(high, 1),
-            dtype="f8",
-            fill_value=nan,
-            dimension_names=("row", "part"),
-        )
+            size, step = (count, 1) if self._task.reductions else (columns, wide)
+            names = "row", "column", *(f"{key}_{k}" for k in range(len(core)))
+            create(key, (every, size, *core), (high, step, *core), kind, *names)
+        places = groups, count, _REASONS
+        create("reasons", places, (1, 1, _REASONS), "u1", "group", "part", "byte")
+        create("failed", (every, count), (high, 1), "f8", "row", "part")
 
     def holds(self, block: SweepBlock) -> bool:
         """Whether the block is whole on the disk."""

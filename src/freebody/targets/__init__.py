@@ -17,7 +17,7 @@ def _cpu() -> Target:
 
 
 def _numpy() -> Target:
-    from freebody.targets.numpy_target import TARGET
+    from freebody.targets.interpreter import TARGET
 
     return TARGET
 

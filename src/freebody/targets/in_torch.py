@@ -19,8 +19,7 @@ from torch.autograd import forward_ad  # pyright: ignore[reportMissingImports]
 
 from freebody.lazy import cached_property
 from freebody.program import Program
-from freebody.program.derivative import directional
-from freebody.program.gradient import gradient
+from freebody.program.derivative import directional, gradient
 from freebody.targets.call_errors import common_batch
 from freebody.targets.kernel import Kernel, compile_program
 from freebody.targets.target import KernelError

@@ -1,5 +1,5 @@
-"""A program run node by node by NumPy: the fallback where llvmlite is missing, and a second opinion
-in tests.
+"""NumPy as a target: a program run node by node, block by block. It is the fallback where llvmlite
+is missing, and a second opinion in tests.
 
 No text is made, so none is executed.
 
@@ -17,8 +17,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.elementary import NUMERIC
+from freebody.program.passes import optimise
 from freebody.program.program import Argument, Program
 from freebody.scalars.operations import ARITY, OPERATIONS
+from freebody.targets.kernel import Kernel
+from freebody.targets.target import Target
 
 BLOCK = 1024
 """Samples evaluated at a time."""
@@ -163,3 +166,20 @@ def _batch_shape(value: np.ndarray, argument: Argument) -> tuple[int, ...]:
     if value.ndim < core or value.shape[value.ndim - core :] != argument.shape:
         raise ValueError(f"{argument} was given an array of shape {value.shape}")
     return value.shape[: value.ndim - core]
+
+
+def _build(program: Program, width: int | None, dtype: str) -> Kernel:
+    return Kernel(program, "numpy", 1, BlockedFunction(optimise(program), dtype), dtype)
+
+
+def _source(program: Program, width: int, dtype: str) -> str:
+    return optimise(program).listing()
+
+
+TARGET = Target(
+    build=_build,
+    source=_source,
+    widths={"float64": (), "float32": ()},
+    variant=lambda program: None,
+    loops=False,
+)

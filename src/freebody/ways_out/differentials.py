@@ -15,8 +15,8 @@ from typing import Any
 
 from freebody.algorithms.kinematics import position_rates
 from freebody.errors import FreebodyError
-from freebody.kernels.column_by_column import LARGEST
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.lookup import LARGEST
 from freebody.kernels.tracing import program as formula_program
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -30,7 +30,7 @@ from freebody.program.derivative import (
 )
 from freebody.program.evaluate import evaluated
 from freebody.spatial import dot, identity, transposed
-from freebody.ways_out.kernel_or_quantities import QuantityRequest
+from freebody.ways_out.kernel import QuantityRequest
 
 LONGEST = 20_000
 """Operations up to which a whole Jacobian is one program; it compiles in about two seconds."""

@@ -20,7 +20,7 @@ from freebody.outputs.folder import write_folder
 from freebody.program.passes import share_reciprocals
 from freebody.targets import Kernel
 from freebody.targets.text import LANGUAGES, SourceUnit
-from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
+from freebody.ways_out.kernel import QuantityRequest, requested
 from freebody.ways_out.program_description import ProgramDescription, of_program
 from freebody.ways_out.self_test_samples import vectors
 

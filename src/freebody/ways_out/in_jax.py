@@ -16,7 +16,7 @@ from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import common_batch, require_count
 from freebody.targets.xla.operation import Compilation, JaxArrays, interface
 from freebody.ways_out.differentials import Differentiable, of_quantities
-from freebody.ways_out.kernel_or_quantities import QuantityRequest, requested
+from freebody.ways_out.kernel import QuantityRequest, requested
 
 
 def to_jax(

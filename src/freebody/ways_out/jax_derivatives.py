@@ -23,7 +23,7 @@ from jax.extend.core import Primitive
 from jax.interpreters import ad, batching, mlir
 
 from freebody.program import Argument
-from freebody.program.gradient import gradient
+from freebody.program.derivative import gradient
 from freebody.targets.xla.operation import Compilation, JaxArrays, operation
 from freebody.ways_out.differentials import Differentiable
 

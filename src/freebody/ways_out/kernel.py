@@ -1,18 +1,26 @@
-"""Kernels by name, for users' own programs."""
+"""Quantities of a model by name as kernels, as functions of scalars inside functions of one's own,
+and the request for them wherever a computation leaves freebody."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import overload
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, overload
+
+import numpy as np
 
 from freebody.any_chain.kernel_options import chosen_option
-from freebody.kernels.column_by_column import ColumnKernel, KernelList
-from freebody.kernels.inputs import InputKernel
-from freebody.kernels.lookup import fetch
+from freebody.errors import FreebodyError, ShapeError, SingularError, UnknownNameError
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.inputs import InputKernel, KernelInputs, inputs_of
+from freebody.kernels.lookup import ColumnKernel, KernelList, fetch
 from freebody.kernels.options import several
+from freebody.kernels.tracing import arguments, chosen, program
 from freebody.model.model import Model
+from freebody.model.model_argument import require_model
 from freebody.model.named_numbers import Name
+from freebody.program import Argument, Program
 from freebody.targets import Kernel
+from freebody.targets.call_errors import require_count
 
 
 @overload
@@ -135,3 +143,133 @@ def kernel(
         several("fb.kernel", "inputs=", inputs),
         several("fb.kernel", "by=", by),
     )
+
+
+_OPTIONS = ("frame", "reference", "wrench_frames", "rows")
+
+
+class QuantityRequest(NamedTuple):
+    """Quantities of a model, their variant, numbers that are given as p, and inputs by which they
+    are differentiated."""
+
+    model: Model
+    names: tuple[str, ...]
+    option: Option
+    given: KernelInputs | None
+    by: tuple[str, ...]
+
+    def p(self, uniform: bool = False) -> Argument | None:
+        """The last input, if numbers are given."""
+        return Argument("p", (len(self.given.names),), uniform) if self.given else None
+
+    def program(self) -> Program:
+        """The program of the quantities."""
+        over = self.given.tree if self.given else None
+        return program(self.model, self.names, self.option, self.p(), over, self.by)
+
+
+def requested(
+    function: str,
+    what: Model | Kernel | InputKernel,
+    names: str | Sequence[str] | None,
+    options: dict[str, Any],
+) -> QuantityRequest | Kernel | InputKernel:
+    """The quantities of a request, checked; or the kernel itself, which takes neither names nor
+    options."""
+    if isinstance(what, Kernel | InputKernel):
+        if names is not None or options:
+            raise FreebodyError(
+                f"{function}: a kernel has its quantities already; give no names and no options."
+            )
+        return what
+    require_model(function.removeprefix("fb."), what)
+    if names is None:
+        raise FreebodyError(f"{function}: give the quantities, such as 'inverse_dynamics'.")
+    wanted, by = (several(function, f"{key}=", options.get(key, ())) for key in ("inputs", "by"))
+    rest = {key: value for key, value in options.items() if key not in ("inputs", "by")}
+    for key in rest:
+        if key not in _OPTIONS:
+            raise UnknownNameError("option", key, function, (*_OPTIONS, "inputs", "by"))
+    listed, option = chosen_option(what, names, **rest, function=function)
+    given = inputs_of(function, what, wanted) if wanted else None
+    return QuantityRequest(what, listed, option, given, by)
+
+
+def formula(
+    model: Model,
+    name: str,
+    *,
+    frame: str | None = None,
+    reference: str = "world",
+    wrench_frames: Sequence[str] = (),
+    rows: Sequence[str] | None = None,
+) -> Callable[..., Any]:
+    """A quantity of a model as a function of scalars, to be called inside what `fb.compile` takes.
+
+    Parameters
+    ----------
+    model, frame, reference, wrench_frames, rows
+        As for `fb.kernel`. The model's numbers are constants of what is compiled.
+    name
+        One quantity.
+
+    Returns
+    -------
+    callable
+        f(q, qd, …), with the inputs of the kernel of that name: sequences of its core shapes, of
+        traced scalars, floats, or arrays with an entry for each sample. It returns its output as a
+        nested tuple, or the tuple of its outputs. States of closed chains have to be closed.
+
+    Raises
+    ------
+    UnknownNameError, SingularError
+        As `fb.kernel`.
+    """
+    if not isinstance(name, str):
+        raise FreebodyError(
+            "fb.formula: give the name of one quantity; of several, make several functions."
+        )
+    listed, option = chosen_option(
+        model,
+        name,
+        frame=frame,
+        reference=reference,
+        wrench_frames=wrench_frames,
+        rows=rows,
+        function="fb.formula",
+    )
+    inputs, record, tree = arguments(model, listed, option), FORMULAS[name], model.tree
+
+    def function(*values: Any) -> Any:
+        require_count(name, values, inputs)
+        given = {
+            x.name: _nested(name, x.name, v, x.shape) for x, v in zip(inputs, values, strict=True)
+        }
+        try:
+            results = record.evaluate(tree, option, **chosen(name, given, option))
+        except ZeroDivisionError:
+            raise SingularError(
+                f"{name} of {model.name!r} divides by zero at this state."
+            ) from None
+        results = tuple(map(_tuples, results))
+        return results[0] if len(results) == 1 else results
+
+    function.__name__ = function.__qualname__ = name
+    function.__doc__ = f"{name}({', '.join(map(str, inputs))}) of scalars."
+    return function
+
+
+def _nested(function: str, name: str, value: Any, shape: tuple[int, ...]) -> Any:
+    """Sequences or an array as nested tuples of a shape."""
+    if not shape:
+        return value
+    is_sequence = isinstance(value, tuple | list) or (
+        isinstance(value, np.ndarray) and value.ndim > 0
+    )
+    if not is_sequence or len(value) != shape[0]:
+        raise ShapeError(function, name, (len(value),) if is_sequence else (), str(shape))
+    return tuple(_nested(function, name, entry, shape[1:]) for entry in value)
+
+
+def _tuples(value: Any) -> Any:
+    return tuple(map(_tuples, value)) if isinstance(value, tuple | list) else value

@@ -105,9 +105,9 @@ def check(
     except AnswerError as problem:
         terminal.error(problem.problem)
         if problem.context:
-            terminal.err().print(problem.context, markup=False, highlight=False, soft_wrap=True)
+            terminal.err().print(problem.context, highlight=False, soft_wrap=True)
         raise typer.Exit(2) from None
-    terminal.out().print(verdict.text, markup=False, soft_wrap=True)
+    terminal.out().print(verdict.text, soft_wrap=True)
     if not verdict:
         raise typer.Exit(2 if all(equation.equal for equation in verdict.equations) else 1)
 

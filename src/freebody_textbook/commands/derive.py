@@ -143,11 +143,11 @@ def derive(
         form = form or _ENDINGS.get(out.suffix.lower() if out else "", "text")
         text = _text(first, form, out, labels)
     if out is None:
-        terminal.out().print(text, markup=False, soft_wrap=True)
+        terminal.out().print(text, soft_wrap=True)
     else:
-        terminal.out().print(f"written: {write(out, text)}", markup=False)
+        terminal.out().print(f"written: {write(out, text)}")
     if comparison is not None:
-        terminal.out().print(f"\n{comparison}", markup=False)
+        terminal.out().print(f"\n{comparison}")
         if not comparison:
             raise typer.Exit(1)
 

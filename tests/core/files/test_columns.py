@@ -12,8 +12,8 @@ import pytest
 
 import freebody as fb
 from freebody.kernels import lookup
-from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.kernels.tracing import arguments
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along

@@ -12,7 +12,7 @@ from freebody.program.evaluate import evaluated
 from freebody.targets import compile_program
 from freebody.ways_out import differentials
 from freebody.ways_out.differentials import Differentiable, length, of_quantities
-from freebody.ways_out.kernel_or_quantities import requested
+from freebody.ways_out.kernel import requested
 
 STEP = 1e-30
 

@@ -12,8 +12,7 @@ from freebody import elementary
 from freebody.elementary import atan2, log, maximum, sin, sqrt, where
 from freebody.errors import FreebodyError
 from freebody.program import Argument, trace
-from freebody.program.derivative import jacobian
-from freebody.program.gradient import gradient
+from freebody.program.derivative import gradient, jacobian
 from freebody.scalars.operations import OPERATIONS
 from freebody.targets import compile_program, settings
 

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed, warn
-from freebody.kernels.column_by_column import ColumnKernel, KernelList
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.inputs import INPUTS
 from freebody.kernels.inputs import InputKernel
+from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.labels import is_labelled, row_times
 from freebody.lazy import cached_property
 from freebody.model.families import member_at

@@ -13,8 +13,7 @@ from freebody.program.passes import hoist
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.emit import emit
 from freebody.targets.cuda.parts import ProgramPart, part, parts, prepared
-from freebody.targets.llvm.llvm_lock import library, to_compile
-from freebody.targets.llvm.machine import CompileError
+from freebody.targets.llvm.machine import CompileError, library, to_compile
 
 
 @dataclass(frozen=True)

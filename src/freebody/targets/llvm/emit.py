@@ -23,10 +23,9 @@ from freebody.targets.llvm.instructions import (
 from freebody.targets.llvm.lanes import Lanes, loaded, stored
 from freebody.targets.llvm.loop import gufunc_loop
 from freebody.targets.llvm.machine import Machine
-from freebody.targets.llvm.sample_transfers import check_slots
+from freebody.targets.llvm.sample_transfers import check_slots, finite
 from freebody.targets.llvm.shared_functions import attributes, declared_once, definitions
 from freebody.targets.llvm.sincos import sines
-from freebody.targets.llvm.uniform import finite
 
 LONG = 700, 16 * 2**10
 """Nodes from which a program gains by two groups a round, 5 %, and bytes that their tiles may

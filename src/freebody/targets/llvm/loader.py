@@ -11,8 +11,14 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
 
-from freebody.targets.llvm import llvm_lock
-from freebody.targets.llvm.machine import CompileError, code_generator, host
+from freebody.targets.llvm.machine import (
+    CompileError,
+    close,
+    code_generator,
+    host,
+    library,
+    to_load,
+)
 
 
 class LoadedCode(int):
@@ -51,8 +57,8 @@ def load(
     CompileError
         No object, or one that lacks an export.
     """
-    llvm = llvm_lock.library()
-    with llvm_lock.to_load(sum(map(len, objects))):
+    llvm = library()
+    with to_load(sum(map(len, objects))):
         for name, address in {**_externals(), **imports}.items():
             if llvm.address_of_symbol(name) is None:
                 llvm.add_symbol(name, address)
@@ -84,14 +90,14 @@ def _give_back(code: LoadedCode) -> None:
     parent's."""
     engine, process = _engines.pop(int(code))
     if process == os.getpid():
-        llvm_lock.close(engine)
+        close(engine)
     else:
         engine.detach()
 
 
 @cache
 def _context() -> Any:
-    return llvm_lock.library().create_context()
+    return library().create_context()
 
 
 @cache

@@ -21,8 +21,7 @@ from freebody.program.program import Argument, Program
 from freebody.program.segments import SegmentedProgram
 from freebody.targets.llvm.lanes import Lanes, loaded, stored
 from freebody.targets.llvm.machine import Machine
-from freebody.targets.llvm.sample_transfers import check_slots, integers, transfers
-from freebody.targets.llvm.uniform import one_by_one
+from freebody.targets.llvm.sample_transfers import check_slots, integers, one_by_one, transfers
 
 
 def gufunc_loop(

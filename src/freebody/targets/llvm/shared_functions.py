@@ -12,9 +12,8 @@ from functools import cache
 from freebody.targets.llvm import fastchecks
 from freebody.targets.llvm.lanes import Lanes
 from freebody.targets.llvm.machine import Host, Machine, object_code
-from freebody.targets.llvm.sample_transfers import transfer_functions
+from freebody.targets.llvm.sample_transfers import gather, transfer_functions
 from freebody.targets.llvm.sincos import reduction, sincos
-from freebody.targets.llvm.uniform import gather
 
 
 @cache
