@@ -42,7 +42,7 @@ from freebody.targets.cuda.parts import (
 from freebody.targets.cuda.plan import ptx
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import SourceUnit, cuda
-from freebody.ways_out.self_test_samples import vectors
+from freebody.ways_out.exports import vectors
 from support import gpu
 from support.extras import extra
 from support.real_files import ROBOTS

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.ways_out.self_test_samples import vectors
+from freebody.ways_out.exports import vectors
 from support import real_files
 
 pytestmark = pytest.mark.long
@@ -49,7 +49,7 @@ def test_c_compiles_without_a_warning_and_agrees_with_the_kernel(
 ):
     if shutil.which(compiler) is None:
         pytest.skip(f"{compiler} is not installed")
-    monkeypatch.setattr("freebody.ways_out.self_test_samples.COUNT", 30)
+    monkeypatch.setattr("freebody.ways_out.exports.COUNT", 30)
     if "talos" in robot and not real_files.FILES:
         pytest.skip("example-robot-data is not installed")
     model = ROBOTS[robot]()

@@ -33,7 +33,7 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
-from freebody.ways_out.self_test_samples import vectors
+from freebody.ways_out.exports import vectors
 from support.browser import browser
 from support.closed_chains import built, ring
 from support.exported import NEEDS, TOOL, passes, require, self_test

@@ -1,5 +1,5 @@
-"""Arguments that choose among a formula's variants: names, rows of a frame's motion, and how many
-of these a robot's joints can serve."""
+"""Arguments that choose among a formula's variants, for all functions that have them: names, rows
+of a frame's motion, and how many of these a robot's joints can serve."""
 
 from __future__ import annotations
 

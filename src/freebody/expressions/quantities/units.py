@@ -1,4 +1,5 @@
-"""Units as powers of kg, m and s, and how they are written."""
+"""Units as powers of kg, m and s, apart from kinds, of which some have the same names; and their
+texts."""
 
 from __future__ import annotations
 
