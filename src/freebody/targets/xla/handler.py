@@ -129,9 +129,7 @@ def _refused(lines: _TextLines) -> None:
     """Return an error of XLA's."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")
-    lines.put("i64", SIZES[kind], "%problem", given["struct_size"])
-    lines.put("ptr", "null", "%problem", given["extension_start"])
-    lines.put("ptr", "@message", "%problem", given["message"])
+    lines.fill(kind, "%problem", message="@message")
     lines.put("i32", NUMBERS["XLA_FFI_Error_Code_INTERNAL"], "%problem", given["errc"])
     api = lines.field("api", "ptr", "%frame", OFFSETS["XLA_FFI_CallFrame"]["api"])
     create = lines.field("create", "ptr", api, OFFSETS["XLA_FFI_Api"]["XLA_FFI_Error_Create"])
@@ -155,6 +153,13 @@ class _TextLines(list[str]):
         """Store something at an offset."""
         at, align = f"%put{len(self)}", 4 if kind == "i32" else 8
         self.append(stored(at, kind, str(value), base, offset, of="i8", align=align))
+
+    def fill(self, kind: str, base: str, **pointers: str) -> None:
+        """Store the fields of a structure: its size, no extension, and pointers."""
+        fields = OFFSETS[kind]
+        self.put("i64", SIZES[kind], base, fields["struct_size"])
+        for name, pointer in {"extension_start": "null", **pointers}.items():
+            self.put("ptr", pointer, base, fields[name])
 
     def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
         """Whether two numbers are equal."""
@@ -269,12 +274,8 @@ def _share(each: int, x86: bool) -> str:
 def _ask(lines: _TextLines) -> None:
     """Lines that ask XLA for the number of threads, where there is work for more than one; on to
     `cut`."""
-    fields = OFFSETS[_NUMBER]
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
-    lines.put("i64", SIZES[_NUMBER], "%asked", fields["struct_size"])
-    lines.put("ptr", "null", "%asked", fields["extension_start"])
-    lines.put("ptr", "%context", "%asked", fields["ctx"])
-    lines.put("ptr", "%found", "%asked", fields["num_threads"])
+    lines.fill(_NUMBER, "%asked", ctx="%context", num_threads="%found")
     lines.field("number", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_NumThreads"])
     lines += [
         "  %no.number = call ptr %number(ptr %asked)",
@@ -322,13 +323,8 @@ def _cut(lines: _TextLines) -> None:
 
 def _wake(lines: _TextLines) -> None:
     """Have further threads run `@task`, each of which holds the work; on to `begin`."""
-    fields = OFFSETS[_SCHEDULE]
     lines.append("  br i1 %alone, label %begin, label %call\ncall:")
-    lines.put("i64", SIZES[_SCHEDULE], "%given", fields["struct_size"])
-    lines.put("ptr", "null", "%given", fields["extension_start"])
-    lines.put("ptr", "%context", "%given", fields["ctx"])
-    lines.put("ptr", "@task", "%given", fields["task"])
-    lines.put("ptr", "%work", "%given", fields["data"])
+    lines.fill(_SCHEDULE, "%given", ctx="%context", task="@task", data="%work")
     lines.field("plan", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_Schedule"])
     lines += [
         f"  %holders = getelementptr i8, ptr %work, i64 {_HOLDERS}",
@@ -354,7 +350,7 @@ def _wake(lines: _TextLines) -> None:
 
 def _forget() -> str:
     """An error of XLA's, if it is one, given back."""
-    kind, fields = "XLA_FFI_Error_Destroy_Args", OFFSETS["XLA_FFI_Error_Destroy_Args"]
+    kind = "XLA_FFI_Error_Destroy_Args"
     lines = _TextLines(
         [
             "define internal void @forget(ptr %api, ptr %error) {",
@@ -365,9 +361,7 @@ def _forget() -> str:
             "drop:",
         ]
     )
-    lines.put("i64", SIZES[kind], "%given", fields["struct_size"])
-    lines.put("ptr", "null", "%given", fields["extension_start"])
-    lines.put("ptr", "%error", "%given", fields["error"])
+    lines.fill(kind, "%given", error="%error")
     lines.field("destroy", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_Error_Destroy"])
     lines += ["  call void %destroy(ptr %given)", "  br label %done", "done:", "  ret void", "}"]
     return "\n".join(lines)
