@@ -52,10 +52,10 @@ _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
 SCRIPTS = (
-    "unpacked.js", "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
+    "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
     "free_bodies.js", "closing.js", "answers.js", "page.js",
 )  # fmt: skip
-"""The page's own script in its parts."""
+"""The script that a page runs, in its parts."""
 
 Following = ClosedChain | FreeFlight | FreeJoints
 """What follows in a page from what is set."""
@@ -144,17 +144,19 @@ def _parts(
     page["figure"] = _figure(labels, axes, marked)
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
-    script = _script().replace("PAGE", packed(page), 1)
     of_lines = LineUnits(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
     naming = Naming(plain.equations.symbols.model)
     loops = range(len(naming.model.loops))
     exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
     told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
+    run = f"{kernel.source(answers.symbols(inputs))}\n{_script()}"
+    data = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return LivingParts(
         panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
-        f"{kernel.source(answers.symbols(inputs))}\n{script}",
+        _code(["unpacked.js"]).replace("PAGE", packed(data)).replace("SCRIPT", packed(run)),
+        run,
     )
 
 
@@ -294,21 +296,23 @@ def _angles(derivation: Derivation) -> set[str]:
     return {name for names, body in pairs for name in names if body.kind.turns}
 
 
-def packed(page: dict[str, Any]) -> str:
-    """Data for the script, deflated: browsers inflate it themselves."""
-    text = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+def packed(text: str) -> str:
+    """A text deflated, as browsers inflate it themselves."""
     return b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
 def _script() -> str:
-    """The page's own script, the same of all pages but for the data; without its comments."""
+    """The part of the script that all pages share."""
+    return f'(function () {{\n"use strict";\n{_code(SCRIPTS)}\n}})();\n'
+
+
+def _code(names: Iterable[str]) -> str:
+    """Files of scripts without their comments."""
     folder = resources.files("freebody_textbook.living")
-    names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
-    code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
-    return f'(async function () {{\n"use strict";\n{code}\n}})();\n'
+    return "\n".join(_dense(line) for line in lines if not line.startswith("//"))
 
 
 _QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")
