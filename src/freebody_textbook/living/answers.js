@@ -110,7 +110,7 @@ function compared(node, line) {
     if (isDrowned) throw undecided("What is so much smaller than terms that cancel");
     const largest = (all) => Math.max(...all.map(({right}) => Math.abs(right[k])));
     const saysNothing = any.length && !line.idle && largest(some) <= EQUAL * largest(any);
-    if (any.length && any.every((one) => isEqual(one))) return {at: any.length, of: any.length};
+    if (any.length && any.every((one) => isEqual(one))) return {at: found.length, of: found.length};
     const at = some.filter((one) => isEqual(one)).length;
     const isSomehow = (one) => isEqual(one) || others.some((all) => isEqual(all[found.indexOf(one)], all));
     return at && !saysNothing && some.every(isSomehow) ? {at, of: some.length} : null;

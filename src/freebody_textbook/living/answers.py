@@ -50,7 +50,8 @@ _STATES, _SETS = 2, 2
 """States with one set of parameters, in each of the units, and sets of parameters."""
 
 _MOST_ALIKE = 40
-"""Names without value that differ by their figures, up to which a page knows them."""
+"""Names without value that differ by as many figures, c₁₁₁ to c₄₄₄, up to which a page knows
+them."""
 
 _SentenceAndValue = tuple[str, Any]
 """A sentence, and what the right answer would be."""
@@ -515,13 +516,15 @@ class PageAnswers:
             said = _numbered(said, index) | ({"apart": 1} if name in apart else {})
             template, figures = _template(name)
             rows.setdefault(template, {})[figures] = said
-        alike: dict[str, tuple[list[str], dict[str, dict[str, Any]]]] = {}
+        found: dict[str, tuple[list[str], dict[str, dict[str, Any]]]] = {}
         for template, row in rows.items():
             unvalued = [figures for figures, x in row.items() if not {"s", "t"} & {*x}]
-            for figures in unvalued if len(unvalued) > _MOST_ALIKE else ():
-                del row[figures]
-            alike.setdefault(json.dumps(row), ([], row))[0].append(template)
-        return [row for row in alike.values() if row[1]]
+            alike = Counter(map(len, unvalued))
+            for figures in unvalued:
+                if alike[len(figures)] > _MOST_ALIKE:
+                    del row[figures]
+            found.setdefault(json.dumps(row), ([], row))[0].append(template)
+        return [row for row in found.values() if row[1]]
 
 
 def _key(target: AskedQuantity) -> _QuantityKey:
