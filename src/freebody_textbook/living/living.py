@@ -23,17 +23,18 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
-from freebody_textbook.living.body_quantities import body_quantities, shown
+from freebody_textbook.living.body_quantities import (
+    TracedSetting,
+    TracedSymbols,
+    body_quantities,
+    shown,
+)
 from freebody_textbook.living.closed_chain import ClosedChain
-from freebody_textbook.living.drawn_bodies import DrawnBodies
-from freebody_textbook.living.free_flight import FreeFlight
-from freebody_textbook.living.free_joints import FreeJoints
+from freebody_textbook.living.drawn_bodies import DrawnBodies, Labels, PageFigure
+from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.living.line_units import LineUnits, is_velocity, units_of_symbols
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
-from freebody_textbook.living.page_figure import Labels, PageFigure
-from freebody_textbook.living.panel import below, panel
-from freebody_textbook.living.traced import TracedSetting, TracedSymbols
+from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.reactions import SolvedReactions

@@ -15,7 +15,7 @@ from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Dimension
 from freebody.figures.text import canonical, label
 from freebody_textbook.drawings.illustrate import illustrations
-from freebody_textbook.living.line_units import units_of_symbols
+from freebody_textbook.living.panel import units_of_symbols
 from support.page_labels import measured
 
 pytestmark = [

@@ -8,12 +8,14 @@ from typing import Any
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.notations.lettering import Lettering
-from freebody.expressions.polynomials.symbols import RATE
+from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.spatial import add, scale, sub, times
+from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.body_quantities import vector
+from freebody_textbook.living.drawn_bodies import Labels
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.living.page_figure import Labels
+from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.whole_bodies import velocity_names
@@ -120,3 +122,29 @@ class FreeFlight:
             return False
         self._missing = sub(needed, (*force, *moment))
         return True
+
+
+class FreeJoints:
+    """The accelerations for which these joints need no torque; values: the chain's quantities."""
+
+    key = "free"
+    why = "no motor"
+
+    def __init__(self, derivation: Derivation, values: Mapping[str, Any]):
+        model = derivation.equations.symbols.model
+        moving = bool(derivation.tau) and not METHODS[derivation.method].at_rest
+        coordinates = derivation.equations.symbols.coordinates
+        self.solved_names = tuple(coordinates[k] + SECOND for k in model.passive if moving)
+        self._needed = [values[f"tau{k + 1}"] for k in model.passive if moving]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Symbols that the page needs for it."""
+        return self.solved_names
+
+    def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
+        """The accelerations and places of what the joints need, which is linear in them."""
+        return {
+            "accelerations": [inputs[name] for name in self.solved_names],
+            "needs": [kernel.places(tau)[0] for tau in self._needed],
+        }
