@@ -85,7 +85,8 @@ class PageNames:
         return found
 
     def _keys(self, name: str, x: Any) -> list[QuantityKey]:
-        """What a name of the page is to `fb.check`, entry by entry; its own where it is nothing."""
+        """The keys under which `fb.check` knows a name of the page, entry by entry; keys of the
+        page's own where it knows none."""
         single, table = self.targets.single.get(name), self.targets.tables.get(name)
         if name in self._strange:
             single = table = None
@@ -120,15 +121,15 @@ class PageNames:
         return [float(self._kernel.at_random([x], **row)[0, 0]) for row in rows]
 
     def _all_meanings(self) -> Iterator[tuple[str, dict[str, Any]]]:
-        """What each name stands for: "s" a scalar, "t" a vector or matrix, "q" a quantity's number,
-        "bodies" whether it is one of bodies."""
+        """Every name with its meaning: "s" a scalar, "t" a vector or matrix, "q" the number of a
+        quantity, "bodies" where that is one of bodies."""
         for name in dict.fromkeys((*sorted(self.vocabulary.known), *self._own, *self._called)):
             meaning = self._meaning(name)
             if name not in ("t", "pi"):
                 yield name, meaning
 
     def _meaning(self, name: str) -> dict[str, Any]:
-        """What one name stands for."""
+        """The meaning of one name; empty where it has no value."""
         vocabulary, targets = self.vocabulary, self.targets
         meant = vocabulary.aliases.get(name, self._called.get(name, name))
         single, table = targets.single.get(meant), targets.tables.get(meant)
@@ -201,7 +202,7 @@ class PageNames:
         return own
 
     def asked(self, name: str) -> list[AskedQuantity]:
-        """What `fb.check` knows by the name of a line, entry by entry."""
+        """The quantities that `fb.check` knows by the name of a line, entry by entry."""
         plain = spelt(name)
         x = self._own.get(plain)
         if x is None:
@@ -213,8 +214,8 @@ class PageNames:
         return entries if len(entries) == len(x) else []
 
     def readings(self, names: Sequence[str]) -> list[dict[str, Any]]:
-        """What may be read in another way: the numbers or names, and what is said of it; terms: of
-        torques and where they are terms of their own."""
+        """Numbers and names that may be read in another way, with the sentence that says so; terms:
+        in lines of torques, where they are terms of their own."""
         rows = [
             ({"numbers": self._gravity}, f"‘#’ is read as {self.setting.order.gravity}."),
             ({"names": self._slide}, "x is read as the slide's coordinate."),

@@ -62,8 +62,8 @@ _Thoughts = list[list[list[tuple[int, float]]]]
 
 
 class PageAnswers:
-    """What one page judges answers by. readable: quantities of its lines by name; defined: those
-    that a line of its own defines."""
+    """The data by which one page judges answers. readable: quantities of its lines by name;
+    defined: those that a line of its own defines."""
 
     def __init__(
         self,
@@ -81,8 +81,8 @@ class PageAnswers:
 
     # ------------------------------------------------------------ lines
     def of_line(self, name: str, given: Iterable[str]) -> dict[str, Any]:
-        """Of the line that gives a quantity: its number, those that an answer may not use, and how
-        it is compared."""
+        """How an answer to the line that gives a quantity is judged: by which numbers of its own,
+        which it may not use, and in which sense it is to be equal."""
         asked = self.names.asked(name)
         found: dict[str, Any] = {"own": self.names.of_line(name, given)}
         if asked and is_of_bodies(asked[0]):
@@ -96,7 +96,7 @@ class PageAnswers:
         return found | ({"thoughts": self._told(asked)} if asked else {})
 
     def _told(self, asked: Sequence[AskedQuantity]) -> list[int]:
-        """Of each entry which of the page's lists of thoughts is about it."""
+        """The numbers of the page's lists of thoughts that are about the entries of a line."""
         for target in asked:
             if key_of(target) not in self._thought:
                 self._thought[key_of(target)] = self._thoughts(target)
@@ -104,8 +104,8 @@ class PageAnswers:
         return [keys.index(key_of(target)) for target in asked]
 
     def _thoughts(self, target: AskedQuantity) -> _Thoughts:
-        """By table and row: sentences by number, each with what the right answer would be under it
-        at the first state."""
+        """The thoughts about one quantity by table and row: a sentence by its number, and what the
+        right answer would be under it at the first state."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
             return []
@@ -123,8 +123,8 @@ class PageAnswers:
     def _of_one_table(
         self, rows: Iterator[Iterator[_SentenceAndValue]], most: int, told: set[float | None]
     ) -> list[list[tuple[int, float]]]:
-        """Those of one table that can be told: not where others before them always are; told:
-        values of tables before, and now of this one."""
+        """The thoughts of one table that can be told: not where others before them always are.
+        told: values of tables before, and then of this one."""
         here, made = Counter[float](), list[list[tuple[int, float]]]()
         for row in rows:
             said = {x: text for text, full in reversed([*row]) if (x := _rounded(full)) is not None}
@@ -137,7 +137,8 @@ class PageAnswers:
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
     ) -> Iterator[Iterator[Iterator[_SentenceAndValue]]]:
-        """By table and row; in a table of its own that nothing moves, where that may be meant."""
+        """Sentences with the values of an answer under them, by table and row; first, in a table of
+        its own, that nothing moves."""
         moving = [name for name in self.setting.ring.names if atom(name).dots]
         still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
         yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
@@ -195,9 +196,9 @@ class PageAnswers:
         return StateSampler(self.setting, still=self._at_rest)
 
     def _states(self, names: Sequence[str], values: Mapping[str, float]) -> list[list[float]]:
-        """Of each state the number of its set of parameters, -1 of one that need not be admissible
-        where others are; how large an energy is in its units; and its values. The last ones of a
-        set are in other units."""
+        """A row for each state: the number of its set of parameters, -1 where it need not be
+        admissible and others must; how large an energy is in its units; its values. The last states
+        of a set are in other units."""
         held = [*self._sampler.loops[0], *self._sampler.passive]
         units = [(1.0, [1.0] * len(names))] * _STATES
         potential = self.names.targets.single.get("V")
@@ -251,7 +252,7 @@ class PageAnswers:
         return [*names, *(x for x in symbols_of(self.setting) if x not in names)]
 
     def page(self, inputs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-        """What the script is given: tables of the grammar, words, values of further symbols, states
+        """The data of the script: tables of the grammar, words, values of further symbols, states
         and sentences."""
         names = self.symbols(inputs)
         others = names[len(inputs) :]
@@ -274,7 +275,8 @@ class PageAnswers:
 
 
 def _equations(plain: Derivation, notation: BookNotation) -> RightEquations:
-    """Those of `fb.check`, of the model as it was given, or else of what was derived."""
+    """The right equations of `fb.check`, of the model as it was given, or else of what was
+    derived."""
     symbols = plain.equations.symbols
     try:
         model = freed(symbols.given or symbols.model, notation.parameters)
@@ -284,8 +286,7 @@ def _equations(plain: Derivation, notation: BookNotation) -> RightEquations:
 
 
 def _rounded(x: Any) -> float | None:
-    """What an answer would be under a thought, with the digits that travel; None where that is no
-    number."""
+    """A value with the digits that travel to a page; None where it is no number."""
     return float(f"{float(x):.8g}") if np.isfinite(float(x)) else None
 
 
@@ -297,13 +298,13 @@ _CHARACTERS = (
 )  # fmt: skip
 _MENTIONED = re.compile(r"[%@](?:not_)?(\w+)")
 _ASKED = ("@number", "%name", "@at_rest", "@condition")
-"""What the script itself asks for: numbers, names, and what it leaves to `fb.check`."""
+"""Patterns that the script itself asks for: numbers, names, and what it leaves to `fb.check`."""
 
 
 @cache
 def tables() -> dict[str, Any]:
-    """What a page's reader reads by: characters and commands, spellings, and of classes and parts
-    of patterns those that these name."""
+    """The tables by which a page reads: characters and commands, spellings, and those classes and
+    parts of patterns that these name."""
     spellings = [row[:2] for row in SPELLINGS]
     used = _used([*_ASKED, *(find for find, _ in spellings)])
     return {

@@ -1,5 +1,6 @@
-"""What is told and drawn of each body, by name: over polynomials, or over the scalars of a
-program."""
+"""Quantities of bodies by name, of which a page tells and draws the values: over polynomials where
+these are short, or over the scalars of a program, with the recursion body by body in their
+place."""
 
 from __future__ import annotations
 
@@ -24,8 +25,8 @@ from freebody_textbook.methods.setting import Setting
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
-    """By the names that derivations give them; vectors in the axes that are shown, but positions
-    and gravity, which are in those of the world."""
+    """All quantities of bodies by the names of derivations; vectors in the axes that are shown, but
+    positions and gravity in those of the world."""
     ring, energies = s.symbols.ring, Energies(s, s.motion)
     found: dict[str, Any] = {name: ring[name] for name in ring.names}
     found["gravity"] = vector(s, s.tree.gravity)
@@ -77,7 +78,7 @@ class Inputs(dict[str, Expr]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All of them."""
+        """The names of all inputs."""
         return tuple(self)
 
 

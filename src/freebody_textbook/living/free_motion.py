@@ -1,5 +1,5 @@
-"""A free body that thrusts push, such as the quadrotor, in a page: its accelerations follow from
-the thrusts."""
+"""Motion in a page that nothing prescribes: the accelerations of a free body that thrusts push,
+such as the quadrotor, and of joints without motor of an open chain."""
 
 from __future__ import annotations
 
@@ -24,8 +24,7 @@ _AXES = "xyz"
 
 
 class FreeFlight:
-    """One body; its velocities are components in its own axes. setting: over the scalars of a
-    program."""
+    """A single body with velocities in its own axes. setting: over the scalars of a program."""
 
     key = "free"
     why = "by the thrusts"
@@ -53,7 +52,7 @@ class FreeFlight:
         return self.solved_names
 
     def start(self) -> dict[str, float]:
-        """At the origin and level, with thrusts that bear the weight."""
+        """The first state: at the origin and level, with thrusts that bear the weight."""
         given = self.s.symbols.given or self.s.symbols.model
         mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
@@ -80,7 +79,7 @@ class FreeFlight:
         return found
 
     def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
-        """What is drawn, seen from the body's origin: its weight and the thrusts."""
+        """The drawing of the body, its weight and the thrusts, seen from its origin."""
         R, at = self.s.world[self._body]
         centre = sub(self.s.centre_position(self._body), at)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
@@ -125,7 +124,8 @@ class FreeFlight:
 
 
 class FreeJoints:
-    """The accelerations for which these joints need no torque; values: the chain's quantities."""
+    """The joints without motor, whose accelerations are those for which they need no torque;
+    values: the chain's quantities."""
 
     key = "free"
     why = "no motor"

@@ -1,4 +1,5 @@
-"""The exact value of each line of a derivation, where it has one."""
+"""The exact value of each line of a derivation, where it has one: in space in the axes of each
+body, or with all vectors in those of the world, where those of several bodies can be added."""
 
 from __future__ import annotations
 
@@ -39,9 +40,9 @@ class ValuedLine:
     line: Equation
     value: Any
     names: tuple[str, ...]
-    """Of the line's own symbols that have a value, those of its left side first."""
+    """The line's own symbols that have a value, those of its left side first."""
     in_world: bool = False
-    """Whether it holds, and has this value, only with all vectors in axes of the world."""
+    """Whether the line holds, and has this value, only with all vectors in axes of the world."""
 
 
 @dataclass(frozen=True)
@@ -106,16 +107,16 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
 def traced_values(
     derivation: Derivation, values: Mapping[str, Any], program: PageProgram
 ) -> LineValues:
-    """The same over the scalars of a program, in whose symbols `values` are: all sides of a line
-    that have a value must be equal at random states. Where gravity is an acceleration of the base,
-    the lines themselves tell the accelerations."""
+    """The values of a derivation's lines over the scalars of a program, in whose symbols `values`
+    are: all sides of a line that have a value must be equal at random states. Where gravity is an
+    acceleration of the base, the lines themselves tell the accelerations."""
     bare = {name: x for name, x in values.items() if not _is_acceleration(name)}
     found = [_traced(derivation, known, program) for known in (values, bare)]
     return max(found, key=lambda one: len(one.lines))
 
 
 def _is_acceleration(name: str) -> bool:
-    """Whether it is that of a centre of mass."""
+    """Whether a name is that of the acceleration of a centre of mass."""
     own = atom(name)
     return own.letter == "vc" and own.is_numbered and own.dots == 1
 
@@ -147,7 +148,7 @@ def _with_sides(
 
 
 def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
-    """With the components of vectors in space, as lines call them."""
+    """The values and the components of their vectors in space, as lines call them."""
     vectors = {name: x for name, x in values.items() if rank(x) == 1 and len(x) == 3}
     parts = {
         f"{name}_{axis}": part
@@ -158,7 +159,7 @@ def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unlike(lines: Iterable[list[Any]], program: PageProgram) -> set[int]:
-    """Which of these lines have sides that are not equal, or no numbers."""
+    """The numbers of lines whose sides are not equal, or no numbers."""
     found, pairs = set(), []
     for k, sides in enumerate(lines):
         first = entries(sides[0])
@@ -225,8 +226,8 @@ def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
 
 
 def _common(line: Equation, values: Quantities) -> Any:
-    """What all sides that can be evaluated, at least two, are equal to; None where they are not, or
-    where it is a plain number."""
+    """The value that all sides have which can be evaluated, at least two; None where they are not
+    equal, or where it is a plain number."""
     sides = [x for side in line.sides if (x := _value(side, values)) is not None]
     last = sides[-1] if sides else None
     if len(sides) < 2 or rank(last) > 1 or not any(isinstance(x, Trig) for x in entries(last)):
@@ -290,7 +291,7 @@ def _of_vector(name: str) -> str:
 
 
 def scalar_name(name: str) -> str:
-    """Of a parameter that has the name of a matrix, such as I1, the name of its value."""
+    """The name of the value of a parameter that has the name of a matrix, such as I1."""
     return f"{name} (scalar)"
 
 

@@ -45,10 +45,10 @@ from freebody_textbook.relations.quantities import Quantities, branches
 from freebody_textbook.render.documents import LivingParts
 
 MOST_JOINTS = 4
-"""Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
-as polynomials, which proves them."""
+"""Joints up to which lines are evaluated as polynomials, which proves them; of robots with more
+they are one after the other, as the recursion goes."""
 MOST_BODIES = 30
-"""Of robots with more, numbers would make a page too large."""
+"""Bodies up to which a page has numbers; of robots with more they would make it too large."""
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
@@ -59,7 +59,7 @@ SCRIPTS = (
 """The script that a page runs, in its parts."""
 
 Following = ClosedChain | FreeFlight | FreeJoints
-"""What follows in a page from what is set."""
+"""The motion of a page that follows from what is set."""
 
 
 def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
@@ -162,7 +162,7 @@ def _parts(
 
 
 def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, Any]:
-    """What the script draws beside the bodies: axes, rods, points, and the tip where there is
+    """The parts of the drawing beside the bodies: axes, rods, points, and the tip where there is
     one."""
     figure = labels.figure
     drawn: dict[str, Any] = {
@@ -209,7 +209,7 @@ def _values(
 
 # ---------------------------------------------------------------- what the script is given
 def _said(body: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page says of a body or line: what it lacks is left out."""
+    """The data of a body or line without what it lacks."""
     return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
 
 
@@ -220,8 +220,8 @@ def _line(
     letters: Lettering,
     answers: PageAnswers,
 ) -> dict[str, Any]:
-    """Where its value is; what it is called, if it can be asked for, and how an answer is judged:
-    it may not use the line's own names, or it would be its own reason."""
+    """The data of a line: the places of its value; if it can be asked for, its name and how an
+    answer is judged, which may not use the line's own names, or it would be its own reason."""
     left = line.line.lhs
     own = [
         x.name

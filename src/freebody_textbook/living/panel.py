@@ -1,5 +1,5 @@
-"""The HTML of a page's living parts: the panel with its drawings and sliders, and the values below
-the equations."""
+"""The HTML of a page's living parts: the panel with its drawings and sliders, the values below the
+equations, and the units of both."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def below(
     unit_of: Callable[[Expression], str],
     of_loops: Container[str],
 ) -> dict[Step, str]:
-    """Of each step the values of its lines, and a place for answers; of_loops: names of what loops
+    """The values of each step's lines, and a place for answers; of_loops: names of what loops
     exert, which is in axes of the world."""
     rows: dict[Step, list[str]] = {}
     for k, line in enumerate(lines):
@@ -119,7 +119,7 @@ def below(
 
 
 def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
-    """In which a vector in space is given."""
+    """The axes in which a vector in space is given, in words."""
     if rank(line.value) != 1 or len(line.value) != 3:
         return ""
     if line.in_world or line.names[0] in of_loops:
@@ -129,13 +129,14 @@ def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
 
 
 def is_velocity(name: str) -> bool:
-    """Whether it is a component of a free body's velocity, or its rate."""
+    """Whether a name is that of a component of a free body's velocity, or of its rate."""
     own = atom(name)
     return own.letter in ("v", "omega") and own.index in (("x",), ("y",), ("z",)) and own.dots < 2
 
 
 def units_of_symbols(derivation: Derivation) -> dict[str, str]:
-    """By name, as the derivation's table tells them, and of what only the drawings need."""
+    """The units of symbols by name, as the derivation's table tells them, and of what only the
+    drawings need."""
     symbols = derivation.equations.symbols
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
@@ -152,8 +153,8 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
 
 
 def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
-    """Symbols of the table with their units; of several units in a row each serves as many. What
-    has one unit "or" another has none that is sure."""
+    """Symbols of the glossary with their units; of several units in a row each serves as many. A
+    symbol of one unit "or" another has none that is sure."""
     for row in derivation.glossary:
         units = [unit if " or " not in unit else "" for unit in row.unit.split(", ")]
         each = max(1, len(row.symbols) // len(units))
@@ -187,8 +188,8 @@ class LineUnits:
 
 
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
-    """From near to far: the letter with its kinds of indices; of totals and components the letter
-    alone."""
+    """The keys of symbols like one, from near to far: the letter with its kinds of indices; of
+    totals and components the letter alone."""
     yield symbol.letter, symbol.high, ",".join(symbol.low).translate(_ANY_LINK)
     yield symbol.letter, not symbol.low or symbol.low[-1] in "xyz"
 
