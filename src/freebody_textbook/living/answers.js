@@ -207,7 +207,8 @@ function wrong(row, text, node) {
   if (row.tries) {
     const [yours, right] = [entriesAt({x, y}, node, line).yours.map(({v}) => v), line.places.map((k) => y[k])].map((entries) =>
       told(entries.length > 1 ? entries : entries[0], 5));
-    const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}`;
+    const unit = row.element.querySelector("output").nextSibling?.textContent || "";
+    const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}${unit}`;
     said.unshift(`here it is ${yours}, ${differing}.`);
   } else if (!said.length) said.push("look at it again; the next try shows numbers.");
   const typed = text.slice(text.indexOf("=") + 1).trim().replace(/'/g, "'\\''");

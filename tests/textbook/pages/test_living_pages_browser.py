@@ -735,6 +735,8 @@ def test_energies_are_typed_as_they_are_printed(driver, page_of):
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)
+    again, _ = driver.execute_script(ANSWER, "T1", "1/2 I1 theta1_d^2")
+    assert re.match(r"Not right: here it is [\d.]+, the line [\d.]+ J\. ", again), again
     shown = """return [...document.querySelectorAll('section')].filter(step =>
       [...step.querySelectorAll('.equations')].some(e => e.offsetHeight)).length"""
     assert driver.execute_script(shown) == 0
