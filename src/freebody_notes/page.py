@@ -19,7 +19,6 @@ from freebody.expressions.nodes import Equation, Words
 from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.figures import colours
 from freebody.outputs.page import SHEETS, math_style, policy
-from freebody.outputs.text import legal
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.contents import item as found_item
 from freebody_notes.errata import entries
@@ -116,11 +115,14 @@ def _numbered(contents: str, number: int) -> str:
     return f"{path.stem}-{number}{path.suffix}"
 
 
-def _page(template: str, shared: Mapping[str, Any], script: str = "", **more: Any) -> str:
+def _page(
+    template: str, shared: Mapping[str, Any], scripts: Sequence[str] = (), **more: Any
+) -> str:
+    """A page with the first of the scripts, which inflates the others and runs them."""
     title = "Dynamics of robotic manipulators: the lecture notes, executed"
     given = {"title": title, "chapter": None, "live_style": ""} | dict(shared) | more
-    head = Markup(policy([script] if script else []))
-    text = _templates().get_template(template).render(policy=head, script=Markup(script), **given)
+    head, script = Markup(policy(scripts)), Markup("".join(scripts[:1]))
+    text = _templates().get_template(template).render(policy=head, script=script, **given)
     return lean(text)
 
 
@@ -142,7 +144,7 @@ def _of_chapter(
     return _page(
         "chapter.html",
         shared,
-        legal(living.script),
+        (living.script, living.inflated),
         title=f"{number} {chapter['title']}",
         chapter=chapter,
         sections=_sections(number, findings),

@@ -11,6 +11,6 @@ from typing import Any
 
 def page_data(html: str) -> dict[str, Any]:
     """Inputs, lines, words and whatever else the script reads by name."""
-    found = re.search(r'atob\("([^"]*)"\)', html)
+    found = re.search(r'inflated\("([^"]*)"\)\.json', html)
     assert found, "this page has no data"
     return json.loads(zlib.decompress(b64decode(found[1])))

@@ -77,7 +77,7 @@ def map_diagram(
 
 
 def _steps(caller: str, grid: Array) -> tuple[Array, Array]:
-    """From a column to the next, and from a row to the next."""
+    """The steps from a column to the next, and from a row to the next."""
     m, n = grid.shape[:2]
     across, up = (grid[0, -1] - grid[0, 0]) / (n - 1), (grid[-1, 0] - grid[0, 0]) / (m - 1)
     j, i = np.arange(n)[None, :, None], np.arange(m)[:, None, None]
@@ -103,7 +103,7 @@ def _cells(corner: Array, across: Array, up: Array, numbers: np.ndarray) -> Cell
 
 
 def _view(links: list[tuple[Array, Array]], across: Array, up: Array) -> View:
-    """From where the slice is seen well, and of such places the robot."""
+    """The view in which the slice is seen well, and of several such the robot too."""
     if len(across) == 2:
         return FLAT
     normal = np.cross(across, up)

@@ -73,7 +73,7 @@ class DrawingNames:
         return label(name) if name is not None else ""
 
     def centre_length(self, body: BodyPlace) -> str:
-        """From a joint to the centre of mass."""
+        """The distance from a joint to the centre of mass."""
         return self._length(self.naming.centre_length(body.number), self.on("l", body.number, "c"))
 
     def _length(self, name: Symbol | None, pattern: str) -> str:
@@ -102,7 +102,7 @@ class DrawingNames:
 
 
 def is_letter(name: str) -> bool:
-    """Whether it is a capital letter, as points have them."""
+    """Whether a name is a capital letter, as points have them."""
     return len(name) == 1 and name.isupper()
 
 

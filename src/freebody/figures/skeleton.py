@@ -58,7 +58,7 @@ class DrawnJoint:
 
 @dataclass(frozen=True)
 class BodyPlace(DrawnJoint):
-    """One body in the world, and the joint that carries it."""
+    """A body in the world, and the joint that carries it."""
 
     mass: float
     com: Array
@@ -88,7 +88,7 @@ class LoopPlace(DrawnJoint):
     """The place at which a loop closes."""
 
     rod: bool
-    """Whether it keeps its places a distance apart."""
+    """Whether the loop keeps its places a distance apart."""
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,8 @@ Anchor = tuple[complex, complex]
 
 @dataclass
 class Page:
-    """From metres to pixels, and what has been written so far."""
+    """An SVG picture in the making: the way from metres to pixels, and what has been written so
+    far."""
 
     drawing: Drawing
     scale: float

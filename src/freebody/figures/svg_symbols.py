@@ -214,7 +214,7 @@ KEY = 46.0
 
 
 def cells(e: Cells, at: Callable[[Sequence[float]], complex]) -> list[str]:
-    """One path for each colour; neighbours in a row are one piece of it. at: pixels of a place."""
+    """A path for each colour; neighbours in a row are one piece of it. at: pixels of a place."""
     corner, across, up = map(np.asarray, (e.corner, e.across, e.up))
     d: dict[int, list[str]] = {}
     for i, row in enumerate(e.colours):

@@ -1,4 +1,4 @@
-"""From where a drawing is seen: places of the world, plane or space, on the page."""
+"""The view of a drawing: places of the world, plane or space, on the page."""
 
 from __future__ import annotations
 

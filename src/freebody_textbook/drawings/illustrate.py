@@ -34,8 +34,8 @@ from freebody.outputs.number_text import significant
 from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.derivation import Derivation, Drawings, Step
 from freebody_textbook.derive import undrawn_derivation
+from freebody_textbook.living.drawn_bodies import PageFigure
 from freebody_textbook.living.living import living
-from freebody_textbook.living.page_figure import PageFigure
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, thrusts_of
 from freebody_textbook.methods.method import LOADS

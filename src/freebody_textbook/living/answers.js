@@ -60,7 +60,8 @@ const OF_BODIES = {g: "gravity", J: "JP"};
 function meaningOf(name, line, bodies) {
   const found = words.get(name), other = bodies && has(OF_BODIES, name) && words.get(OF_BODIES[name]);
   if (!found || !(found.s || found.t || found.isNowhere)) return undefined;
-  if (line.own?.includes(found.q)) throw unreadable(`there is no ${name} that this line may use: it would be its own reason.`);
+  if (isOwn(name, line)) throw unreadable(`there is no ${name} that this line may use: it would be its own reason.`);
+  if (line.own?.includes(found.q)) throw undecided(`What says it by ${name}, which stands on this line too,`);
   return other && other.t ? {...found, t: other.t} : found;
 }
 
@@ -78,8 +79,8 @@ function stateOf(values) {
 }
 const states = () => drawn ||= page.states.map(([set, energy, ...values]) => ({set, energy, ...stateOf(values)}));
 // The entries of a tree that is to be equal to a line, and those of the line.
-function entriesAt({x, y}, node, line) {
-  const valuer = new Valuer(lookedUp(x, y)), size = line.vector || 1;
+function entriesAt({x, y}, node, line, seconds) {
+  const valuer = new Valuer(lookedUp(x, y), seconds), size = line.vector || 1;
   const found = (line.vector && valuer.asTable(node, [size, 1])) || valuer.at(node), right = [...line.places].map((k) => y[k]);
   if (line.vector && !found.rows) throw unreadable(`${line.name} is a vector: write it as [${["x", "y", "z"].slice(0, size).join(", ")}].`);
   const yours = entriesOf(found);
@@ -89,26 +90,30 @@ function entriesAt({x, y}, node, line) {
 }
 // How many times larger than a line the terms of an answer may be, or rounding could hide a mistake.
 const LARGEST = 1e5;
-// Entry by entry whether it is right: everywhere, or where loops are closed and what nothing drives
-// moves by itself; energies up to a plain number and an energy, told by the states in other units.
+// Entry by entry at how many of which states it is equal, null where it is not right: everywhere, or
+// where loops are closed and what nothing drives moves by itself, there on some branch of its
+// functions; energies up to a plain number and an energy, told by the states in other units.
 function compared(node, line) {
-  const found = states().map((state) => ({...state, ...entriesAt(state, node, line)}));
+  const [found, ...others] = choices(node).map((seconds) => states().map((state) => ({...state, ...entriesAt(state, node, line, seconds)})));
   const some = found.filter(({set}) => set >= 0), any = found.filter(({set}) => set < 0);
   return found[0].yours.map((_, k) => {
     const gap = ({yours, right}) => yours[k].v - right[k];
-    const levelOf = ({set, energy}) => {
-      const own = found.filter((one) => one.set === set), [first] = own, other = own.find((one) => one.energy !== 1);
+    const levelOf = ({set, energy}, all) => {
+      const own = all.filter((one) => one.set === set), [first] = own, other = own.find((one) => one.energy !== 1);
       return gap(first) + (other ? (gap(other) - gap(first)) * (energy - 1) / (other.energy - 1) : 0);
     };
-    const isEqual = (all) => all.every((one) => {
-      const {yours, right} = one, level = line.level ? levelOf(one) : 0;
+    const isEqual = (one, all = found) => {
+      const {yours, right} = one, level = line.level ? levelOf(one, all) : 0;
       return Math.abs(gap(one) - level) <= EQUAL * (yours[k].s + Math.abs(right[k]));
-    });
+    };
     const isDrowned = found.every(({yours, right}) => right[k] && yours[k].s > LARGEST * Math.abs(right[k]));
     if (isDrowned) throw undecided("What is so much smaller than terms that cancel");
     const largest = (all) => Math.max(...all.map(({right}) => Math.abs(right[k])));
     const saysNothing = any.length && !line.idle && largest(some) <= EQUAL * largest(any);
-    return (any.length && isEqual(any)) || (!saysNothing && isEqual(some));
+    if (any.length && any.every((one) => isEqual(one))) return {at: found.length, of: found.length};
+    const at = some.filter((one) => isEqual(one)).length;
+    const isSomehow = (one) => isEqual(one) || others.some((all) => isEqual(all[found.indexOf(one)], all));
+    return at && !saysNothing && some.every(isSomehow) ? {at, of: some.length} : null;
   });
 }
 // Whether an answer may be in numbers, with the values of the robot's parameters, where the line has
@@ -128,6 +133,7 @@ function isInNumbers(node, line) {
 // The thoughts under which the line would be what is typed, at the first state: of the first table
 // that has any, one of a row.
 function thoughtsOf(node, line, right) {
+  if (nodesOf(node).some(({is}) => SECOND[is] || is === "atan2")) return [];  // what functions tell
   const {yours} = entriesAt(states()[0], node, line), ahead = line.vector ? 0 : yours.length - 1;
   const found = yours.flatMap((own, k) => {
     const thoughts = page.thoughts[line.thoughts?.[k - ahead]];  // not of what a plane lacks
@@ -164,25 +170,29 @@ function judged(row, text) {
   const {line} = row;
   if (!text.trim()) return [false, "Type what you expect on the right of the =."];
   try {
-    const notes = [];
-    for (const node of claimed(text, line)) {
-      const other = readings(node, line).find(([tree]) => isRight(tree, line));
-      if (!isRight(node, line) && !other) {
-        valuable(node);
-        if (isInNumbers(node, line)) throw undecided("An answer in numbers");
-        return [false, wrong(row, text, node)];
+    const notes = claimed(text, line).map((node) => {
+      for (const [tree, note] of [[node, ""], ...readings(node, line)]) {
+        const found = rightAt(tree, line);
+        if (found) return `equal at ${found}.${note}`;
       }
-      notes.push(isRight(node, line) ? "" : other[1]);
-    }
-    return [true, `Right: equal at ${page.states.length} random states.${notes.join("")}`];
+      valuable(node);
+      if (isInNumbers(node, line)) throw undecided("An answer in numbers");
+      return node;
+    });
+    const node = notes.find((one) => one.is);
+    return node ? [false, wrong(row, text, node)] : [true, `Right: ${[...new Set(notes)].join(" ")}`];
   } catch (problem) {
     if (!problem.unreadable) throw problem;
     return [false, `${problem.undecided ? "Not decided here" : "Cannot be read"}: ${problem.message.replace(/[.]?$/, ".")}`];
   }
 }
-// Whether it is right as it is written; not where a name has no value here.
-function isRight(node, line) {
-  return !nodesOf(node).some((part) => part.isNowhere) && compared(node, line).every(Boolean);
+// At which states it is right as it is written, in words; not where a name has no value here.
+function rightAt(node, line) {
+  if (nodesOf(node).some((part) => part.isNowhere)) return "";
+  const found = compared(node, line);
+  if (!found.every(Boolean)) return "";
+  const {at, of} = found.reduce((a, b) => a.at < b.at ? a : b);
+  return at === of ? `${of} random states` : `${at} of ${of} random states as it stands, at the others on another branch of its functions`;
 }
 function valuable(node) {
   const part = nodesOf(node).find((one) => one.isNowhere);
@@ -197,7 +207,8 @@ function wrong(row, text, node) {
   if (row.tries) {
     const [yours, right] = [entriesAt({x, y}, node, line).yours.map(({v}) => v), line.places.map((k) => y[k])].map((entries) =>
       told(entries.length > 1 ? entries : entries[0], 5));
-    const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}`;
+    const unit = row.element.querySelector("output").nextSibling?.textContent || "";
+    const differing = yours === right ? "as the line, but not with other values of the sliders" : `the line ${right}${unit}`;
     said.unshift(`here it is ${yours}, ${differing}.`);
   } else if (!said.length) said.push("look at it again; the next try shows numbers.");
   const typed = text.slice(text.indexOf("=") + 1).trim().replace(/'/g, "'\\''");

@@ -1,12 +1,22 @@
-"""What is told and drawn of each body, by name: over polynomials, or over the scalars of a
-program."""
+"""Quantities of bodies by name, of which a page tells and draws the values: over polynomials where
+these are short, or over the scalars of a program, with the recursion body by body in their
+place."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
+from freebody.algorithms.rnea import friction_and_spring
+from freebody.elementary import Scalar, cos, sin
+from freebody.expressions.polynomials.symbols import Formulas, Symbols
 from freebody.model.model import Model
+from freebody.model.parameter_formulas import ParameterFormula
+from freebody.model.parameters import Parameter, Quantity
+from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
+from freebody.scalars.expr import Expr
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
 from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.energies import Energies
@@ -15,8 +25,8 @@ from freebody_textbook.methods.setting import Setting
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
-    """By the names that derivations give them; vectors in the axes that are shown, but positions
-    and gravity, which are in those of the world."""
+    """All quantities of bodies by the names of derivations; vectors in the axes that are shown, but
+    positions and gravity in those of the world."""
     ring, energies = s.symbols.ring, Energies(s, s.motion)
     found: dict[str, Any] = {name: ring[name] for name in ring.names}
     found["gravity"] = vector(s, s.tree.gravity)
@@ -61,3 +71,86 @@ def shown(model: Model, values: Mapping[str, Any]) -> list[str]:
     known = [x.known for x in BODY_QUANTITIES if x.shown]
     names = (x.format(**numbers(n)) for n in range(1, len(model.bodies) + 1) for x in known)
     return [name for name in names if name in values]
+
+
+class Inputs(dict[str, Expr]):
+    """Inputs of a program by name, in the place of a ring."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of all inputs."""
+        return tuple(self)
+
+
+class TracedReader(QuantityReader):
+    """Reads parameters as inputs of the program, by name, or by their formulas of these, and
+    numbers as they are."""
+
+    combines = False
+
+    def __init__(
+        self,
+        inputs: Mapping[str, Expr],
+        numbers: bool,
+        formulas: Formulas,
+        own: Mapping[str, ParameterFormula],
+    ):
+        """formulas: of a notation; own: of the model."""
+        self.inputs, self.numbers, self.formulas, self.own = inputs, numbers, dict(formulas), own
+
+    def quantity(self, q: Quantity) -> Scalar:
+        if not isinstance(q, Parameter) or self.numbers:
+            return super().quantity(q)
+        if q.name not in self.formulas:
+            formula = self.own.get(q.name)
+            return formula.value(self.quantity) if formula else self.inputs[q.name]
+        total: Scalar = 0.0
+        for powers, factor in self.formulas[q.name]:
+            factors = (self.inputs[name] for name, power in powers for _ in range(power))
+            total = total + math.prod(factors, start=float(factor))
+        return total
+
+    def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
+        read = self.quantity(angle)
+        return (sin(read), cos(read)) if isinstance(read, Expr) else exact_sin_cos(read)
+
+
+@dataclass(frozen=True, eq=False)
+class TracedSymbols(Symbols):
+    """Symbols whose ring is a program's inputs by name."""
+
+    @classmethod
+    def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
+        """Symbols of the same model and names, over the scalars of a program."""
+        ring: Any = Inputs(inputs)
+        reader: Any = TracedReader(ring, given.reader.numbers, given.formulas, given.reader.own)
+        names = given.coordinates, reader, given.extra, given.inertial
+        rewritten = given.formulas, given.turned, given.quarters
+        return cls(given.model, ring, *names, given.given, given.euler, *rewritten)
+
+    def zero(self) -> Any:
+        return self.element(0.0)
+
+    def element(self, x: Scalar) -> Any:
+        one: Any = self.own("")[0]
+        return x if isinstance(x, Expr) else one.graph.constant(x)
+
+
+@dataclass(frozen=True)
+class _Drives:
+    drives: list[Scalar]
+
+
+class TracedSetting(Setting):
+    """A setting over such symbols, which has no closed forms."""
+
+    @property
+    def equations(self) -> Any:
+        """Friction and springs alone, by coordinate."""
+        s = self.symbols
+        found: list[Scalar] = [0.0] * self.tree.nv
+        for body in self.tree.bodies:
+            if body.drive is not None:
+                k, ratio = body.coordinates.v[0], body.coordinates.ratio
+                found[k] = found[k] + ratio * friction_and_spring(body, s.q, s.qd)
+        return _Drives(found)

@@ -35,7 +35,7 @@ def _rank(matrix: Array) -> int:
 
 @dataclass(frozen=True)
 class LoopEnd:
-    """Where a loop acts on a body: the point, force and moment, and what they are called."""
+    """The action of a loop on a body: the point, force and moment, with their names."""
 
     place: Any
     force: Any
@@ -43,7 +43,7 @@ class LoopEnd:
     """None of a loop that transmits none."""
     sign: int
     names: tuple[Expression, Expression]
-    """Of force and moment."""
+    """The names of the force and of the moment."""
 
 
 class ClosedChain:
@@ -114,7 +114,7 @@ class ClosedChain:
 
     # ------------------------------------------------------------ what is drawn
     def ends(self, n: int) -> list[LoopEnd]:
-        """Where loops act on body n."""
+        """The actions of loops on body n."""
         i = self.s.order[n - 1]
         return [self._end(loop, frame, i) for loop, frame in self._acting(i)]
 
@@ -172,7 +172,7 @@ class ClosedChain:
 
     @property
     def units(self) -> dict[str, str]:
-        """Of the multipliers: a rod's equation is that of a distance squared."""
+        """The units of the multipliers: a rod's equation is that of a distance squared."""
         names = multiplier_names(self.loops.equations)
         return {
             names[k]: "N/m" if loop.closure.distance else "N"
@@ -181,7 +181,7 @@ class ClosedChain:
         }
 
     def _pressed(self, k: int) -> Any:
-        """What the loops press on a coordinate, of Φ_qᵀ λ."""
+        """The entry of Φ_qᵀ λ that belongs to a coordinate."""
         names = multiplier_names(self.loops.equations)
         parts = zip(self.loops.equations.Phi_q, names, strict=True)
         return sum((row[k] * self.s.symbols.ring[x] for row, x in parts), self.s.symbols.zero())

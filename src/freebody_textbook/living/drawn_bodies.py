@@ -1,20 +1,21 @@
-"""What a page draws of each body: where its joint and its ends are, what acts on it and what that
-is called; vectors in axes of the world."""
+"""The bodies that a page draws: where joints and ends are, the forces with their names, vectors in
+axes of the world; and what the moving drawing takes from the figure above it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from freebody.algorithms.kinematics import frame_pose
 from freebody.expressions import expression as ex
+from freebody.expressions.expression import Expression
 from freebody.expressions.naming import Naming
 from freebody.model.tree import TreeBody
 from freebody.spatial import add, product, times
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.living.page_figure import Labels
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.setting import Setting
 
@@ -39,7 +40,7 @@ class DrawnBodies:
         self.tree, self.closed, self.labels = setting.tree, closed, labels
 
     def all(self) -> list[dict[str, Any]]:
-        """One after the other, as the script takes them."""
+        """All bodies one after the other, as the script takes them."""
         return [self._body(n) for n in range(1, len(self.naming.model.bodies) + 1)]
 
     def _body(self, n: int) -> dict[str, Any]:
@@ -67,7 +68,7 @@ class DrawnBodies:
         return drawn | ({"solids": self._solids(n)} if naming.model.dim == 3 and not link else {})
 
     def _start(self, n: int) -> Any:
-        """Where the slide of joint n begins."""
+        """The point where the slide of joint n begins."""
         own = self._first(n)
         return self._placed(own.parent, own.p)
 
@@ -115,16 +116,17 @@ class DrawnBodies:
         return made
 
     def _is_link(self, n: int) -> bool:
-        """Whether it stands for nothing, between joints in a row that hold nothing."""
+        """Whether body n stands for nothing, between joints in a row that hold nothing."""
         return bool(self.closed and n and self.tree.body_of[n - 1] in self.closed.s.links)
 
     def _stands_alone(self, n: int) -> bool:
-        """Whether it is drawn with its forces; of robots of many bodies only those with mass."""
+        """Whether body n is drawn alone with its forces; of robots of many bodies only those with
+        mass are."""
         few = len(self.naming.model.bodies) <= FEW
         return not self._is_link(n) and (few or bool(self._own(n).masses))
 
     def _ends(self, n: int) -> list[Any]:
-        """Where it reaches to: further joints and frames."""
+        """The points that body n reaches to: further joints and frames."""
         return [
             self._start(end) if isinstance(end, int) else self._frame(end)
             for end in self.labels.figure.ends[n - 1]
@@ -134,13 +136,13 @@ class DrawnBodies:
         return vector(self.s, frame_pose(self.tree, self.s.world, name)[1])
 
     def _pins(self, n: int) -> list[list[int]]:
-        """Where loops end on it."""
+        """The points of body n where loops end."""
         return [
             self.kernel.places(end.place) for end in (self.closed.ends(n) if self.closed else ())
         ]
 
     def tip(self) -> list[int]:
-        """Where the tip is, if there is one."""
+        """The places of the tip's coordinates, empty where there is none."""
         return self.kernel.places(self.values["r"]) if "r" in self.values else []
 
     def points(self) -> list[dict[str, Any]]:
@@ -202,8 +204,8 @@ class DrawnBodies:
         return made
 
     def _moment(self, n: int, sign: int) -> dict[str, Any]:
-        """At a pin without motor the one that the state would need there; never called τ where that
-        is what turns a body."""
+        """The moment at joint n; at a pin without motor the one that the state would need there. It
+        is not called τ where τ is what turns a body."""
         naming = self.naming
         name = naming.joint_moment(n)
         if name == ex.ZERO or self.s.symbols.turned:
@@ -232,6 +234,53 @@ class DrawnBodies:
         return self.tree.bodies[self.tree.body_of[n - 1]]
 
     def _first(self, n: int) -> TreeBody:
-        """Of a joint that is a chain of several the first."""
+        """The first body of the tree of a joint that is a chain of several."""
         before = (k for k in self.tree.body_of if k < self.tree.body_of[n - 1])
         return self.tree.bodies[1 + max(before, default=-1)]
+
+
+@dataclass(frozen=True)
+class PageFigure:
+    """A figure as data."""
+
+    bodies: Sequence[Mapping[str, str]]
+    """The formulas of each body by what they name, such as C its centre of mass."""
+    ends: Sequence[Sequence[int | str]]
+    """The ends of each body: numbers of bodies that hang on it, and names of frames."""
+    tip: str
+    """The name of the tip."""
+    points: Mapping[str, str]
+    """Names of further frames that are points."""
+    rods: Sequence[str]
+    """The length of each loop's rod, or ""."""
+    start: Mapping[str, float]
+    """First values of symbols."""
+    view: tuple[float, float]
+    """Azimuth and elevation of the viewer of a robot in space, degrees."""
+    rule: Mapping[str, Any]
+    """The rule by which labels find their places."""
+    formula: Callable[[Expression], str]
+    """A name as a formula."""
+    typeset: Callable[[str], str]
+    """A formula as pieces of an SVG text."""
+
+
+@dataclass(frozen=True)
+class Labels:
+    """The formulas that a page writes, each once, and their numbers."""
+
+    figure: PageFigure
+    numbers: dict[str, int] = field(default_factory=dict)
+
+    def number(self, formula: str) -> int:
+        """The number of a formula; -1 where there is none."""
+        return self.numbers.setdefault(formula, len(self.numbers)) if formula else -1
+
+    def of(self, name: Expression, sign: int = 1) -> int:
+        """The number of a name, with its sign."""
+        return self.number("−" * (sign < 0) + self.figure.formula(name))
+
+    def template(self) -> str:
+        """All formulas as HTML, for the page to copy."""
+        texts = (f"<text>{self.figure.typeset(formula)}</text>" for formula in self.numbers)
+        return f'<template id="names"><svg>{"".join(texts)}</svg></template>'

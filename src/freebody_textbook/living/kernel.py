@@ -22,7 +22,7 @@ from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody_textbook.relations.formula_values import rank
 
 NAME = "live"
-"""Of the function: y = live(x, y)."""
+"""The name of the function: y = live(x, y)."""
 
 _FUNCTIONS = {"sin": elementary.sin, "cos": elementary.cos, "sgn": elementary.sign}
 
@@ -49,7 +49,7 @@ class PageProgram:
         }
 
     def places(self, value: Any) -> list[int]:
-        """Where in y the entries of a value will be; equal ones have one place."""
+        """The places in y of the entries of a value; equal ones have one place."""
         indices = [self._graph.operand(self._scalar(x)) for x in entries(value)]
         return [self._places.setdefault(index, len(self._places)) for index in indices]
 
@@ -112,8 +112,7 @@ _CONSTANTS = re.compile(r"(?m)(?:^ *const [^\n]*;\n)+")
 
 
 def _in_one(lines: re.Match[str]) -> str:
-    """One declaration in the place of one a line, without blanks: a third of a long program is
-    `const`."""
+    """Lines of declarations as one, without blanks: a third of a long program is `const`."""
     declared = [line.strip().removeprefix("const ")[:-1] for line in lines[0].splitlines()]
     joined = _BLANKS.sub(r"\1", ",\n".join(declared))
     return f"const {joined};\n"

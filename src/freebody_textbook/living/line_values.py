@@ -1,4 +1,5 @@
-"""The exact value of each line of a derivation, where it has one."""
+"""The exact value of each line of a derivation, where it has one: in space in the axes of each
+body, or with all vectors in those of the world, where those of several bodies can be added."""
 
 from __future__ import annotations
 
@@ -15,10 +16,11 @@ from freebody.expressions.nodes import Derivative, Matrix, Quotient, Vector, Wor
 from freebody.expressions.printed_names import vec
 from freebody.scalars.expr import Expr
 from freebody.scalars.trig import Trig
+from freebody.spatial import product, times, transposed
 from freebody_textbook.derivation import Derivation, Step
-from freebody_textbook.living.axes import own_axes, scalar_name, world_axes
 from freebody_textbook.living.kernel import PageProgram, entries
 from freebody_textbook.methods import METHODS
+from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody_textbook.methods.recursive import GRAVITIES
 from freebody_textbook.relations.formula import symbol
 from freebody_textbook.relations.formula_values import rank, value
@@ -38,9 +40,9 @@ class ValuedLine:
     line: Equation
     value: Any
     names: tuple[str, ...]
-    """Of the line's own symbols that have a value, those of its left side first."""
+    """The line's own symbols that have a value, those of its left side first."""
     in_world: bool = False
-    """Whether it holds, and has this value, only with all vectors in axes of the world."""
+    """Whether the line holds, and has this value, only with all vectors in axes of the world."""
 
 
 @dataclass(frozen=True)
@@ -105,16 +107,16 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
 def traced_values(
     derivation: Derivation, values: Mapping[str, Any], program: PageProgram
 ) -> LineValues:
-    """The same over the scalars of a program, in whose symbols `values` are: all sides of a line
-    that have a value must be equal at random states. Where gravity is an acceleration of the base,
-    the lines themselves tell the accelerations."""
+    """The values of a derivation's lines over the scalars of a program, in whose symbols `values`
+    are: all sides of a line that have a value must be equal at random states. Where gravity is an
+    acceleration of the base, the lines themselves tell the accelerations."""
     bare = {name: x for name, x in values.items() if not _is_acceleration(name)}
     found = [_traced(derivation, known, program) for known in (values, bare)]
     return max(found, key=lambda one: len(one.lines))
 
 
 def _is_acceleration(name: str) -> bool:
-    """Whether it is that of a centre of mass."""
+    """Whether a name is that of the acceleration of a centre of mass."""
     own = atom(name)
     return own.letter == "vc" and own.is_numbered and own.dots == 1
 
@@ -146,7 +148,7 @@ def _with_sides(
 
 
 def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
-    """With the components of vectors in space, as lines call them."""
+    """The values and the components of their vectors in space, as lines call them."""
     vectors = {name: x for name, x in values.items() if rank(x) == 1 and len(x) == 3}
     parts = {
         f"{name}_{axis}": part
@@ -157,7 +159,7 @@ def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unlike(lines: Iterable[list[Any]], program: PageProgram) -> set[int]:
-    """Which of these lines have sides that are not equal, or no numbers."""
+    """The numbers of lines whose sides are not equal, or no numbers."""
     found, pairs = set(), []
     for k, sides in enumerate(lines):
         first = entries(sides[0])
@@ -224,8 +226,8 @@ def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
 
 
 def _common(line: Equation, values: Quantities) -> Any:
-    """What all sides that can be evaluated, at least two, are equal to; None where they are not, or
-    where it is a plain number."""
+    """The value that all sides have which can be evaluated, at least two; None where they are not
+    equal, or where it is a plain number."""
     sides = [x for side in line.sides if (x := _value(side, values)) is not None]
     last = sides[-1] if sides else None
     if len(sides) < 2 or rank(last) > 1 or not any(isinstance(x, Trig) for x in entries(last)):
@@ -258,3 +260,75 @@ def _scalars(side: Expression, values: Quantities) -> dict[Expression, Expressio
 def _names(line: Equation, values: Quantities) -> tuple[str, ...]:
     found = [x.name for x in nodes(replaced(line, _GRAVITY)) if isinstance(x, Symbol)]
     return tuple(dict.fromkeys(name for name in found if name in values))
+
+
+def _letters(rows: Iterable[BodyQuantity]) -> frozenset[str]:
+    return frozenset(atom(x.known.format(**numbers(1))).letter for x in rows)
+
+
+_VECTORS = _letters(x for x in BODY_QUANTITIES if x.has_axes_of_body) - _letters(
+    x for x in BODY_QUANTITIES if not x.own_axes
+)
+"""Letters of vectors in axes of their body, whose number is the last figure."""
+_PARTIAL = ("omega", "vc")
+"""Letters of partial velocities, whose indices are body and joint."""
+
+
+def body_of(name: str) -> str:
+    """The number of the body in whose axes a vector is, by the name with which a line begins."""
+    own = atom(name)
+    turns = own.letter == "R" and own.is_figures and len(own.figures) == 2 and not own.dots
+    return own.figures[-1] if turns else _of_vector(name)
+
+
+def _of_vector(name: str) -> str:
+    """The number of the body whose vector it is, "" of anything else."""
+    own = atom(name)
+    if not own.is_figures or own.primes or len(own.figures) > 2 or own.letter not in _VECTORS:
+        return ""
+    is_partial = own.letter in _PARTIAL and len(own.index) == 2 and not own.dots
+    return own.figures[0 if is_partial else -1]
+
+
+def scalar_name(name: str) -> str:
+    """The name of the value of a parameter that has the name of a matrix, such as I1."""
+    return f"{name} (scalar)"
+
+
+def own_axes(values: Quantities, parameters: dict[str, Any]) -> Quantities:
+    """Each vector in the axes of its body, n0_1 for the moment n1 at its joint; R1_2 is printed as
+    what turns components of body 1 to those of body 2; axes of joints are left to the lines that
+    define them."""
+    found: dict[str, Any] = {}
+    further: dict[str, Any] = {}
+    for name, x in values.items():
+        own = atom(name)
+        match own.letter, own.index, own.dots:
+            case "z" | "w", (k,), 0 if k.isdigit():
+                continue
+            case "n", (k,), 0 if k.isdigit():
+                further[f"n{int(k) - 1}_{k}"] = x
+            case "R", (k,), 0 if k.isdigit() and k != "0":
+                further[f"R0_{k}"] = transposed(x)
+            case "R", (_, _), 0:
+                further[name] = transposed(x)
+        found[name] = x
+    found |= further
+    found |= {scalar_name(name): x for name, x in parameters.items() if rank(found.get(name)) > 0}
+    return Quantities(found, values.layout)
+
+
+def world_axes(values: Quantities) -> Quantities:
+    """Quantities in axes of their bodies, turned into those of the world."""
+    found: dict[str, Any] = {}
+    for name, x in values.items():
+        own = atom(name)
+        body = own.figures if own.letter == "I" and own.is_numbered else _of_vector(name)
+        turn = values.get(f"R{body}") if body else None
+        if turn is None or rank(x) == 0:
+            found[name] = x
+        else:
+            found[name] = (
+                product(product(turn, x), transposed(turn)) if rank(x) == 2 else times(turn, x)
+            )
+    return Quantities(found, values.layout)

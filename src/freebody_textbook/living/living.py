@@ -23,17 +23,18 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
-from freebody_textbook.living.body_quantities import body_quantities, shown
+from freebody_textbook.living.body_quantities import (
+    TracedSetting,
+    TracedSymbols,
+    body_quantities,
+    shown,
+)
 from freebody_textbook.living.closed_chain import ClosedChain
-from freebody_textbook.living.drawn_bodies import DrawnBodies
-from freebody_textbook.living.free_flight import FreeFlight
-from freebody_textbook.living.free_joints import FreeJoints
+from freebody_textbook.living.drawn_bodies import DrawnBodies, Labels, PageFigure
+from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.living.line_units import LineUnits, is_velocity, units_of_symbols
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
-from freebody_textbook.living.page_figure import Labels, PageFigure
-from freebody_textbook.living.panel import below, panel
-from freebody_textbook.living.traced import TracedSetting, TracedSymbols
+from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.reactions import SolvedReactions
@@ -44,21 +45,21 @@ from freebody_textbook.relations.quantities import Quantities, branches
 from freebody_textbook.render.documents import LivingParts
 
 MOST_JOINTS = 4
-"""Of robots with more, lines are evaluated one after the other, as the recursion goes; of others
-as polynomials, which proves them."""
+"""Joints up to which lines are evaluated as polynomials, which proves them; of robots with more
+they are one after the other, as the recursion goes."""
 MOST_BODIES = 30
-"""Of robots with more, numbers would make a page too large."""
+"""Bodies up to which a page has numbers; of robots with more they would make it too large."""
 _WIDEST: dict[str, float] = {"rad": math.pi, "rad/s": 5.0, "rad/s²": 20.0, "m/s": 3.0, "N": 100.0}
 """The end of a slider, by unit; of other units three times the value, at least 1."""
 
 SCRIPTS = (
-    "unpacked.js", "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
+    "grammar.js", "reader.js", "symbols.js", "placing.js", "drawing.js",
     "free_bodies.js", "closing.js", "answers.js", "page.js",
 )  # fmt: skip
-"""The page's own script in its parts."""
+"""The script that a page runs, in its parts."""
 
 Following = ClosedChain | FreeFlight | FreeJoints
-"""What follows in a page from what is set."""
+"""The motion of a page that follows from what is set."""
 
 
 def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
@@ -144,22 +145,24 @@ def _parts(
     page["figure"] = _figure(labels, axes, marked)
     page |= answers.page(inputs) | {"option": _option(letters)}
     own = dict(zip(plain.steps, derivation.steps, strict=True))
-    script = _script().replace("PAGE", packed(page), 1)
     of_lines = LineUnits(plain, units)
     dim, alone = plain.equations.symbols.model.dim, sum(body["alone"] for body in bodies)
     naming = Naming(plain.equations.symbols.model)
     loops = range(len(naming.model.loops))
     exerted = [*map(naming.loop_force, loops), *map(naming.loop_moment, loops)]
     told = below(found.lines, letters, of_lines, {x.name for x in exerted if isinstance(x, Symbol)})
+    run = f"{kernel.source(answers.symbols(inputs))}\n{_script()}"
+    data = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     return LivingParts(
         panel(inputs, dim, alone, letters, figure.view) + labels.template(),
         {own[step]: rows for step, rows in told.items()},
-        f"{kernel.source(answers.symbols(inputs))}\n{script}",
+        _code(["unpacked.js"]).replace("PAGE", packed(data)).replace("SCRIPT", packed(run)),
+        run,
     )
 
 
 def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, Any]:
-    """What the script draws beside the bodies: axes, rods, points, and the tip where there is
+    """The parts of the drawing beside the bodies: axes, rods, points, and the tip where there is
     one."""
     figure = labels.figure
     drawn: dict[str, Any] = {
@@ -206,7 +209,7 @@ def _values(
 
 # ---------------------------------------------------------------- what the script is given
 def _said(body: Mapping[str, Any]) -> dict[str, Any]:
-    """What a page says of a body or line: what it lacks is left out."""
+    """The data of a body or line without what it lacks."""
     return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
 
 
@@ -217,8 +220,8 @@ def _line(
     letters: Lettering,
     answers: PageAnswers,
 ) -> dict[str, Any]:
-    """Where its value is; what it is called, if it can be asked for, and how an answer is judged:
-    it may not use the line's own names, or it would be its own reason."""
+    """The data of a line: the places of its value; if it can be asked for, its name and how an
+    answer is judged, which may not use the line's own names, or it would be its own reason."""
     left = line.line.lhs
     own = [
         x.name
@@ -294,21 +297,23 @@ def _angles(derivation: Derivation) -> set[str]:
     return {name for names, body in pairs for name in names if body.kind.turns}
 
 
-def packed(page: dict[str, Any]) -> str:
-    """Data for the script, deflated: browsers inflate it themselves."""
-    text = json.dumps(page, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+def packed(text: str) -> str:
+    """A text deflated, as browsers inflate it themselves."""
     return b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
 def _script() -> str:
-    """The page's own script, the same of all pages but for the data; without its comments."""
+    """The part of the script that all pages share."""
+    return f'(function () {{\n"use strict";\n{_code(SCRIPTS)}\n}})();\n'
+
+
+def _code(names: Iterable[str]) -> str:
+    """Files of scripts without their comments."""
     folder = resources.files("freebody_textbook.living")
-    names = SCRIPTS
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
-    code = "\n".join(_dense(line) for line in lines if not line.startswith("//"))
-    return f'(async function () {{\n"use strict";\n{code}\n}})();\n'
+    return "\n".join(_dense(line) for line in lines if not line.startswith("//"))
 
 
 _QUOTED = re.compile(r"""("(?:\\.|[^"\\])*"|`[^`]*`)""")

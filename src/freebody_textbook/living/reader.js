@@ -251,13 +251,15 @@ class Reader {
     return {is: "name", text: name, parts: [], ...rate};
   }
   inverse({text}, word) {
-    if (this.token.kind === "fraction") return {is: word, parts: [this.primary()]};
+    const bare = ["fraction", "function", ...(word === "sqrt" ? ["number", "name"] : [])];
+    if (bare.includes(this.token.kind)) return {is: word, parts: [this.primary()]};
     if (this.token.kind !== "open") this.failHere(`a bracket after ${text}`);
     return {is: word, parts: [this.nested(() => this.bracket())]};
   }
   // A bracket; or, without one, numbers and one angle: cos 2θ1.
   argument(word) {
     if (this.token.kind === "open") return this.nested(() => this.bracket());
+    if (this.token.kind === "function" && has(INVERSE, page.functions[this.token.text])) return this.primary();
     const factors = [], first = this.token;
     for (; ["number", "fraction"].includes(this.token.kind) || this.isOperator("-", "*");) {
       if (!this.isOperator("-", "*")) factors.push(this.degrees(this.primary()));
@@ -310,6 +312,16 @@ const FUNCTIONS = {
   tan: through(Math.tan, (v) => Math.cos(v) ** -2), sgn: through(Math.sign, () => 0),
 };
 
+// Functions of several values, with the second one by the first; more in one answer are not tried.
+const SECOND = {sqrt: negated, arccos: negated, arcsin: (y) => add(exact(Math.PI), negated(y)), arctan: (y) => add(y, exact(Math.PI))};
+const MOST_BRANCHES = 5;
+// Sets of functions, as text, whose second value is taken; first that of none.
+function choices(node) {
+  const several = [...new Set(nodesOf(node).filter(({is}) => SECOND[is]).map((x) => JSON.stringify(x)))];
+  if (several.length > MOST_BRANCHES) throw unreadable(`at most ${MOST_BRANCHES} inverse functions are read in an equation`);
+  return Array.from({length: 2 ** several.length}, (_, k) => several.filter((_, j) => k >> j & 1));
+}
+
 // Of a vector or matrix {rows}.
 const eachOf = (x, change) => x.rows ? {rows: x.rows.map((row) => row.map(change))} : change(x);
 const shapeOf = ({rows}) => {
@@ -332,9 +344,9 @@ const inverseOf = ({rows}) => {
   }))};
 };
 
-// The value of a tree; look: of what a name stands for.
+// The value of a tree; look: of what a name stands for; seconds: functions whose second value is taken.
 class Valuer {
-  constructor(look) { this.look = look; }
+  constructor(look, seconds = []) { Object.assign(this, {look, seconds}); }
   scalar(node) {
     const found = this.at(node);
     if (found.rows) throw unreadable("a vector or matrix stands where one expression is expected");
@@ -365,7 +377,10 @@ class Valuer {
         const [y, x] = [a, b].map((part) => this.scalar(part)), v = Math.atan2(y.v, x.v);
         return {v, s: (x.s + y.s) / Math.hypot(x.v, y.v) + Math.abs(v)};
       }
-      default: return FUNCTIONS[node.is](this.scalar(a));
+      default: {
+        const found = FUNCTIONS[node.is](this.scalar(a));
+        return this.seconds.length && this.seconds.includes(JSON.stringify(node)) ? SECOND[node.is](found) : found;
+      }
     }
   }
   table(node) {

@@ -1,4 +1,13 @@
-// What Python wrote for the page, inflated by the browser: nothing is fetched.
-
-const bytes = Uint8Array.from(atob("PAGE"), (c) => c.charCodeAt(0));
-const page = await new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).json();
+// Inflates what Python wrote for the page, its data and its script, and runs the script: nothing is
+// fetched, and the page's policy names its text.
+const inflated = (packed) => {
+  const bytes = Uint8Array.from(atob(packed), (c) => c.charCodeAt(0));
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate")));
+};
+let page;
+(async () => {
+  page = await inflated("PAGE").json();
+  const script = document.createElement("script");
+  script.textContent = await inflated("SCRIPT").text();
+  document.body.append(script);
+})();

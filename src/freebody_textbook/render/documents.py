@@ -46,11 +46,12 @@ LARGEST = 595_000
 @dataclass(frozen=True)
 class LivingParts:
     """HTML of the panel with the drawing and its sliders, of the values below each step's
-    equations, and the text of the page's only script."""
+    equations, the text of the page's only script, and of the one that this inflates and runs."""
 
     panel: str
     below: Mapping[Step, str]
     script: str
+    inflated: str
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -325,16 +326,15 @@ def html(
 ) -> str:
     """One page that fetches nothing; `style` is for the figures, `living` makes it one that can be
     tried."""
-    title, inside, scripts = web_prose(_title(derivation)), body, []
+    title, inside, head, run = web_prose(_title(derivation)), body, policy(), ""
     if living is not None:
-        inside = tried(living)
-        scripts, style = [legal(living.script)], style + styles.PANEL + styles.STATE
+        inside, style = tried(living), style + styles.PANEL + styles.STATE
+        head, run = policy([living.script, living.inflated]), f"<script>{living.script}</script>"
     kind = ' class="living"' if living else ""
-    run = "".join(f"<script>{text}</script>" for text in scripts)
 
     def written(document: _Document) -> str:
         return legal(
-            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{policy(scripts)}'
+            f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{head}'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
             f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{page.STYLE}"

@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from support.browser import browser
 from support.formula_font import lacking
 from support.symbolic import METHODS, spatial_arm
 
@@ -24,6 +23,7 @@ pytestmark = [
     ),
 ]
 
+WINDOW = 1100, 900
 MODELS = [
     *map(fb.planar, ("R", "RR", "RP", "RRR")),
     spatial_arm(5, 3),
@@ -37,13 +37,6 @@ SIZES = """return [...document.querySelectorAll('.equations:not(.short)')].map(e
     height: sizes.reduce((total, size) => total + size.height, 0), rows: rows}})"""
 DOTS = """const find = x => [...document.querySelectorAll(x)].map(e => e.getBoundingClientRect());
   return [find('mover > mi'), find('mover > mo')]"""
-
-
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp("profile")) as opened:
-        opened.set_window_size(1100, 900)
-        yield opened
 
 
 @pytest.mark.parametrize("method", METHODS)

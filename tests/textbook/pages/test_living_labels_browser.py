@@ -15,8 +15,7 @@ from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Dimension
 from freebody.figures.text import canonical, label
 from freebody_textbook.drawings.illustrate import illustrations
-from freebody_textbook.living.line_units import units_of_symbols
-from support.browser import browser
+from freebody_textbook.living.panel import units_of_symbols
 from support.page_labels import measured
 
 pytestmark = [
@@ -28,23 +27,10 @@ pytestmark = [
     ),
 ]
 
+WINDOW = 1500, 1000
 SAMPLE = ("3R", "RP", "four_bar", "elbow_arm")
 FRAME = 16.0  # ms, between two pictures of a screen
 FAR_DOWN = {"stewart"}  # tells its six loops one by one before the first equation
-
-
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp("profile")) as opened:
-        opened.set_window_size(1500, 1000)
-        opened.set_script_timeout(300)
-        yield opened
-
-
-def opened(driver, folder, derivation) -> None:
-    page = folder / "page.html"
-    page.write_text(derivation.html(), encoding="utf-8")
-    driver.get(page.as_uri())
 
 
 @pytest.mark.parametrize(
@@ -54,9 +40,9 @@ def opened(driver, folder, derivation) -> None:
         *(pytest.param(name, 200, marks=pytest.mark.long) for name in fb.models()),
     ],
 )
-def test_no_label_lies_on_another_or_is_cut_off(driver, tmp_path, name, states):
+def test_no_label_lies_on_another_or_is_cut_off(driver, page_of, name, states):
     """Nor is one crossed by the leader of another; and a drawing is made in less than a frame."""
-    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    driver.get(page_of(name).as_uri())
     found = measured(driver, states)
     assert found["labels"] > 5 * states
     assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
@@ -66,8 +52,8 @@ def test_no_label_lies_on_another_or_is_cut_off(driver, tmp_path, name, states):
 
 
 @pytest.mark.parametrize("method", ["statics", "lagrange", "recursive"])
-def test_nor_under_a_load_or_in_other_letters(driver, tmp_path, method):
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), method, notation="siciliano"))
+def test_nor_under_a_load_or_in_other_letters(driver, page_of, method):
+    driver.get(page_of("2R", method, notation="siciliano").as_uri())
     found = measured(driver, 20)
     assert (found["overlaps"], found["cut"]) == (0, 0), found["examples"]
 
@@ -80,9 +66,9 @@ WRITTEN = """return ['main > figure svg', '#arm'].map(svg =>
 
 
 @pytest.mark.parametrize("name", [*SAMPLE, "ur5e", "five_bar_rods", "furuta", "quadrotor"])
-def test_the_moving_drawing_is_the_figure_above_it(driver, tmp_path, name):
+def test_the_moving_drawing_is_the_figure_above_it(driver, page_of, name):
     """At first: the same names, and joints, centres of mass and the tip at the same places."""
-    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    driver.get(page_of(name).as_uri())
     above, moving = driver.execute_script(WRITTEN)
     assert Counter(above) == Counter(moving)
     places = driver.execute_script(CIRCLES, ["pin", "com", "position-head"])
@@ -121,11 +107,11 @@ def test_every_length_in_the_equations_is_dimensioned(name):
         if x not in FAR_DOWN
     ],
 )
-def test_the_first_equation_stands_within_a_screen_and_a_half(driver, tmp_path, name, size):
+def test_the_first_equation_stands_within_a_screen_and_a_half(driver, page_of, name, size):
     width, height = size
     metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
-    opened(driver, tmp_path, fb.derive(fb.load(name)))
+    driver.get(page_of(name).as_uri())
     first = driver.execute_script(
         "return [...document.querySelectorAll('.equations')].find(e => e.offsetHeight)"
         ".getBoundingClientRect().bottom"

@@ -17,7 +17,6 @@ from freebody_notes.page import pages
 from freebody_notes.run import run_all
 from freebody_textbook.living.line_values import line_values
 from freebody_textbook.living.living import is_diagnosed
-from support.browser import browser
 from support.symbolic import METHODS, coupled
 
 pytestmark = [
@@ -28,7 +27,8 @@ pytestmark = [
     ),
 ]
 
-LARGEST = 640_000  # bytes
+WINDOW = 1500, 900
+LARGEST = 600_000  # bytes
 REQUEST = "Network.requestWillBeSent"
 RANDOM = np.random.default_rng(7)
 NAMES = "return [...document.querySelectorAll('.slider input')].map(e => e.dataset.input)"
@@ -53,21 +53,16 @@ field.querySelector('input').value = text; field.querySelector('button').click()
 return [field.querySelector('p').textContent, Boolean(field.closest('.hidden'))]"""
 
 
-@pytest.fixture(scope="module")
-def driver(tmp_path_factory):
-    with browser(tmp_path_factory.mktemp("profile")) as opened:
-        opened.set_window_size(1500, 900)
-        yield opened
-
-
 def opened(driver, folder: Path, derivation: fb.Derivation) -> None:
     visited(driver, folder / "derivation.html", derivation.html())
 
 
-def visited(driver, page: Path, text: str) -> None:
-    """The page, which is not large, asks for nothing and has no error."""
-    assert len(text.encode()) < LARGEST
-    page.write_text(text, encoding="utf-8")
+def visited(driver, page: Path, text: str | None = None) -> None:
+    """The page, which is not large, asks for nothing and has no error; text: what is written
+    there."""
+    if text is not None:
+        page.write_text(text, encoding="utf-8")
+    assert page.stat().st_size < LARGEST
     driver.get_log("performance")
     driver.get(page.as_uri())
     assert not driver.get_log("browser")
@@ -142,7 +137,7 @@ def test_each_chapter_of_the_notes_has_an_arm_that_moves(driver, tmp_path, notes
                 np.testing.assert_allclose(found, [tau[k - 1]], rtol=1e-9)
 
 
-def test_angles_and_parameters_of_a_notation_have_sliders(driver, tmp_path):
+def test_angles_and_parameters_of_a_notation_have_sliders(driver, tmp_path, page_of):
     """Absolute angles from the downward vertical, slender rods: torques are those on the bodies, Bᵀ
     τ at θ = B φ + b; nothing that a page calls τ is another."""
     file, model = tmp_path / "mine.toml", fb.load("2R")
@@ -166,14 +161,14 @@ def test_angles_and_parameters_of_a_notation_have_sliders(driver, tmp_path):
     words = "return [...document.querySelectorAll('#bodies .moment-text')].map(e => e.textContent)"
     said = {word.split(" = ")[0].strip("−") for word in driver.execute_script(words)}
     assert said == {"n0,1", "n1,2"}
-    opened(driver, tmp_path, fb.derive(fb.load("four_bar"), parameters={"lc": "l/2"}))
+    visited(driver, page_of("four_bar", parameters={"lc": "l/2"}))
     assert driver.execute_script(OPEN) == ""
     assert len(values(driver)) > 30
 
 
-def test_under_a_load_at_rest_too(driver, tmp_path):
+def test_under_a_load_at_rest_too(driver, page_of):
     model = fb.load("2R")
-    opened(driver, tmp_path, fb.derive(model, "statics"))
+    visited(driver, page_of("2R", "statics"))
     numbers = dict(zip(driver.execute_script(NAMES), driver.execute_script(STATE), strict=True))
     load, q = [numbers["fx"], numbers["fy"], 0.0], [numbers["theta1"], numbers["theta2"]]
     assert "theta1_d" not in numbers
@@ -186,11 +181,11 @@ def test_under_a_load_at_rest_too(driver, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["pendubot", "cart_pole", "furuta"])
-def test_a_joint_without_motor_moves_as_it_must(driver, tmp_path, name):
+def test_a_joint_without_motor_moves_as_it_must(driver, page_of, name):
     """Its acceleration is the one for which it needs no motor: forward dynamics has the same."""
     model = fb.load(name)
     derivation = fb.derive(model, "newton-euler")
-    opened(driver, tmp_path, derivation)
+    visited(driver, page_of(name, "newton-euler"))
     coordinates = derivation.equations.symbols.coordinates
     state, shown = dict(driver.execute_script(NUMBERS)), values(driver)
     motion = [[state.get(x + dots, 0.0) for x in coordinates] for dots in ("", "_d", "_dd")]
@@ -203,9 +198,9 @@ def test_a_joint_without_motor_moves_as_it_must(driver, tmp_path, name):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_has_a_page_that_can_be_tried(driver, tmp_path, method):
+def test_every_method_has_a_page_that_can_be_tried(driver, page_of, method):
     name = "acrobot" if method == "newton-euler" else "2R"
-    opened(driver, tmp_path, fb.derive(fb.load(name), method))
+    visited(driver, page_of(name, method))
     found = values(driver)
     assert len(found) > 3
     assert all(np.isfinite(row).all() for rows in found.values() for row in rows)
@@ -215,10 +210,10 @@ def test_every_method_has_a_page_that_can_be_tried(driver, tmp_path, method):
 
 
 @pytest.mark.parametrize("name", ["elbow_arm", "cylindrical_arm"])
-def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, tmp_path, name):
+def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, page_of, name):
     """Torques, and forces at the joints, which the page has in axes of the bodies."""
     model = fb.load(name)
-    opened(driver, tmp_path, fb.derive(model, "newton-euler"))
+    visited(driver, page_of(name, "newton-euler"))
     names = driver.execute_script(NAMES)
     coordinates = fb.equations(model).symbols.coordinates
     state = RANDOM.uniform(0.2, 1.5, len(names)).tolist()
@@ -242,11 +237,11 @@ LONG_ARMS = ["stanford", "puma560", "ur5e", "iiwa14", "gantry_crane"]
 
 @pytest.mark.parametrize("name", LONG_ARMS)
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
-def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, tmp_path, name):
+def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, page_of, name):
     """Joint by joint as the page prints it: torques and forces are those of the kernels."""
     model = fb.load(name)
     derivation = fb.derive(model)
-    opened(driver, tmp_path, derivation)
+    visited(driver, page_of(name))
     sliders = driver.execute_script(NAMES)
     driver.execute_script(SET, RANDOM.uniform(0.2, 1.2, len(sliders)).tolist())
     at, found = dict(driver.execute_script(NUMBERS)), values(driver)
@@ -293,11 +288,11 @@ def in_body_axes(p_d, angles, rates):
 
 
 @pytest.mark.long
-def test_the_platform_on_six_legs_moves_in_its_page(driver, tmp_path):
+def test_the_platform_on_six_legs_moves_in_its_page(driver, page_of):
     """The page closes the loops; its forces are those of the kernels, to 1e-9 of the largest."""
     model = fb.load("stewart")
     derivation = fb.derive(model)
-    opened(driver, tmp_path, derivation)
+    visited(driver, page_of("stewart"))
     legs, names = range(9, 25, 3), derivation.equations.symbols.coordinates
     for k, n in enumerate(legs):
         start = dict(driver.execute_script(NUMBERS))[f"d{n}"]
@@ -342,11 +337,11 @@ def test_lines_have_values_where_gravity_is_an_acceleration_of_the_base(name, co
         assert f'data-name="vc{k}_d"' in text
 
 
-def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
+def test_the_quadrotor_follows_its_four_thrusts(driver, page_of):
     """Its accelerations are those for which the kernel finds the force and moment of the
     thrusts."""
     model = fb.load("quadrotor")
-    opened(driver, tmp_path, fb.derive(model))
+    visited(driver, page_of("quadrotor"))
     for thrusts in ((12.0, 15.0, 9.0, 14.5), (0.0, 3.0, 20.0, 30.0)):
         for k, thrust in enumerate(thrusts, 1):
             driver.execute_script(MOVE, f"T{k}", thrust)
@@ -367,8 +362,8 @@ def test_the_quadrotor_follows_its_four_thrusts(driver, tmp_path):
     assert [x.text for x in shown] == ["T2", "T3", "T4"]  # T1 is zero
 
 
-def test_an_arm_in_space_is_seen_from_where_one_likes(driver, tmp_path):
-    opened(driver, tmp_path, fb.derive(fb.load("elbow_arm"), "newton-euler"))
+def test_an_arm_in_space_is_seen_from_where_one_likes(driver, page_of):
+    visited(driver, page_of("elbow_arm", "newton-euler"))
     arrows, before = np.array(driver.execute_script(ARROWS)), values(driver)
     driver.execute_script(
         """for (const [id, value] of [['turn', 90], ['tilt', 90]]) {
@@ -389,13 +384,13 @@ DRAWN = """const {x, y, width, height} = document.getElementById('arm').getBBox(
 return [x, y, x + width, y + height]"""
 
 
-def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
+def test_a_wheel_is_a_ring_about_its_axis(driver, page_of):
     """Bodies without extent: the gyro's rotor, and the reaction wheel, but no cart. All is drawn as
     large as its place lets it, also while it moves."""
     rings = """return ['arm', 'bodies'].map(name =>
       document.querySelectorAll(`#${name} polygon.rail`).length)"""
     for name, count in (("gyro", 1), ("reaction_wheel", 1), ("cart_pole", 0), ("furuta", 0)):
-        opened(driver, tmp_path, fb.derive(fb.load(name), "newton-euler"))
+        visited(driver, page_of(name, "newton-euler"))
         assert driver.execute_script(rings) == [count, count]
         for angle in (0.9, 2.0, -2.5):
             driver.execute_script(MOVE, "theta2" if name == "cart_pole" else "theta1", angle)
@@ -411,17 +406,17 @@ def test_a_wheel_is_a_ring_about_its_axis(driver, tmp_path):
     assert left[2] == beside[2]
 
 
-def test_a_slide_is_drawn_along_its_axis(driver, tmp_path):
+def test_a_slide_is_drawn_along_its_axis(driver, page_of):
     """The ball's, which begins beside the joint of the beam, was drawn from that joint."""
-    opened(driver, tmp_path, fb.derive(fb.load("ball_and_beam")))
+    visited(driver, page_of("ball_and_beam"))
     driver.execute_script(MOVE, "theta1", 0.7)
     ends = "return ['x1', 'y1', 'x2', 'y2'].map(x => document.querySelectorAll('#arm .rail')[1][x]"
     left, top, right, bottom = driver.execute_script(f"{ends}.baseVal.value)")
     np.testing.assert_allclose(np.arctan2(top - bottom, right - left), 0.7, atol=1e-4)
 
 
-def test_vectors_of_three_entries_are_predicted(driver, tmp_path):
-    opened(driver, tmp_path, fb.derive(fb.load("furuta"), "newton-euler"))
+def test_vectors_of_three_entries_are_predicted(driver, page_of):
+    visited(driver, page_of("furuta", "newton-euler"))
     driver.find_element("id", "predict").click()
     for answer, verdict in {
         "[theta2_d, theta1_d sin(theta2), theta1_d cos(theta2)]": "Right: ",
@@ -456,11 +451,11 @@ def energies_are_right(shown, arm, q, qd):
 
 
 @pytest.mark.parametrize(("name", "method"), CLOSED)
-def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
+def test_a_closed_chain_is_closed_by_its_page(driver, page_of, name, method):
     """The kernels refuse an open loop; torques and forces in joints and loops are theirs."""
     model = fb.load(name)
     derivation = fb.derive(model, method)
-    opened(driver, tmp_path, derivation)
+    visited(driver, page_of(name, method))
     coordinates = derivation.equations.symbols.coordinates
     moved = driver.execute_script(NAMES)
     driven = [x for x in coordinates if x in moved]
@@ -506,9 +501,9 @@ def test_a_closed_chain_is_closed_by_its_page(driver, tmp_path, name, method):
     assert driver.execute_script(OPEN) == ""
 
 
-def test_a_loop_that_cannot_be_closed_is_told(driver, tmp_path):
+def test_a_loop_that_cannot_be_closed_is_told(driver, page_of):
     """No values and no other drawing then; the values come back with the loop."""
-    opened(driver, tmp_path, fb.derive(fb.load("four_bar"), "newton-euler"))
+    visited(driver, page_of("four_bar", "newton-euler"))
     before, drawing = values(driver), driver.execute_script(ARROWS)
     long = dict(driver.execute_script(NUMBERS))["d"]
     driver.execute_script("document.querySelector('[data-input=d]').max = 50")
@@ -544,18 +539,18 @@ def test_without_a_script_neither_panel_nor_values_are_shown(driver, tmp_path, w
     driver.set_window_size(size["width"], size["height"])
 
 
-def test_action_and_reaction_are_drawn_equal(driver, tmp_path):
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+def test_action_and_reaction_are_drawn_equal(driver, page_of):
+    visited(driver, page_of("2R", "newton-euler"))
     arrows = np.array(driver.execute_script(ARROWS))
     _, on_first, on_second = arrows[:, 2:] - arrows[:, :2]
     np.testing.assert_allclose(on_first, -on_second, atol=1e-9)
     assert np.linalg.norm(on_second) > 1
 
 
-def test_the_keyboard_is_enough(driver, tmp_path):
+def test_the_keyboard_is_enough(driver, page_of):
     from selenium.webdriver.common.keys import Keys
 
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+    visited(driver, page_of("2R", "newton-euler"))
     before = values(driver)
     body = driver.switch_to.active_element
     for _ in range(60):
@@ -620,8 +615,8 @@ UNREAD = [
 # fmt: on
 
 
-def test_predict_first(driver, tmp_path):
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), "newton-euler"))
+def test_predict_first(driver, page_of):
+    visited(driver, page_of("2R", "newton-euler"))
     shown = "return document.querySelectorAll('.equations:not(.short)')[2].offsetHeight > 0"
     assert driver.execute_script(shown)
     driver.find_element("id", "predict").click()
@@ -675,10 +670,10 @@ READ = {
 }  # fmt: skip
 
 
-def test_pages_read_answers_as_check_does(driver, tmp_path):
+def test_pages_read_answers_as_check_does(driver, page_of):
     """What a page reads means the same to `fb.check`."""
     model = fb.load("2R")
-    opened(driver, tmp_path, fb.derive(model, "newton-euler"))
+    visited(driver, page_of("2R", "newton-euler"))
     driver.find_element("id", "predict").click()
     for line, answers in READ.items():
         for answer in answers:
@@ -700,9 +695,9 @@ def test_what_formulas_give_may_be_typed(driver, tmp_path):
         assert said.startswith(verdict), (answer, said)
 
 
-def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
+def test_answers_are_typed_in_the_letters_of_the_notation(driver, page_of):
     """Siciliano's l2 is the distance of a centre of mass, a1 a length."""
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), "lagrange", notation="siciliano"))
+    visited(driver, page_of("2R", "lagrange", notation="siciliano"))
     driver.find_element("id", "predict").click()
     for line, answer, verdict in (
         ("b22", "ml2*l2^2 + Il2", "Right: "),
@@ -719,10 +714,10 @@ def test_answers_are_typed_in_the_letters_of_the_notation(driver, tmp_path):
     assert {"a1", "l1", "l2"} <= {x.replace("\u200b", "").replace(" ", "") for x in labels}
 
 
-def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
+def test_energies_are_typed_as_they_are_printed(driver, page_of):
     """A half in front, squares of vectors, a rate by its own name; steps of which no line can be
     typed are hidden too, since the next could be read off them."""
-    opened(driver, tmp_path, fb.derive(fb.load("2R"), "lagrange"))
+    visited(driver, page_of("2R", "lagrange"))
     driver.find_element("id", "predict").click()
     for line, answer, said in (
         ("omega1", "theta1_d", "Right: "),
@@ -740,6 +735,8 @@ def test_energies_are_typed_as_they_are_printed(driver, tmp_path):
     ):
         verdict, _ = driver.execute_script(ANSWER, line, answer)
         assert verdict.startswith(said), (answer, verdict)
+    again, _ = driver.execute_script(ANSWER, "T1", "1/2 I1 theta1_d^2")
+    assert re.match(r"Not right: here it is [\d.]+, the line [\d.]+ J\. ", again), again
     shown = """return [...document.querySelectorAll('section')].filter(step =>
       [...step.querySelectorAll('.equations')].some(e => e.offsetHeight)).length"""
     assert driver.execute_script(shown) == 0

@@ -38,6 +38,10 @@ BREAK = "\u2028"
 """Stands where a line may be broken, in place of the space before a sign."""
 
 
+_SHORT, _LONG = (Symbol, Number, Derivative), range(7, 13)
+"""Entries of which a column stands as a row with ᵀ, and how many: fewer are not high, more are as
+wide as a page."""
+
 EQUATION, SUM, PRODUCT, CALL, POWER, ATOM = range(6)
 
 _PRECEDENCE: dict[type, int] = {
@@ -277,6 +281,8 @@ class Typesetter:
 
     def _column(self, node: Vector) -> str:
         n, rows = self.notation, [[entry] for entry in node.entries]
+        if not n.column and len(rows) in _LONG and all(isinstance(x, _SHORT) for x in node.entries):
+            return self._raised(Matrix((node.entries,)), n.transposed)
         return self._array(rows, n.column or n.matrix)
 
     def _conditioned(self, node: Conditioned) -> str:

@@ -53,7 +53,7 @@ class Scale:
 
 
 def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
-    """One scale for some bodies."""
+    """The scale on which all forces of some bodies are drawn."""
     loads = [load for body in bodies for load in body.loads]
     force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
     moment = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
@@ -124,8 +124,8 @@ BOOK = {2: ("points", "centres", "s", "sc"), 3: ("axes", "centres", "s", "sc")}
 def alone(
     seen: Snapshot, body: BodyPlace, show: Sequence[str], scale: Scale, inertia: bool = False
 ) -> Drawing:
-    """One body where it is, with what acts on it; show: of `PARTS`. inertia: with m a_c, what the
-    forces add up to."""
+    """A body where it is, with the forces on it. show: names of `PARTS`; inertia: with m a_c, the
+    sum of the forces."""
     title = f"Free-body diagram of body {body.number}, {body.name}"
     drawing, loads = Drawing(_view(seen, body), title), seen.loads[body.index]
     _stick(drawing, seen, body)

@@ -100,7 +100,8 @@ def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float 
 
 @of_each
 def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """From the origin to a joint on the ground, below it, where the model has a name for it."""
+    """The distance from the origin to a joint on the ground, drawn below it where the model has a
+    name for it."""
     if body.parent < 0 and not body.kind.slides:
         name = seen.names.on_the_ground(body)
         aside = -_BELOW if body.carrier[0] >= 0 else _BELOW

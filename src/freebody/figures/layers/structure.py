@@ -55,7 +55,7 @@ def drawn(seen: Snapshot, title: str, layers: Sequence[Layer] = (), faint: bool 
 
 
 def view_of(seen: Snapshot) -> View:
-    """From where the links and the joint axes of a robot are seen best."""
+    """The view in which the links and the joint axes of a robot are seen best."""
     if seen.model.dim == 2:
         return FLAT
     reach = 0.3 * seen.size
@@ -261,7 +261,7 @@ def _solid_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
 
 
 def solids_of(body: BodyPlace, radius: float, width: float = 9.0) -> list[Element]:
-    """One body's links and the joint that carries it."""
+    """The links of one body and the joint that carries it."""
     return [*link(body, width, rod=True), *joint(body, radius)]
 
 

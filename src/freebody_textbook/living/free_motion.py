@@ -1,5 +1,5 @@
-"""A free body that thrusts push, such as the quadrotor, in a page: its accelerations follow from
-the thrusts."""
+"""Motion in a page that nothing prescribes: the accelerations of a free body that thrusts push,
+such as the quadrotor, and of joints without motor of an open chain."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import Any
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.notations.lettering import Lettering
-from freebody.expressions.polynomials.symbols import RATE
+from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.spatial import add, scale, sub, times
+from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.body_quantities import vector
+from freebody_textbook.living.drawn_bodies import Labels
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.living.page_figure import Labels
+from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.whole_bodies import velocity_names
@@ -22,8 +24,7 @@ _AXES = "xyz"
 
 
 class FreeFlight:
-    """One body; its velocities are components in its own axes. setting: over the scalars of a
-    program."""
+    """A single body with velocities in its own axes. setting: over the scalars of a program."""
 
     key = "free"
     why = "by the thrusts"
@@ -51,7 +52,7 @@ class FreeFlight:
         return self.solved_names
 
     def start(self) -> dict[str, float]:
-        """At the origin and level, with thrusts that bear the weight."""
+        """The first state: at the origin and level, with thrusts that bear the weight."""
         given = self.s.symbols.given or self.s.symbols.model
         mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
@@ -78,7 +79,7 @@ class FreeFlight:
         return found
 
     def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
-        """What is drawn, seen from the body's origin: its weight and the thrusts."""
+        """The drawing of the body, its weight and the thrusts, seen from its origin."""
         R, at = self.s.world[self._body]
         centre = sub(self.s.centre_position(self._body), at)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
@@ -120,3 +121,30 @@ class FreeFlight:
             return False
         self._missing = sub(needed, (*force, *moment))
         return True
+
+
+class FreeJoints:
+    """The joints without motor, whose accelerations are those for which they need no torque;
+    values: the chain's quantities."""
+
+    key = "free"
+    why = "no motor"
+
+    def __init__(self, derivation: Derivation, values: Mapping[str, Any]):
+        model = derivation.equations.symbols.model
+        moving = bool(derivation.tau) and not METHODS[derivation.method].at_rest
+        coordinates = derivation.equations.symbols.coordinates
+        self.solved_names = tuple(coordinates[k] + SECOND for k in model.passive if moving)
+        self._needed = [values[f"tau{k + 1}"] for k in model.passive if moving]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Symbols that the page needs for it."""
+        return self.solved_names
+
+    def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
+        """The accelerations and places of what the joints need, which is linear in them."""
+        return {
+            "accelerations": [inputs[name] for name in self.solved_names],
+            "needs": [kernel.places(tau)[0] for tau in self._needed],
+        }
