@@ -19,7 +19,7 @@ from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
 from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.lexemes import Lexeme, plain
-from freebody.expressions.grammar.lexer import Token, tokens
+from freebody.expressions.grammar.lexer import Token, sides, tokens
 from freebody.expressions.grammar.parser import Parser
 from freebody.expressions.grammar.source import Source, UnreadableError
 from freebody.expressions.grammar.words import Cut
@@ -70,13 +70,11 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
     Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
     """
     source = _FormulaText.of(text)
-    sides: list[list[Token]] = [[]]
-    for token in tokens(source, _FormulaLanguage())[:-1]:
-        if token.kind == "equals":
-            sides.append([])
-        elif token.text != "\n":
-            sides[-1].append(token)
-    read = [evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED) for side in sides]
+    written = [x for x in tokens(source, _FormulaLanguage())[:-1] if x.text != "\n"]
+    read = [
+        evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED)
+        for side in sides(written)
+    ]
     return read[0] if len(read) == 1 else Equation(tuple(read))
 
 
@@ -129,7 +127,6 @@ class _FormulaParser(Parser):
     """One side of a formula."""
 
     implied_products = False
-    tables_anywhere = True
     largest_exponent = 9999
 
     def __init__(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import NamedTuple, Protocol
@@ -51,6 +51,11 @@ class Token:
         """Where it stands."""
         return self.start, self.end
 
+    @property
+    def deepens(self) -> int:
+        """How many brackets are open behind it more than before it: 1, 0 or -1."""
+        return _DEEPENING.get(self.kind, 0)
+
 
 class Grammar(Protocol):
     """What the lexer asks of a language."""
@@ -71,6 +76,7 @@ class Grammar(Protocol):
 
 _NUMBER = LexemePattern("@number")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
+_DEEPENING = {"open": 1, "begin": 1, "close": -1, "end": -1}
 _CLOSING = frozenset(table.BRACKETS.values())
 MATRICES = frozenset(table.MATRICES)
 
@@ -96,6 +102,17 @@ def tokens(source: Source, language: Grammar, piece: Span | None = None) -> list
             k += 1
     end = piece[1] if piece else len(source.text)
     found.append(Token("stop", "", end, end))
+    return found
+
+
+def sides(line: Iterable[Token]) -> list[list[Token]]:
+    """Tokens parted at signs of equality."""
+    found: list[list[Token]] = [[]]
+    for token in line:
+        if token.kind == "equals":
+            found.append([])
+        else:
+            found[-1].append(token)
     return found
 
 

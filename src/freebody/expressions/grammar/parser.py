@@ -29,7 +29,7 @@ DEEPEST = 100
 
 _PAIR = {"(": ")", "[": "]", "{": "}"}
 PI = Fraction(repr(math.pi))
-_STARTS = ("name", "function", "open", "fraction", "partial")
+_STARTS = ("name", "function", "open", "fraction", "partial", "begin")
 """Tokens that begin a factor, numbers apart."""
 
 
@@ -38,11 +38,7 @@ class Parser(ABC):
 
     implied_products = True
     """Whether factors may stand side by side without a sign."""
-    tables_anywhere = False
-    """Whether vectors and matrices may stand inside an expression."""
     largest_exponent = 12
-    negative_powers = ""
-    """Why there are none; empty where there are."""
 
     def __init__(self, source: Source, tokens: Sequence[Token]):
         self.source, self.tokens = source, tokens
@@ -84,33 +80,16 @@ class Parser(ABC):
     # ------------------------------------------------------------ sides
     def side(self) -> Expression:
         """A whole side: an expression, or a vector or matrix of expressions."""
-        whole = not self.tables_anywhere and self._is_table()
-        node = self.table() if whole else self.expression()
+        node = self.expression()
         if self.token.kind == "close":
             self.source.fail(f"this {self.token.text!r} closes no bracket", self.token.span)
         if self.token.kind != "stop":
             self.fail_here("an operator or the end of the line")
         return node
 
-    def makes_table(self, function: Token) -> bool:
-        """Whether a function is a name for a matrix, Matrix([[a, b], [c, d]])."""
-        return False
-
-    def _is_table(self) -> bool:
-        token = self.token
-        if token.kind == "begin" or (token.kind == "function" and self.makes_table(token)):
-            return True
-        if token.kind != "open" or token.text != "[":
-            return False
-        depth = 0
-        for k in range(len(self.tokens) - self.at):
-            following = self.ahead(k)
-            depth += {"open": 1, "close": -1}.get(following.kind, 0)
-            if depth == 0:
-                return self.ahead(k + 1).kind == "stop" and self.ahead(1).kind == "open"
-            if depth == 1 and following.kind in ("comma", "line"):
-                return True
-        return False
+    def opens_table(self) -> bool:
+        """Whether a vector or matrix comes next."""
+        return self.token.kind == "begin" or self.token.text == "["
 
     def table(self) -> Matrix:
         """[[a, b], [c, d]], [a, b], Matrix(…), or a LaTeX matrix."""
@@ -195,10 +174,8 @@ class Parser(ABC):
                 factors = [self.quotient(above, below)]
             elif not self.implied_products:
                 return product_of(factors)
-            elif (
-                token.kind in _STARTS
-                or (token.kind == "number" and "." in token.text and not self._is_behind_number())
-                or (token.kind == "begin" and self.tables_anywhere)
+            elif token.kind in _STARTS or (
+                token.kind == "number" and "." in token.text and not self._is_behind_number()
             ):
                 factors.append(self.factor())
             elif token.kind == "number":
@@ -259,8 +236,6 @@ class Parser(ABC):
             value = self.expect("number", "a whole number as power").value * sign
             if bracket is not None:
                 self.expect("close", f"{_PAIR[bracket.text]!r}")
-        if value < 0 and self.negative_powers:
-            self.source.fail(self.negative_powers, token.span)
         if value.denominator != 1 or abs(value) > self.largest_exponent:
             self.source.fail(
                 f"a power must be a whole number up to {self.largest_exponent}", token.span
@@ -278,14 +253,12 @@ class Parser(ABC):
             return Number(token.value, decimal, span=token.span)
         if token.kind == "name":
             return self.name()
-        if self.tables_anywhere and (token.kind == "begin" or token.text == "["):
+        if self.opens_table():
             return self.table()
         if token.kind == "open":
             return self.bracket()
         if token.kind in ("function", "fraction"):
             return self._nested_call()
-        if token.kind == "begin":
-            self.source.fail("a matrix must be a whole side of the equation", token.span)
         self.fail_here("a term")
 
     def bracket(self) -> Expression:

@@ -47,7 +47,6 @@ class AnswerParser(DerivativeParser):
     stands for it; `quantities` are what these names stand for, `tables` the vectors and
     matrices."""
 
-    tables_anywhere = True
     largest_exponent = LARGEST_EXPONENT
 
     def __init__(
@@ -67,25 +66,23 @@ class AnswerParser(DerivativeParser):
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def primary(self) -> Expression:
-        """Also ∂L/∂θ̇1, d/dt in front of a bracket, name or derivative, and vectors and matrices."""
-        if self.token.kind == "begin" or self._is_list():
-            return self.table()
+        """Also ∂L/∂θ̇1, and d/dt in front of a bracket, name or derivative."""
         if self.token.kind != "partial":
-            return self.bracket() if self.token.kind == "open" else super().primary()
+            return super().primary()
         first = self.take()
         self._deeper(first)
         node = self.differentiated(first)
         self.depth -= 1
         return node
 
-    def _is_list(self) -> bool:
-        """Whether a bracket [ holds entries, [a, b] or [[a, b], [c, d]]."""
+    def opens_table(self) -> bool:
+        """Whether a matrix comes next, or a bracket [ with entries, [a, b] or [[a, b], [c, d]]."""
         if self.token.text != "[":
-            return False
+            return self.token.kind == "begin"
         depth, rows = 0, 2 if self.ahead(1).text == "[" else 1
         for k in range(len(self.tokens) - self.at):
             token = self.ahead(k)
-            depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+            depth += token.deepens
             if depth == 0:
                 return False
             if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
@@ -97,9 +94,6 @@ class AnswerParser(DerivativeParser):
         if self.token.text == PRIME and not self._may_be_table(node):
             self.source.fail("a prime stands behind what is no vector or matrix", self.token.span)
         return super().transposed(node)
-
-    def makes_table(self, function: Token) -> bool:
-        return self._function(function) == "Matrix"
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
         """A fraction; of two numbers one number."""

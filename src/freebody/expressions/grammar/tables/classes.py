@@ -111,6 +111,7 @@ PATTERNS = {
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
     "typed": "%letter ~%letter{0,6} ~_? < ~%digit | ~%low_digit | ~P >{0,2}",
+    "aligning": "< \\notag | \\label | \\tag | eq >",
     "name_of_sympy": "%letter < ~%name | ~_ >{0,24}",
     "of_time": "( t )",
     "below": "< ~_ ~{? >? ~%digit{1,2} ~}?",
