@@ -17,7 +17,7 @@ from unicodedata import normalize
 from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
-from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.atoms import atom, between, unprimed
 from freebody.expressions.grammar.lexemes import Lexeme, plain
 from freebody.expressions.grammar.lexer import Token, sides, tokens
 from freebody.expressions.grammar.parser import Parser
@@ -49,9 +49,6 @@ SPECIAL: dict[str, tuple] = {
 }  # fmt: skip
 """Vectors whose names are words: letter, subscripts, dots."""
 
-_PLACES = frozenset("0123456789ihk")
-_OF_WORLD = (*(f"w{k}" for k in range(10)), "w_i", "w_h", "w_k")
-"""Angular velocities with components in the world."""
 GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 """Endings of names that stand for a link's number."""
 
@@ -81,19 +78,16 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
 def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with
     a prime."""
-    if primed or "_prime" in name:
-        plain = symbol(name.replace("_prime", ""), bold)
+    if primed or unprimed(name) != name:
+        plain = symbol(unprimed(name), bold)
         return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
-    head, _, low = name.partition("_")
-    letter, up = head[:-1], head[-1:]
-    if letter.isalpha() and up in _PLACES and low in _PLACES:
-        return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
-    if name in _OF_WORLD:
-        return replace(
-            symbol("omega" + name[1:], bold), name=name
-        )  # ω with components in the world
+    if parts := between(name):
+        high, low = (GENERAL.get(place, place) for place in parts[1:])
+        return Symbol(name, parts[0], (low,), bold=True, high=high)
     own = atom(name)
     places = own.index[0] if len(own.index) == 1 else ""
+    if own.letter == "w" and len(places) == 1 and not own.dots:  # ω with components in the world
+        return replace(symbol(f"omega_{places}", bold), name=name)
     if not 1 <= len(places) <= 2 or not set(places) <= GENERAL.keys():
         return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
     letters, centre = own.letter, ""

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.expressions.evaluate import NoValue
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.grammar.words import FRAMES, PRIME
@@ -21,6 +21,7 @@ from freebody.expressions.nodes import (
     Sum,
     nodes,
 )
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
@@ -30,10 +31,8 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import held, held_by_loops
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.numbers.results import WrittenNumbers
-from freebody_textbook.check.reading import loaded_lines
 from freebody_textbook.check.reading.answer_lines import AnswerLine
-from freebody_textbook.check.reading.circular_answers import uses
-from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
@@ -100,12 +99,11 @@ class FormulaReader:
 
     def is_about_bodies(self, line: AnswerLine) -> bool:
         """Whether a line has a name of a body's quantity in it."""
-        found = any(self._tells_of_bodies(token) for side in line for token in side)
-        return found or self.setting.is_free_body
+        return any(map(self._tells_of_bodies, line.names)) or self.setting.is_free_body
 
     def _tells_of_bodies(self, token: Token) -> bool:
         """Whether a name is that of a vector of a body or the tip, or of an energy."""
-        if token.kind != "name" or token.text in self.vocabulary.symbols:
+        if token.text in self.vocabulary.symbols:
             return False
         single = self.targets.single.get(token.text)
         if single is not None:
@@ -213,8 +211,45 @@ class FormulaReader:
     def begin(self, line: AnswerLine) -> None:
         """Note what a line is about."""
         if self.load:
-            self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
-            self.besides = loaded_lines.told(line, self.vocabulary, self.targets)
+            self.is_loaded = bool(self.loads(line))
+            self.besides = self._told_of(line)
+
+    def loads(self, *lines: AnswerLine) -> frozenset[str]:
+        """The components of a force or moment at the tip that lines have."""
+        names = {x.text for line in lines for x in line.names}
+        return frozenset(x for name in names for x in self._in_name(name)[1])
+
+    def _told_of(self, line: AnswerLine) -> frozenset[str]:
+        """What the quantities of a line tell of besides a load: "rate", "motion", "weight"."""
+        variations = self.vocabulary.variations
+        varied = (x.text for x in line.names if x.start in variations)
+        others = {x.text for x in line.names if x.start not in variations}
+        weighs = {"weight"} if any(map(self._has_weight, varied)) else set[str]()
+        return frozenset(weighs.union(*(self._in_name(name)[0] for name in others)))
+
+    def _has_weight(self, name: str) -> bool:
+        """Whether the weights do work along a virtual displacement, as in δV."""
+        asked, gravity = self.targets.single.get(name), self.setting.order.gravity
+        return asked is not None and any(gravity in x for x, _ in asked.polynomial().terms())
+
+    def _in_name(self, name: str) -> tuple[set[str], set[str]]:
+        """What a name tells of, and the components of the load that it holds."""
+        setting, value = self.setting, self.vocabulary.symbols.get(name)
+        if name in self.vocabulary.waves:
+            return set(), set()
+        if isinstance(value, Trig):
+            used = generators_in(value)
+            dots = {atom(x).dots for x in used}
+            found = {what for what, dot in (("rate", 1), ("motion", 2)) if dot in dots}
+            found |= {"weight"} if setting.order.gravity in used else set()
+            return found, used & set(setting.loads)
+        if name in self.targets.single:
+            return {self.targets.single[name].kind.tells}, set()
+        table = self.targets.tables.get(name)
+        if table is None:
+            return set(), set()
+        kind = table[0][0].kind
+        return {kind.tells}, set(setting.loads[: len(table)]) if kind.is_load else set()
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """What a tree says of a quantity."""
@@ -240,15 +275,10 @@ class FormulaReader:
 
     def says_that_the_base_moves(self, line: AnswerLine) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
-        first = line[0]
-        if (
-            len(first) != 1
-            or first[0].text.removesuffix(FRAMES[0]) not in spellings("v", "0", 1)
-            or len(line) != 2
-        ):
+        if len(line) != 2 or line.subject.removesuffix(FRAMES[0]) not in spellings("v", "0", 1):
             return False
         self.of_bodies = True
-        gravity = self.table("gravity", first[0].span)
+        gravity = self.table("gravity", line[0][0].span)
         node = self.parse(line[1], gravity and (len(gravity.rows), 1))
         if gravity is None or not isinstance(node, Matrix):
             return False
@@ -258,8 +288,7 @@ class FormulaReader:
     def is_of_angles(self, line: AnswerLine) -> bool:
         """Whether a line is an identity of sines and cosines, s12 = s1 c2 + c1 s2: it holds, or is
         about nothing else. s12 = sin(θ1+θ2) only says what s12 is, and sin θ2 = 0 where."""
-        tokens = [token for side in line for token in side]
-        waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in tokens)
+        waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in line.tokens)
         if len(line) != 2 or not waves or any(map(self.is_matrix, line)):
             return False
         sides = list(map(self.parse, line))
@@ -268,7 +297,7 @@ class FormulaReader:
             return False
         if all(isinstance(x, Wave | Number) for x in sides):
             return False
-        is_asked = len(line[0]) == 1 and line[0][0].text in self.targets.names
+        is_asked = line.subject in self.targets.names
         may_be_wrong = not (is_asked or self.setting.system or _has_number(sides))
         return may_be_wrong or difference(*map(self.quotient, sides)).is_zero
 
@@ -276,7 +305,7 @@ class FormulaReader:
         """Whether a side begins with a vector or matrix of several entries; [m1] is a bracket."""
         depth = 0
         for token in side if side[0].text == "[" else ():
-            depth += {"open": 1, "close": -1}.get(token.kind, 0)
+            depth += token.deepens
             if depth == 0 or (depth == 1 and token.kind in ("comma", "line", "row")):
                 return depth == 1
         return side[0].kind == "begin" or self._function(side[0]) in _TABLES

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.atoms import atom, numbered
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, numbered, spellings
 from freebody.expressions.grammar.lexer import tokens
 from freebody.expressions.nodes import Matrix, Span
 from freebody.expressions.notations.lettering import Lettering
@@ -22,7 +21,7 @@ from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS, Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import entry_label
 from freebody_textbook.check.link_symbols import LINK_SYMBOLS
-from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import FUNCTIONS, Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText

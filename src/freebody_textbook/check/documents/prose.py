@@ -17,7 +17,6 @@ from freebody.expressions.grammar.source import Span
 _WORDS = LexemePattern("@words")
 _EQUALS = LexemePattern("< = | == >")
 _OPERATORS = frozenset("+-−–*·×/=")
-_BRACKETS = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _IN_FORMULAS = LexemePattern("%in_formulas | %apart < %minus | – > %apart | -%name ~(")
 
 
@@ -106,13 +105,12 @@ def _is_formula(lexemes: Lexemes, start: int, stop: int) -> bool:
 def _stretches(lexemes: Lexemes, line: Span) -> Iterator[tuple[range, int, int]]:
     """A line cut at commas, semicolons and stops outside of brackets: the lexemes of each piece,
     and where it begins and ends."""
-    depth, start, within = 0, line[0], lexemes.between(*line)
-    first = within.start
+    start, within, depths = line[0], lexemes.between(*line), lexemes.depths
+    first, outside = within.start, depths[within.start]
     for k in within:
         x = lexemes[k]
-        if x.text in _BRACKETS:
-            depth += _BRACKETS[x.text]
-        elif depth <= 0 and (x.text in (",", ";") or (x.text in (".", ":") and _stops(lexemes, k))):
+        stops = x.text in (",", ";") or (x.text in (".", ":") and _stops(lexemes, k))
+        if stops and depths[k] <= outside:
             yield range(first, k), start, x.start
             first, start = k + 1, x.end
     yield range(first, within.stop), start, line[1]

@@ -20,7 +20,7 @@ from freebody_textbook.check.algebra.quotients import (
 )
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.quantity import AskedQuantity
-from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 
 _HIGHEST = 2

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from freebody.errors import likely
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.lexemes import Lexeme
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.grammar.tables.characters import DOT, PRIME, PRIMES, RECIPROCALS
