@@ -4,7 +4,6 @@ examples: vectors are tuples, matrices tuples of tuples."""
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import reduce
@@ -28,6 +27,7 @@ from freebody.expressions.expression import (
     Transposed,
     Vector,
 )
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.scalar_math import tan
 from freebody.scalars.composed import Composed
@@ -306,10 +306,10 @@ def typical_value(name: str, given: float | None, shift: int, k: int) -> float:
     """The model's value; else one of a usual size."""
     if given is not None:
         return given
-    match = re.fullmatch(r"([A-Za-z]+)(\d+)(_d{1,2})?", name)
-    number = (int(match[2]) if match else k) - 1 + shift
-    if match and match[3]:
-        return (_TYPICAL_RATES if match[3] == "_d" else _TYPICAL_SECONDS)[number % 4]
-    if match and match[1] in _TYPICAL:
-        return _TYPICAL[match[1]][number % 4]
+    own = atom(name)
+    number = (int(own.figures) if own.is_numbered else k) - 1 + shift
+    if own.is_numbered and own.dots:
+        return (_TYPICAL_RATES if own.dots == 1 else _TYPICAL_SECONDS)[number % 4]
+    if own.is_numbered and own.letter in _TYPICAL:
+        return _TYPICAL[own.letter][number % 4]
     return 9.81 if name == "g" else round(0.3 + 0.17 * (number % 5), 2)

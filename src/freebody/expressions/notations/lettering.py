@@ -9,7 +9,7 @@ from string import ascii_lowercase
 from typing import Self
 
 from freebody.errors import FreebodyError, shown
-from freebody.expressions.grammar.atoms import atom, numbered
+from freebody.expressions.grammar.atoms import atom, numbered, undotted
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern, Match
 from freebody.expressions.grammar.tables.characters import LOW
@@ -17,7 +17,7 @@ from freebody.expressions.grammar.words import letter, spelt
 from freebody.expressions.nodes import Equation, Expression, Function, Sum, Symbol, nodes
 from freebody.expressions.notations.notation import BookNotation, preset
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.expressions.printed_names import DOTS, GREEK, sym
+from freebody.expressions.printed_names import GREEK, sym
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.expressions.typesetting.literal import MARK, in_parts
 from freebody.lazy import cached_property
@@ -147,11 +147,10 @@ class Lettering(ByValue):
         """A symbol; vectors keep theirs."""
         if x.bold:
             return x
-        ending = next((e for e in reversed(DOTS) if x.name.endswith(e)), "")
-        stem = x.name.removesuffix(ending)
+        stem = undotted(x.name)
         new = self.names.get(x.name) or self._of_all(x.name)
-        if new is None and ending and (new := self.names.get(stem) or self._of_all(stem)):
-            return _made(new, ending, x)
+        if new is None and stem != x.name and (new := self.names.get(stem) or self._of_all(stem)):
+            return _made(new, x.name.removeprefix(stem), x)
         return x if new is None else _made(new, "", x)
 
     def _of_all(self, name: str) -> str | None:

@@ -206,7 +206,7 @@ ENERGY = Kind(
 )
 BODY_KINETIC = Kind(
     "T_i", "the kinetic energy of body {}", units.ENERGY, letters=("k",), of="bodies",
-    of_one_body=True,
+    of_one_body=True, letters_of_ratios=("K",),
 )  # fmt: skip
 BODY_POTENTIAL = Kind(
     "V_i",

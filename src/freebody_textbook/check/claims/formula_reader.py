@@ -90,12 +90,8 @@ class FormulaReader:
 
     def define(self, name: str, node: Expression, given: tuple[AskedQuantity, ...]) -> None:
         """A name of the user's own for what a tree is; given: the quantities in it."""
-        if isinstance(node, Matrix):
-            self.vocabulary.define_matrix(name, node, given)
-        elif functions_of(node):
-            self.vocabulary.define_tree(name, node, given)
-        else:
-            self.vocabulary.define(name, self.quotient(node), given)
+        stays = isinstance(node, Matrix) or functions_of(node)
+        self.vocabulary.define(name, node if stays else self.quotient(node), given)
 
     def is_about_bodies(self, line: AnswerLine) -> bool:
         """Whether a line has a name of a body's quantity in it."""

@@ -137,7 +137,7 @@ def _define(
     reader = PolynomialReader(meaning, vocabulary.setting.ring)
     vocabulary.told |= {plain} if given else set()
     if isinstance(node, Matrix):
-        vocabulary.define_matrix(plain, node, given)
+        vocabulary.define(plain, node, given)
         for k, row in enumerate(node.rows if len(node.rows[0]) == 1 else (), 1):
             own = tuple(use.target for use in uses(row[0], targets.single, vocabulary))
             vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), own)

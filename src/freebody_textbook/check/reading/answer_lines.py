@@ -15,7 +15,7 @@ from freebody.expressions.grammar.source import Source, Span
 from freebody.lazy import cached_property
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks, FormulaPiece
 from freebody_textbook.check.documents.plain import lines as plain_lines
-from freebody_textbook.check.documents.prose import sentences
+from freebody_textbook.check.documents.plain import sentences
 from freebody_textbook.check.reading.sums import sums, tokens_with_sums
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
@@ -33,6 +33,7 @@ _WHERE = LexemePattern(
 )
 """Between an equation and one that says what a letter in it stands for."""
 _EQUALS = LexemePattern("< = | == >")
+_CONTINUES = LexemePattern("+ | - | * | ** | / | &")
 _TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
 _INTRODUCED = LexemePattern("< %first | --; | --, > word:@word &< = | == | := >")
 _BETWEEN = LexemePattern(
@@ -101,7 +102,7 @@ class DocumentReader:
             return word.start in in_sums or self._is_name(source, word)
 
         for line in document.prose:
-            for sentence in sentences(source.text, source.lexemes, line, is_name):
+            for sentence in sentences(source.lexemes, line, is_name):
                 span = (sentence.kept, sentence.end)
                 if sentence.words_behind and not self._is_asked(source, span):
                     self._pass_over(source, span, "it stands among words")
@@ -205,9 +206,10 @@ class DocumentReader:
     def _says_something(self, piece: FormulaPiece) -> bool:
         """Whether a piece holds an equation, or may continue one; of plain text all does."""
         span = (piece.start, piece.end)
-        text = self.source.text[slice(*span)].strip()
-        may = not piece.lenient or "=" in text or text[:1] in [*"+-*/&"]
-        return bool(text) and (may or self._asks(self.source, span))
+        lexemes, inside = self.source.lexemes, self.source.lexemes.between(*span)
+        may = not piece.lenient or _EQUALS.found_in(lexemes, inside.start, inside.stop)
+        may = may or _CONTINUES.at(lexemes, inside.start) is not None
+        return bool(inside) and (may or self._asks(self.source, span))
 
     def _is_lenient(self, at: int) -> bool:
         return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
@@ -228,7 +230,7 @@ class DocumentReader:
         except AnswerError as problem:
             if not lenient or (self.document.strict and self._is_asked(self.source, span)):
                 raise
-            if self.source.text[slice(*span)].strip():
+            if self.source.lexemes.between(*span):
                 self._pass_over(self.source, span, problem.bare)
 
     def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:

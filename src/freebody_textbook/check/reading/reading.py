@@ -319,7 +319,8 @@ class AnswerParser(DerivativeParser):
         return (
             isinstance(argument, Number)
             and argument.span[0] == function.end
-            and self.source[argument.span].isdigit()
+            and not argument.decimal
+            and argument.value.denominator == 1
             and self.token.kind not in ("degree", "name")
         )
 

@@ -109,35 +109,27 @@ class Vocabulary:
     def copy(self) -> Vocabulary:
         """A vocabulary of the same names, apart from what is defined later."""
         kept = copy(self)
-        kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
-        kept.functions, kept.uses = dict(self.functions), dict(self.uses)
-        kept.aliases, kept.matrices = dict(self.aliases), dict(self.matrices)
-        kept.trees, kept.told = dict(self.trees), set(self.told)
+        for name, table in vars(self).items():
+            if isinstance(table, dict | set):
+                setattr(kept, name, copy(table))
         return kept
 
-    def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
-        """A name of the user's own, and the quantities that it is given by; it goes before all
-        others."""
-        self.symbols[plain], self.uses[plain] = value, uses
+    def define(
+        self, plain: str, meaning: Value | Expression, uses: tuple[AskedQuantity, ...] = ()
+    ) -> None:
+        """A name of the user's own for a value, a vector or matrix, or an expression that is
+        compared in numbers, and the quantities that it is given by; it goes before all others."""
+        self.uses[plain], self._known = uses, None
+        if isinstance(meaning, Expression):
+            self.symbols.pop(plain, None)
+            if isinstance(meaning, Matrix):
+                self.matrices[plain] = meaning
+            else:
+                self.trees[plain] = meaning
+            return
+        self.symbols[plain] = meaning
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
-        self._known = None
-
-    def define_matrix(
-        self, plain: str, matrix: Matrix, uses: tuple[AskedQuantity, ...] = ()
-    ) -> None:
-        """A vector or matrix of the user's own."""
-        self.matrices[plain], self.uses[plain] = matrix, uses
-        self.symbols.pop(plain, None)
-        self._known = None
-
-    def define_tree(
-        self, plain: str, tree: Expression, uses: tuple[AskedQuantity, ...] = ()
-    ) -> None:
-        """A name of the user's own for an expression that is compared in numbers."""
-        self.trees[plain], self.uses[plain] = tree, uses
-        self.symbols.pop(plain, None)
-        self._known = None
 
     def define_alias(self, plain: str, name: str) -> None:
         """A name of the user's own for a vector or matrix."""
