@@ -93,7 +93,7 @@ class Lexemes(Sequence[Lexeme]):
 
     @cached_property
     def places(self) -> dict[str, list[int]]:
-        """Where lexemes of each text, and of each kind, are; a kind is written behind a %."""
+        """The lexemes of each text and of each kind, which is written behind a %."""
         found: dict[str, list[int]] = {}
         for k, x in enumerate(self.items):
             found.setdefault(x.text, []).append(k)

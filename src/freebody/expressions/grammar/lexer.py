@@ -44,11 +44,11 @@ class Token:
     end: int
     value: Fraction = Fraction(0)
     written: str = ""
-    """Of an operator the sign that was written for it."""
+    """The sign that was written for an operator."""
 
     @property
     def span(self) -> Span:
-        """Where it stands."""
+        """The place in the text."""
         return self.start, self.end
 
     @property
@@ -58,11 +58,11 @@ class Token:
 
 
 class Grammar(Protocol):
-    """What the lexer asks of a language."""
+    """A language as the lexer needs it."""
 
     @property
     def functions(self) -> Collection[str]:
-        """Words that are functions."""
+        """The words that are functions."""
         ...
 
     def begins(self, x: Lexeme) -> bool:

@@ -25,7 +25,7 @@ from freebody.expressions.nodes import (
 )
 
 DEEPEST = 100
-"""Brackets inside brackets."""
+"""The most brackets inside one another."""
 
 _PAIR = {"(": ")", "[": "]", "{": "}"}
 PI = Fraction(repr(math.pi))
@@ -143,7 +143,7 @@ class Parser(ABC):
 
     # ------------------------------------------------------------ expressions
     def expression(self) -> Expression:
-        """term ± term …"""
+        """A sum of terms."""
         terms = [self._signed(self.product)]
         while self.is_operator("+", "-"):
             terms.append(self._signed(self.product))
@@ -152,7 +152,7 @@ class Parser(ABC):
         return Sum(tuple(terms), span=around(terms[0], terms[-1]))
 
     def _signed(self, read: Callable[[], Expression]) -> Expression:
-        """What `read` reads, with the signs before it."""
+        """An operand that `read` reads, with the signs before it."""
         start, negative = self.token.start, False
         while self.is_operator("+", "-"):
             negative ^= self.take().text == "-"
@@ -184,7 +184,7 @@ class Parser(ABC):
                 return product_of(factors)
 
     def _is_behind_number(self) -> bool:
-        """Such as .5 in 2.0.5"""
+        """Whether the next token stands behind a number, such as .5 in 2.0.5."""
         return self.tokens[self.at - 1].kind == "number"
 
     def _number_behind(self, token: Token) -> None:
@@ -213,7 +213,7 @@ class Parser(ABC):
                 return node
 
     def transposed(self, node: Expression) -> Expression:
-        """What stands in front of the mark of a transpose."""
+        """A node whose mark of a transpose comes next, transposed."""
         return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
@@ -301,7 +301,7 @@ class Parser(ABC):
     # ------------------------------------------------------------ what a language says
     @abstractmethod
     def name(self) -> Expression:
-        """What the name that comes next stands for."""
+        """The node that the name that comes next stands for."""
 
     @abstractmethod
     def call(self) -> Expression:

@@ -22,7 +22,7 @@ DECORATIONS = frozenset(table.DECORATIONS)
 FRAMES = tuple(map(chr, range(0xE010, 0xE01A)))
 """Marks behind a name, one for each frame: of {}^1v_2 the plain spelling is v2 and the second."""
 DETERMINANT = "\ue01a"
-"""The same of what stands between bars, |J|."""
+"""The mark behind the name of a determinant, |J|."""
 COMMANDS = frozenset((*table.FONTS, *table.LETTER_COMMANDS, *table.ACCENTS))
 """LaTeX commands that a name may begin with."""
 COMMAND_NAMES = table.LETTER_COMMANDS
@@ -38,13 +38,13 @@ class Word:
 
     start: int
     at: int
-    """The next lexeme."""
+    """The lexeme behind the word."""
     end: int
-    """Where the last one ends in the text."""
+    """The place at which the last lexeme ends in the text."""
     plain: str = ""
     origins: list[int] = field(default_factory=list)
     cuts: set[int] = field(default_factory=set)
-    """Where a new name may begin: not inside `theta` that was one letter."""
+    """The places at which a new name may begin: not inside `theta` that was one letter."""
     power: int | None = None
     """A power that stood before the subscript, as in l²₁."""
 
@@ -143,7 +143,7 @@ class _Speller:
         return marks
 
     def _star(self) -> int:
-        """Of how many lexemes a power is that is a star."""
+        """The number of lexemes of a power that is a star."""
         k = self.word.at
         if self.items[k].text != "^":
             return 0
@@ -153,7 +153,7 @@ class _Speller:
         return 4 if len(texts) == 3 and texts[0] == "{" and texts[1] in table.STARS else 0
 
     def _early_power(self) -> int:
-        """Of how many lexemes a power is in front of a subscript, which the word notes."""
+        """The number of lexemes of a power in front of a subscript, which the word notes."""
         k = self.word.at
         figure, count = self.items[k].text, 1
         if figure == "^":
@@ -171,7 +171,8 @@ class _Speller:
         return count
 
     def _subscript(self) -> None:
-        """What follows underscores: a group in braces, or one letter, with which no name begins."""
+        """Read what follows underscores: a group in braces, or one letter, with which no name
+        begins."""
         word = self.word
         while word.at < len(self.items) and self._next.text == "_":
             self._take()
@@ -221,7 +222,7 @@ class _Speller:
         word.power = inner.power
 
     def _argument(self, depth: int) -> Word:
-        """What a command applies to, a group in braces or the next letter."""
+        """The argument of a command, a group in braces or the next letter."""
         start, k = self.word.end, self.word.at
         x = self.items[k] if k < len(self.items) else None
         if x is None or not (x.text == "{" or begins(x) or x.kind == "command"):
@@ -322,7 +323,7 @@ def cut(
 def _shortest_ways(
     word: Word, known: Collection[str], functions: Collection[str]
 ) -> list[list[int]]:
-    """Where the fewest pieces begin and the last one ends: no way, the only one, or two of
+    """The ways to cut a word into the fewest pieces, by their ends: none, the only one, or two of
     several."""
     best: dict[int, list[list[int]]] = {0: [[0]]}  # by the place that they reach
     for i in sorted(word.cuts):

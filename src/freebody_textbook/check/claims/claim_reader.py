@@ -1,4 +1,4 @@
-"""What the lines of an answer state: which quantity each is about, and the expression given for
+"""The claims of an answer's lines: the quantity that each is about, and the expression given for
 it."""
 
 from __future__ import annotations
@@ -134,8 +134,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _stated(
         self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool
     ) -> list[Claim]:
-        """What a side says of the quantities that it is equal to; as_vector: another side is one,
-        by its entries."""
+        """The claims of a side about the quantities that it is equal to; as_vector: another side is
+        one, by its entries."""
         node = self.parse(side, self._shape_of(named[0], as_vector))
         return [claim for subject in named for claim in self._pairs(subject, node)]
 
@@ -242,7 +242,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return node if node.value else Matrix(((node,),) * len(table), span=node.span)
 
     def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
-        """What is said of a name of the user's own for an expression of quantities, by more than
+        """The claims about a name of the user's own for an expression of quantities, by more than
         these."""
         matrix = self.vocabulary.matrices.get(name.text)
         if matrix is None:
@@ -264,8 +264,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _meant(
         self, name: str, single: AskedQuantity | None, node: Expression
     ) -> AskedQuantity | None:
-        """Of two quantities with one name, such as the potential energy and the power P, that which
-        has the unit of the answer, or is right, or has such rates as the answer."""
+        """The one of two quantities with one name, such as the potential energy and the power P,
+        that has the unit of the answer, or is right, or has such rates as the answer."""
         other = self.targets.namesakes.get(name)
         if other is None or isinstance(node, Matrix) or functions_of(node):
             return single
@@ -278,8 +278,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return other if _rates(value) in other.kind.rates else single
 
     def _table_of_bodies(self, name: str, node: Matrix) -> list[list[AskedQuantity]] | None:
-        """What a name stands for in equations of bodies, where a side says that: g = [0; -g] tells
-        the gravitational acceleration, not the terms of torques."""
+        """The vector that a name stands for in equations of bodies, where a side says that: g = [0;
+        -g] tells the gravitational acceleration, not the terms of torques."""
         table = self.targets.tables.get(self.targets.of_bodies.get(name, ""), [])
         right = [x for row in table for x in row]
         given = [x for row in node.rows for x in row]

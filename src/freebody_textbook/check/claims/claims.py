@@ -34,15 +34,15 @@ MOST_EQUATIONS = 100
 
 @dataclass(frozen=True)
 class Statements:
-    """What a document says: claims in its order, the names of its own that no statement uses as
-    they are written, and what was not read."""
+    """All that a document says: claims in its order, the names of its own that no statement uses as
+    they are written, and the equations that were not read."""
 
     claims: list[Claim]
     unused: tuple[str, ...]
     unread: tuple[UnreadEquation, ...] = ()
     numbers: WrittenNumbers = WrittenNumbers()
     told: tuple[Span, ...] = ()
-    """Where values of parameters are told."""
+    """The places at which values of parameters are told."""
 
 
 def _names(

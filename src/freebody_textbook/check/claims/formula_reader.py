@@ -41,7 +41,7 @@ from freebody_textbook.check.states.state_values import functions_of
 _TABLES = ("Matrix", "jacobian")
 """Functions that make a vector or matrix."""
 _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
-"""What identities of sines and cosines are made of."""
+"""The nodes of which identities of sines and cosines are made."""
 
 
 class FormulaReader:
@@ -58,19 +58,20 @@ class FormulaReader:
         self.numbers = numbers
         self.setting = vocabulary.setting
         self.told: list[Span] = []
-        """Where the answer says what the value of a parameter is, which is known."""
+        """The places at which the answer tells the known value of a parameter."""
         self.replaced: dict[AskedQuantity, Trig] = {}
         """Values that quantities have for a while."""
         self.own_sides: dict[str, Sequence[Token]] = {}
-        """By what lines give names of the user's own, in their order."""
+        """The sides by which lines give names of the user's own, in their order."""
         self.letters_of_vectors: frozenset[str] = frozenset()
         """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
         self.load: frozenset[str] = frozenset()
         """The components of a force at the tip that the answer has."""
         self.is_loaded = False
-        """Whether the line has some of them."""
+        """Whether the line has components of a force at the tip."""
         self.besides: frozenset[str] = frozenset()
-        """Of the line's quantities."""
+        """The motion and weights that the line's quantities tell of besides the force at the
+        tip."""
         self.common_axes = False
         """Whether vectors are in the world's axes, not each in those of its body."""
         self.of_bodies = False
@@ -147,8 +148,8 @@ class FormulaReader:
         return replace(target, compute=target.in_world)
 
     def in_some_axes(self, side: Sequence[Token], stated: Callable[[], list[Claim]]) -> list[Claim]:
-        """What a side states; where that is wrong of vectors in the axes of their bodies, and right
-        of the vectors themselves, that: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
+        """The claims of a side; where they are wrong of vectors in the axes of their bodies and
+        right of the vectors themselves, those: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
         found = stated()
         bodies = self._bodies_without_axes(side)
         if not bodies or all_right(found):
@@ -197,7 +198,7 @@ class FormulaReader:
         return self.setting.zero if target.idle else self.with_load(target).compute()
 
     def with_load(self, target: AskedQuantity) -> AskedQuantity:
-        """Of a torque in a line that has a force at the tip, the torque that holds it."""
+        """A quantity, or the torque that holds the force at the tip where the line has one."""
         if not self.is_loaded or not target.kind.is_drive or target.idle:
             return target
         if self.setting.system is not None:
@@ -216,7 +217,8 @@ class FormulaReader:
         return frozenset(x for name in names for x in self._in_name(name)[1])
 
     def _told_of(self, line: AnswerLine) -> frozenset[str]:
-        """What the quantities of a line tell of besides a load: "rate", "motion", "weight"."""
+        """The effects that a line's quantities tell of besides a load: "rate", "motion",
+        "weight"."""
         variations = self.vocabulary.variations
         varied = (x.text for x in line.names if x.start in variations)
         others = {x.text for x in line.names if x.start not in variations}
@@ -229,7 +231,7 @@ class FormulaReader:
         return asked is not None and any(gravity in x for x, _ in asked.polynomial().terms())
 
     def _in_name(self, name: str) -> tuple[set[str], set[str]]:
-        """What a name tells of, and the components of the load that it holds."""
+        """The effects that a name tells of, and the components of the load that it holds."""
         setting, value = self.setting, self.vocabulary.symbols.get(name)
         if name in self.vocabulary.waves:
             return set(), set()
@@ -248,7 +250,7 @@ class FormulaReader:
         return {kind.tells}, set(setting.loads[: len(table)]) if kind.is_load else set()
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
-        """What a tree says of a quantity."""
+        """The claim that a quantity has the value of a tree."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         if functions_of(node):  # compared in numbers
             return Claim(label, target, node, target.compute(), self.source, used)
@@ -307,7 +309,7 @@ class FormulaReader:
         return side[0].kind == "begin" or self._function(side[0]) in _TABLES
 
     def _function(self, token: Token) -> str:
-        """What a token is called that is a function's name, else ""."""
+        """The function that a token names, else ""."""
         return self.vocabulary.functions[token.text] if token.kind == "function" else ""
 
 

@@ -105,7 +105,8 @@ class SolvedQuantities(FormulaReader):
         return all(map(self._moving, parts))
 
     def solved_for(self, line: AnswerLine) -> Claim:
-        """What a line says of a coordinate or of what belongs to it, by the robot's quantities."""
+        """The claim of a line about a coordinate or what belongs to it, by the robot's
+        quantities."""
         first, node = line[0][0], self.parse(line[1])
         value = self.quotient(self.parse(line[0]))
         name = self._moving(value)
@@ -127,7 +128,7 @@ class SolvedQuantities(FormulaReader):
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: AnswerLine, name: str, value: Value, node: Expression) -> Claim:
-        """What a line tells of a coordinate by inverse functions."""
+        """The claim of a line that tells a coordinate by inverse functions."""
         label = self.source[line[0][0].span]
         for part in nodes(node):
             if isinstance(part, Wave) and any(x == name for x, _ in part.angle):

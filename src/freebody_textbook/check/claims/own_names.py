@@ -27,7 +27,7 @@ from freebody_textbook.check.reading.vocabulary import FUNCTIONS, Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
 
 _NUMBERED = (*(x.letter for x in LINK_SYMBOLS), "q")
-"""What names of one's own may stand for, for all links or joints."""
+"""The letters that a name of one's own may stand for on all links or joints."""
 
 
 def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:

@@ -38,7 +38,7 @@ _MOST_COORDINATES = 2
 
 
 class UnnamedEquations(FormulaReader):
-    """Reads what such an equation states."""
+    """Reads the statements of equations no side of which is a quantity."""
 
     def unnamed(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
@@ -58,7 +58,7 @@ class UnnamedEquations(FormulaReader):
         return self._of_joints(line, before)
 
     def _of_joints(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """What an equation with two sides says of a robot with joints."""
+        """The claims of an equation with two sides about a robot with joints."""
         asked = self._asked(line)
         torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
         told = frozenset(asked.values()) | self._behind_own_names(line)
@@ -98,8 +98,8 @@ class UnnamedEquations(FormulaReader):
         return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
 
     def _by_loops(self, line: AnswerLine, between: bool, asked: bool) -> list[Claim]:
-        """What a line without torques says of a closed chain, if that is of its loops or between
-        quantities."""
+        """The claims of a line without torques about a closed chain, if it is of its loops or
+        between quantities."""
         if self.setting.system is None:
             return []
         if along := self._along_legs(line):
@@ -132,7 +132,7 @@ class UnnamedEquations(FormulaReader):
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
 
     def _of_passive(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """What a line between quantities says, if that is the equation of a passive joint."""
+        """The claim of a line between quantities, if that is the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
         value, single = self._difference(line)[1], self.targets.single
@@ -141,7 +141,7 @@ class UnnamedEquations(FormulaReader):
         return [self._unpowered(line, before)] if any(same) else []
 
     def _others(self, line: AnswerLine, name: str) -> Expression | None:
-        """What stands beside a torque in a sum of both sides, with the signs that it has when the
+        """The terms beside a torque in a sum of both sides, with the signs that they have when the
         torque alone stands on the left; None where it has a factor."""
         left, right = map(self.parse, line)
         terms = [*_terms(left), *_terms(Negative(right, span=right.span))]
@@ -270,7 +270,7 @@ class UnnamedEquations(FormulaReader):
         return node, self.quotient(node)
 
     def _of_bodies(self, line: AnswerLine) -> list[Claim]:
-        """What a line says of bodies, if it is between vectors or holds in any motion."""
+        """The claims of a line about bodies, if it is between vectors or holds in any motion."""
         stated = self._identities(line) if self.of_bodies else []
         return stated if all_right(stated) or len(stated) > 1 else []
 

@@ -25,7 +25,7 @@ _DISPLAYS = (
 )  # fmt: skip
 _WITH_COLUMNS = ("alignat", "IEEEeqnarray")
 _COLUMNS = re.compile(r"\s{0,9}\{[^{}]{0,40}\}")
-"""What stands behind the begin of some displays: how many columns, or how they are set."""
+"""The columns behind the begin of some displays: how many, or how they are set."""
 _COMMENT = re.compile(r"(?<!\\)(?:\\\\)*(%[^\n]*)")
 _CONTINUED = re.compile(r"\n(?=[^\n=]*[^\s=][^\n=]*(?:\n|$))")
 """The end of a line that goes on in one without an equals sign."""
@@ -82,7 +82,7 @@ def read(text: str) -> AnswerDocument:
 
 
 def formulas(text: str) -> list[Span]:
-    """What stands in displays and between dollar signs, in order, none inside another."""
+    """The stretches in displays and between dollar signs, in order, none inside another."""
     found: list[Span] = []
     for name in _DISPLAYS:
         for star in ("", "*"):
@@ -191,8 +191,8 @@ def _join_rows(whole: Blanks, text: str, span: Span) -> None:
 
 
 def _take_words(whole: Blanks) -> None:
-    """Words set as text become what a line's end is: a comma; but not between operators, where
-    they stand for a term."""
+    """Put a comma, which ends a line, in place of words set as text; but not between operators,
+    where they stand for a term."""
     text = str(whole)
     for match in _TEXT.finditer(text):
         words = match[1][1:-1].strip()

@@ -20,7 +20,7 @@ _HEADING = re.compile(
     r"^[ \t]*#{1,6}[ \t]+(?!(?:[^=:\n]{1,40}:[ \t]*)?(?:\$|[^\s=]{1,20}[ \t]?=))[^\n]*",
     re.MULTILINE,
 )
-"""Of words; one that is an equation states it."""
+"""A heading of words; one that is an equation states it."""
 _MARKS = re.compile(
     rf"{_HEADING.pattern}|^[ \t]*(?:#{{1,6}}[ \t]|\|[ \t:|-]+$)"
     r"|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{1,3}[.)][ \t]+|\|)"
@@ -83,7 +83,7 @@ def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]
 
 
 def _fences(text: str) -> list[tuple[int, int, str, Span]]:
-    """Start, end, language and inner span of each fenced block."""
+    """The start, end, language and inner span of each fenced block."""
     found, opened = [], None
     for match in _FENCE.finditer(text):
         if opened is None:

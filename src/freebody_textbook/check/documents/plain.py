@@ -28,7 +28,7 @@ _IN_FORMULAS = LexemePattern("%in_formulas | %apart < %minus | – > %apart | -%
 
 
 def read(text: str) -> AnswerDocument:
-    """All of it may be formula; words are found by the vocabulary."""
+    """The document of a text that may be formula everywhere; words are found by the vocabulary."""
     plain = plain_characters(text)
     whole = FormulaPiece(0, len(plain))
     return AnswerDocument(plain, plain, (whole,), tuple(lines(plain, 0, len(plain))), strict=True)
@@ -108,7 +108,7 @@ def _is_word(match: Match) -> bool:
 
 
 def _last_name(lexemes: Lexemes, within: range, k: int) -> int:
-    """Where the name begins that stands right before a lexeme, or that lexeme."""
+    """The lexeme with which the name begins that stands right before a lexeme, or that lexeme."""
     first = k
     while first > within.start and (
         lexemes[first - 1].kind in ("letter", "digit", "low", "command")

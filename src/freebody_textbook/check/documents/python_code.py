@@ -43,7 +43,7 @@ _SAME = (
     r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
     r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
 )
-"""What does not change a value."""
+"""The calls that do not change a value."""
 _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
@@ -113,7 +113,7 @@ def _statement_alone(said: Blanks, start: int, end: int) -> None:
 
 
 def _plain(whole: Blanks, start: int, end: int) -> None:
-    """What SymPy's functions mean in a formula."""
+    """Put formulas in place of SymPy's functions."""
     inside = "".join(whole.characters[start:end])
     for match in _MODULES.finditer(inside):
         whole.put(start + match.start(), start + match.end())
@@ -144,7 +144,7 @@ def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
 
 
 def _begun(text: str, end: int) -> int:
-    """Where the name or the call begins that ends there."""
+    """The place at which the name or the call begins that ends at a place."""
     at = end
     while at and text[at - 1] == FILL:
         at -= 1

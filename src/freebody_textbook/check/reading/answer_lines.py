@@ -24,10 +24,10 @@ from freebody_textbook.check.verdict import UnreadEquation
 
 MOST_SIDES = 6
 MOST_OUTSIDE = 20
-"""Lines outside of formulas that are told."""
+"""The most lines outside of formulas that are told."""
 _SHOWN = 60
 _AXES = ["x"], ["y"], ["z"]
-"""What a direction in a sentence is made of, $-y$."""
+"""The names that are directions where a sign stands before them, $-y$."""
 _WHERE = LexemePattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
@@ -68,7 +68,7 @@ class AnswerLine(tuple[tuple[Token, ...], ...]):
 
     @property
     def span(self) -> Span:
-        """Where it stands."""
+        """Its place in the text."""
         return self[0][0].start, self[-1][-1].end
 
 
@@ -82,7 +82,7 @@ class DocumentReader:
         self.unread: list[UnreadEquation] = []
         self.failed: list[AnswerLine] = []
         self.unread_names: set[str] = set()
-        """Names to which code gives something that is not read."""
+        """The names to which code gives something that is not read."""
         self.source, self.pieces = self._without_words()
         self._tell_what_no_formula_holds()
 
@@ -136,7 +136,7 @@ class DocumentReader:
         return any(True for x in texts for _ in asked_marks(*x, self._is_quantity))
 
     def _written(self, span: Span) -> tuple[int, AnswerText]:
-        """Where the line begins that a span begins in, and the text from there to the span's end as
+        """The start of the line that a span begins in, and the text from there to the span's end as
         it is written."""
         begun = self.document.written.rfind("\n", 0, span[0]) + 1
         return begun, AnswerText(self.document.written[begun : span[1]])
@@ -170,7 +170,7 @@ class DocumentReader:
 
     @cached_property
     def _introduced(self) -> frozenset[str]:
-        """Words that are the whole left side of an equation."""
+        """The words that are the whole left side of an equation."""
         return frozenset(match["word"] for match in _INTRODUCED.all(self.document.lexemes))
 
     def _is_asked(self, source: Source, span: Span) -> bool:

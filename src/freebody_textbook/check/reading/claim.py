@@ -1,5 +1,5 @@
-"""What a line of an answer states, and what it is given by: quantities that stand for their right
-values. One given by itself says nothing."""
+"""Claims, the statements of an answer's lines, and the quantities that they are given by, which
+stand for their right values. A claim that is given by itself says nothing."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class GivenQuantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """label = what the user says it is."""
+    """The statement that a quantity has a value."""
 
     label: str
     target: AskedQuantity
@@ -34,9 +34,9 @@ class Claim:
     value: Value
     source: AnswerText
     uses: tuple[GivenQuantity, ...] = ()
-    """Quantities that it is given by."""
+    """The quantities that it is given by."""
     whole: Expression | None = None
-    """Of an equation between two sides their difference."""
+    """The difference of the sides, where it is an equation between two of them."""
 
 
 def uses(

@@ -38,7 +38,7 @@ class DerivativeParser(Parser):
     """The vectors and matrices that names of scalars also stand for."""
 
     def differentiated(self, first: Token) -> Expression:
-        """What stands behind ∂, or the d of a derivative by a coordinate."""
+        """The derivative whose ∂, or d of a derivative by a coordinate, was read."""
         of = None if self.is_operator("/") else self._operand()
         if not self.is_operator("/"):
             self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
@@ -93,7 +93,7 @@ class DerivativeParser(Parser):
         return Named(self.source[span], slope, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:
-        """What is differentiated: a bracket, a derivative or a name."""
+        """The operand of a derivative: a bracket, another derivative or a name."""
         if self.token.kind not in ("open", "partial", "name"):
             self.fail_here("what is differentiated")
         return self.primary()
@@ -147,7 +147,7 @@ class DerivativeParser(Parser):
         return self._slopes(of, names, span)
 
     def _vector(self, node: Expression) -> Expression:
-        """What a node is, the vector or matrix if it may be one."""
+        """The vector or matrix that a node is, if it may be one, else the node."""
         return self.others.get(node) or worked_out(node, self.others)
 
     def _differentiated_by(self) -> tuple[str, int]:

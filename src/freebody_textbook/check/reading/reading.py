@@ -38,7 +38,7 @@ from freebody_textbook.check.reading.vocabulary import Vocabulary
 _TURNING = ("omega", "w", "alpha", "theta", "q")
 """Letters of angular velocities and accelerations, and of rates."""
 INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
-"""Functions by which coordinates are told."""
+"""The functions by which coordinates are told."""
 
 
 class AnswerParser(DerivativeParser):
@@ -177,7 +177,7 @@ class AnswerParser(DerivativeParser):
         return [Cross(left, factor, span=around(left, factor))]
 
     def following(self, factors: list[Expression], sign: Token) -> Expression:
-        """What stands behind a sign; behind the × of a cross product with all its factors."""
+        """The factor behind a sign; behind the × of a cross product all that it turns."""
         first, left = super().following(factors, sign), product_of(factors)
         if sign.written in ("×", "\\times"):
             turns = self._may_be_table(left)
@@ -351,8 +351,8 @@ def power_behind(tokens: Sequence[Token], power: int) -> int:
 
 
 def turn_behind(name: str, tokens: Sequence[Token]) -> tuple[str, int]:
-    """Of R_1 and ² or ^2 behind it the name of R_1^2, which turns components from body 1 to body 2,
-    and how many tokens stand behind; of anything else "" and 0."""
+    """The name of R_1^2, which turns components from body 1 to body 2, of R_1 and the ² or ^2
+    behind it, and how many tokens these are; of anything else "" and 0."""
     if atom(name).letter != "R" or not atom(name).is_numbered or not tokens:
         return "", 0
     if tokens[0].kind == "power":

@@ -16,11 +16,11 @@ from freebody.expressions.grammar.tables.characters import LOW
 from freebody_textbook.check.spelling.answer_text import AnswerText
 
 MOST_SUMS = 200
-"""In one text."""
+"""The most sums of one text that are read."""
 MOST_TOKENS, DEEPEST = 10_000, 3
-"""Of a sum that is written out, and sums inside one another."""
+"""The most tokens of a sum that is written out, and the most sums inside one another."""
 _LONGEST = 600
-"""Lexemes of what is summed."""
+"""The most lexemes of a summand."""
 _HEAD = LexemePattern("@sum_sign < below:@sum_below above:@sum_above? | above:@sum_above? >")
 _CALL = LexemePattern("@sum_sign ~(")
 _ARGUMENTS = LexemePattern("@sum_arguments )")
@@ -132,7 +132,8 @@ def _closing(lexemes: Lexemes, k: int, end: int) -> int:
 
 
 def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
-    """Where the terms end that have the index: behind + and - too, up to another sum."""
+    """The lexeme at which the terms end that have the index: behind + and - too, up to another
+    sum."""
     term, depths = k, lexemes.depths
 
     def ends(j: int) -> bool:
@@ -150,7 +151,7 @@ def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
 
 
 def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
-    """Where + and - stand behind k outside of brackets and powers."""
+    """The signs + and - behind a lexeme, outside of brackets and powers."""
     for j in range(k + 1, stop):
         outside = lexemes.depths[j] == lexemes.depths[k]
         if outside and lexemes[j].text in _SIGNS and lexemes[j - 1].text != "^":
@@ -158,7 +159,7 @@ def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
 
 
 def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
-    """Where the index stands: in a subscript, or as a factor of its own."""
+    """The lexemes that are the index: in a subscript, or as a factor of its own."""
     inside, depth = False, 0
     for k in within:
         x, before = lexemes[k], lexemes[k - 1] if k > within.start else None

@@ -44,7 +44,8 @@ FUNCTIONS = {
 _NOT_POLYNOMIAL = word_set("exp log ln")
 VARIATION = "delta"
 _MOST_IN_SUM, _FEW = 6, 3
-"""Angles of which sums of any number have names, θ123456; of more angles those of a few."""
+"""The most angles of which all sums have names, θ123456, and of how many the sums of more angles
+are."""
 _BARE = str.maketrans("", "", "_{}\\")
 GLUED = frozenset("MHCDBJ").union(
     *(spellings(letter, "", dots) for letter in ("q", "theta", "th") for dots in (1, 2)),
@@ -61,7 +62,7 @@ class Vocabulary:
     quantities: frozenset[str] = frozenset()
     """Names of what can be asked: tau1, H12, …"""
     alone: frozenset[str] = frozenset()
-    """Those of them that are no part of a longer word."""
+    """The names of what can be asked that are no part of a longer word."""
     symbols: dict[str, Value] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
@@ -81,10 +82,10 @@ class Vocabulary:
     given: set[str] = field(default_factory=set)
     """Letters of vectors that lines give: they may be numbers, and so stand side by side, 4AC."""
     variations: set[int] = field(default_factory=set)
-    """Where virtual displacements stand."""
+    """The places at which virtual displacements begin."""
     _known: frozenset[str] | None = None
     _inside_words: frozenset[str] = frozenset()
-    """Those that may be a part of a longer word."""
+    """The names that may be a part of a longer word."""
     _glued: frozenset[str] = frozenset()
     """Matrices and rates that may stand side by side, Mq̈."""
 

@@ -1,5 +1,5 @@
-"""Where a text says that one of the robot's quantities is equal to something, whether the reader of
-answers understands the rest or not."""
+"""Signs of equality behind one of the robot's quantities, whether the reader of answers understands
+the rest or not."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ _BEHIND_NAME = LexemePattern(
     "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
     " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
 )
-"""What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset."""
+"""The things that may stand between a quantity and a sign of equality: alignment, arguments, a
+unit, +=, \\overset."""
 _LONGEST_LEFT = 60
 
 
@@ -29,11 +30,11 @@ class AskedMark:
 
     name: str
     start: int
-    """Where the name begins in the text."""
+    """The place at which the name begins in the text."""
     at: int
-    """Where the sign stands."""
+    """The place of the sign in the text."""
     lexeme: int
-    """Which lexeme it is."""
+    """The number of the sign's lexeme."""
 
 
 def asked_marks(

@@ -97,8 +97,8 @@ CLASSES = {
     "raised": ("²", "³", "¹"),
     "raised_word": ("\\squared", "\\cubed"),
 }  # fmt: skip
-"""By their texts, and by kinds and other classes behind a %. %any is every lexeme but the end of a
-line, %not_x one that is not x; %bare_letter has no marks, and %dotted_letter has dots."""
+"""Classes by their texts, and by kinds and other classes behind a %. %any is every lexeme but the
+end of a line, %not_x one that is not x; %bare_letter has no marks, and %dotted_letter has dots."""
 
 PATTERNS = {
     "group": "{ %not_brace{0,30} }",
