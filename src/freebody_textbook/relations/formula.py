@@ -18,9 +18,10 @@ from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
 from freebody.expressions.grammar.atoms import atom, between, unprimed
-from freebody.expressions.grammar.lexemes import Lexeme, plain
+from freebody.expressions.grammar.lexemes import Lexeme
 from freebody.expressions.grammar.lexer import Token, sides, tokens
 from freebody.expressions.grammar.parser import Parser
+from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, UnreadableError
 from freebody.expressions.grammar.words import Cut
 from freebody.expressions.nodes import NOWHERE
@@ -43,6 +44,8 @@ _RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
     "d_dt": (1, ex.d_dt),
 }
 """The number of arguments of each function, and what it makes of them."""
+
+_NAME = LexemePattern("< %letter | _ > < ~%letter | ~%digit | ~%mark | ~_ >{0,400}")
 
 SPECIAL: dict[str, tuple] = {
     "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
@@ -106,15 +109,9 @@ class _FormulaLanguage:
         return x.kind == "letter" or x.text == "_"
 
     def word(self, source: Source, at: int) -> Cut:
-        items, stop = source.lexemes.items, at + 1
-        while (
-            stop < len(items)
-            and not items[stop].apart
-            and (items[stop].kind in ("letter", "digit", "mark") or items[stop].text == "_")
-        ):
-            stop += 1
-        name = normalize("NFC", plain(items[at:stop]))
-        return Cut([(name, items[at].start, items[stop - 1].end)], None, stop)
+        match = _NAME.at(source.lexemes, at)
+        assert match is not None
+        return Cut([(normalize("NFC", match.text), *match.span)], None, match.stop)
 
 
 class _FormulaParser(Parser):

@@ -44,7 +44,7 @@ class Token:
     end: int
     value: Fraction = Fraction(0)
     written: str = ""
-    """The sign that was written for an operator."""
+    """The sign as it was written."""
 
     @property
     def span(self) -> Span:
@@ -74,10 +74,18 @@ class Grammar(Protocol):
         ...
 
 
-_NUMBER = LexemePattern("@number")
+_NUMBER, _POWER = LexemePattern("@number"), LexemePattern("%high ~%high{0,60}")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
 _DEEPENING = {"open": 1, "begin": 1, "close": -1, "end": -1}
-_CLOSING = frozenset(table.BRACKETS.values())
+_SIGNS = {
+    **dict.fromkeys(table.FRACTIONS, ("fraction", "")),
+    **{text: ("number", "", Fraction(*x)) for text, x in table.VULGAR_FRACTIONS.items()},
+    **{text: (kind, "") for text, kind in table.KINDS_OF_SIGNS.items()},
+    **{text: ("close", text[-1]) for text in table.BRACKETS.values()},
+    **{text: ("open", text[-1]) for text in table.BRACKETS},
+    **{text: ("operator", plain) for text, plain in table.OPERATORS.items()},
+}
+"""The kind of token that a sign is, its text where it is another, and its value."""
 MATRICES = frozenset(table.MATRICES)
 
 
@@ -162,9 +170,7 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
 
 def _power(source: Source, k: int, found: list[Token]) -> int:
     """Figures written high; it returns the next lexeme."""
-    lexemes, stop = source.lexemes, k + 1
-    while stop < len(lexemes) and lexemes[stop].kind == "high" and not lexemes[stop].apart:
-        stop += 1
+    lexemes, stop = source.lexemes, _POWER.end(source.lexemes, k)
     digits = "".join(table.HIGH[x.text] for x in lexemes[k:stop])
     if not digits.removeprefix("-").isdigit() or len(digits) > 9:
         x = lexemes[k]
@@ -177,20 +183,11 @@ def _power(source: Source, k: int, found: list[Token]) -> int:
 def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
     """Operators, brackets, commands and the like."""
     text, span = x.text, (x.start, x.end)
-    if text in table.OPERATORS:
-        return Token("operator", table.OPERATORS[text], *span, written=text)
-    if text in table.BRACKETS:
-        return Token("open", text[-1], *span)
-    if text in _CLOSING:
-        return Token("close", text[-1], *span)
-    if text in table.KINDS_OF_SIGNS:
-        return Token(table.KINDS_OF_SIGNS[text], text, *span)
-    if text in table.VULGAR_FRACTIONS:
-        return Token("number", text, *span, Fraction(*table.VULGAR_FRACTIONS[text]))
+    if text in _SIGNS:
+        kind, own, *value = _SIGNS[text]
+        return Token(kind, own or text, *span, *value, written=text)
     if x.kind in ("row", "begin", "end"):
         return Token(x.kind, text, *span)
-    if text in table.FRACTIONS:
-        return Token("fraction", text, *span)
     if x.command in table.FUNCTION_COMMANDS and x.command in language.functions:
         return Token("function", x.command, *span)
     if x.kind == "mark":

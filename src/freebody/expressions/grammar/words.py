@@ -13,6 +13,7 @@ from functools import lru_cache
 from itertools import pairwise
 
 from freebody.expressions.grammar.lexemes import Lexeme
+from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, UnreadableError
 from freebody.expressions.grammar.tables import characters as table
 from freebody.expressions.grammar.tables.characters import DOT, PRIME
@@ -27,6 +28,9 @@ COMMANDS = frozenset((*table.FONTS, *table.LETTER_COMMANDS, *table.ACCENTS))
 """LaTeX commands that a name may begin with."""
 COMMAND_NAMES = table.LETTER_COMMANDS
 """Plain names of LaTeX's letters."""
+_STAR = LexemePattern("@asterisk")
+_EARLY_POWER = LexemePattern("< ^ ~{? power:~%digit ~}? | power:< ² | ³ > > &< ~_ | ~%low_digit >")
+"""A power in front of a subscript, l²₁."""
 _DEEPEST, _LONGEST = 4, 200
 _ONE_LETTER = "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1"
 
@@ -96,10 +100,6 @@ class _Speller:
     def _next(self) -> Lexeme:
         return self.items[self.word.at]
 
-    def _glued(self, k: int) -> str:
-        """The text of the k-th lexeme if no blank stands before it, else ""."""
-        return self.items[k].text if k < len(self.items) and not self.items[k].apart else ""
-
     def _take(self, count: int = 1) -> None:
         self.word.at += count
         self.word.end = self.items[self.word.at - 1].end
@@ -120,11 +120,12 @@ class _Speller:
         elif x.text in table.PRIMES:
             self._take()
             word.add(PRIME * table.PRIMES[x.text], x.start, cut=False)
-        elif count := self._star():
-            self._take(count)
+        elif star := _STAR.at(self.source.lexemes, word.at):
+            self._take(star.stop - star.start)
             word.add("*", x.start, cut=False)
-        elif count := self._early_power():
-            self._take(count)
+        elif early := _EARLY_POWER.at(self.source.lexemes, word.at):
+            self._take(early.stop - early.start)
+            word.power = int(table.HIGH.get(early["power"], early["power"]))
         elif x.kind in ("frame", "determinant"):
             self._take()
             word.add(FRAMES[int(x.text)] if x.text else DETERMINANT, x.start, cut=False)
@@ -141,34 +142,6 @@ class _Speller:
             marks += table.MARKS.get(self._next.text, "")
             self._take()
         return marks
-
-    def _star(self) -> int:
-        """The number of lexemes of a power that is a star."""
-        k = self.word.at
-        if self.items[k].text != "^":
-            return 0
-        texts = [x.text for x in self.items[k + 1 : k + 4]]
-        if texts[:1] and texts[0] in table.STARS:
-            return 2
-        return 4 if len(texts) == 3 and texts[0] == "{" and texts[1] in table.STARS else 0
-
-    def _early_power(self) -> int:
-        """The number of lexemes of a power in front of a subscript, which the word notes."""
-        k = self.word.at
-        figure, count = self.items[k].text, 1
-        if figure == "^":
-            braced = self._glued(k + 1) == "{"
-            figure, count = self._glued(k + 1 + braced), 2 + braced
-            count += self._glued(k + count) == "}"
-            if not (figure.isascii() and figure.isdigit()):
-                return 0
-        elif figure not in ("²", "³"):
-            return 0
-        behind = self._glued(k + count)
-        if behind != "_" and not table.LOW.get(behind, "").isdigit():
-            return 0
-        self.word.power = int(table.HIGH.get(figure, figure))
-        return count
 
     def _subscript(self) -> None:
         """Read what follows underscores: a group in braces, or one letter, with which no name

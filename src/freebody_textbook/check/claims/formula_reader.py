@@ -33,7 +33,7 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.numbers.results import WrittenNumbers
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
-from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reading.reading import AnswerParser, opens_table
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.states.state_values import functions_of
@@ -300,13 +300,8 @@ class FormulaReader:
         return may_be_wrong or difference(*map(self.quotient, sides)).is_zero
 
     def is_matrix(self, side: Sequence[Token]) -> bool:
-        """Whether a side begins with a vector or matrix of several entries; [m1] is a bracket."""
-        depth = 0
-        for token in side if side[0].text == "[" else ():
-            depth += token.deepens
-            if depth == 0 or (depth == 1 and token.kind in ("comma", "line", "row")):
-                return depth == 1
-        return side[0].kind == "begin" or self._function(side[0]) in _TABLES
+        """Whether a side begins with a vector or matrix."""
+        return opens_table(side) or self._function(side[0]) in _TABLES
 
     def _function(self, token: Token) -> str:
         """The function that a token names, else ""."""

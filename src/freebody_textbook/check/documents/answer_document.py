@@ -124,17 +124,29 @@ class Blanks:
                 self.characters[k] = " "
         self.characters[start : start + len(new)] = new
 
-    def only(self, kept: list[Span]) -> None:
-        """Blanks everywhere else; `kept` in order."""
-        at = 0
-        for start, end in [*kept, (len(self.characters), len(self.characters))]:
+    def only(self, kept: list[Span], span: Span | None = None) -> None:
+        """Blanks everywhere else in a stretch; `kept` in order."""
+        at, stop = span or (0, len(self.characters))
+        for start, end in [*kept, (stop, stop)]:
             self.put(at, max(at, start))
             at = max(at, end)
 
-    def replaced(self, pattern: re.Pattern[str], new: str = "") -> None:
-        """Put `new` in place of every match."""
-        for match in pattern.finditer(str(self)):
-            self.put(*match.span(), new)
+    def inside(self, span: Span) -> str:
+        """The text of a stretch."""
+        return "".join(self.characters[slice(*span)])
+
+    def replace(
+        self,
+        pattern: re.Pattern[str],
+        new: str | Callable[[re.Match[str]], str] = "",
+        span: Span | None = None,
+        group: int = 0,
+    ) -> None:
+        """Put something in place of a group of every match in a stretch, which is read alone."""
+        start, end = span or (0, len(self.characters))
+        for match in pattern.finditer(self.inside((start, end))):
+            first, behind = match.span(group)
+            self.put(start + first, start + behind, new(match) if callable(new) else new)
 
 
 def between(text: str, opening: str, closing: str) -> list[Span]:

@@ -63,8 +63,7 @@ def read(text: str) -> AnswerDocument:
     text."""
     written = plain_characters(text)
     whole = Blanks(written)
-    for match in _COMMENT.finditer(written):
-        whole.put(*match.span(1))
+    whole.replace(_COMMENT, group=1)
     start = str(whole).find(_DOCUMENT)
     if start >= 0:
         whole.put(0, start + len(_DOCUMENT))
@@ -121,9 +120,9 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
         for k in range(start, end):  # in a formula the end of a line is none
             if whole.characters[k] == "\n":
                 whole.characters[k] = " "
-    whole.replaced(_NOTHING)
-    whole.replaced(_HALF_BRACE)
-    whole.replaced(_THEREFORE, ",")
+    whole.replace(_NOTHING)
+    whole.replace(_HALF_BRACE)
+    whole.replace(_THEREFORE, ",")
     _take_words(whole)
     _open_boxes(whole)
     _open_arrays(whole)

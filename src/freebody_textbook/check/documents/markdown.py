@@ -60,7 +60,7 @@ def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]
         whole.put(start - 4, end + 3)
     text = str(whole)
     said = Blanks(text)
-    said.replaced(_HEADING)
+    said.replace(_HEADING)
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     displays: list[Span] = []

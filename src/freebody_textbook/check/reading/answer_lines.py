@@ -33,7 +33,7 @@ _WHERE = LexemePattern(
 )
 """Between an equation and one that says what a letter in it stands for."""
 _EQUALS = LexemePattern("< = | == >")
-_CONTINUES = LexemePattern("+ | - | * | ** | / | &")
+_CONTINUES = LexemePattern("+ | - | * | %strong | / | &")
 _TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
 _INTRODUCED = LexemePattern("< %first | --; | --, > word:@word &< = | == | := >")
 _BETWEEN = LexemePattern(

@@ -75,18 +75,8 @@ class AnswerParser(DerivativeParser):
         return node
 
     def opens_table(self) -> bool:
-        """Whether a matrix comes next, or a bracket [ with entries, [a, b] or [[a, b], [c, d]]."""
-        if self.token.text != "[":
-            return self.token.kind == "begin"
-        depth, rows = 0, 2 if self.ahead(1).text == "[" else 1
-        for k in range(len(self.tokens) - self.at):
-            token = self.ahead(k)
-            depth += token.deepens
-            if depth == 0:
-                return False
-            if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
-                return True
-        return False
+        """Whether a vector or matrix comes next; [m1] is a bracket."""
+        return self.at < len(self.tokens) and opens_table(self.tokens, self.at)
 
     def transposed(self, node: Expression) -> Expression:
         """A vector or matrix only, where the mark is MATLAB's, that of derivatives elsewhere."""
@@ -337,6 +327,22 @@ class AnswerParser(DerivativeParser):
             return self.reader.read(argument).sign()
         except FreebodyError:
             self.source.fail("sgn needs a single rate here", argument.span)
+
+
+def opens_table(tokens: Sequence[Token], at: int = 0) -> bool:
+    """Whether a matrix begins with a token, or a bracket [ with entries, [a, b] or [[a, b], [c,
+    d]]."""
+    first, *second = tokens[at : at + 2]
+    if first.text != "[":
+        return first.kind == "begin"
+    depth, rows = 0, 1 + any(x.text == "[" for x in second)
+    for token in tokens[at:]:
+        depth += token.deepens
+        if depth == 0:
+            return False
+        if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
+            return True
+    return False
 
 
 def power_behind(tokens: Sequence[Token], power: int) -> int:
