@@ -8,6 +8,7 @@ before the letter, primes behind: ˙theta1, lc1, theta1'.
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
@@ -238,22 +239,27 @@ class _Speller:
         return inner.word
 
 
-def spell(source: Source, at: int, depth: int = 0) -> Word:
-    """The word that begins with a lexeme, `depth` commands deep."""
-    return _Speller(source, at).whole(depth)
+def spell(source: Source, at: int) -> Word:
+    """The word that begins with a lexeme."""
+    return _Speller(source, at).whole(0)
+
+
+def word_at(source: Source, at: int) -> Word | None:
+    """The word that begins with a lexeme; None where none begins that can be read."""
+    if at not in source.words:
+        source.words[at] = None
+        if at < len(source.lexemes) and begins(source.lexemes[at]):
+            with suppress(UnreadableError):
+                source.words[at] = spell(source, at)
+    return source.words[at]
 
 
 def spelt(name: str) -> str:
     """The plain spelling of a text that is one name and no more, else ""."""
     source = Source.of(name.strip())
-    items = source.lexemes.items
-    if not items or not (begins(items[0]) or items[0].kind == "command"):
-        return ""
-    try:
-        word = spell(source, 0)
-    except UnreadableError:
-        return ""
-    return word.plain if word.at == len(items) and word.power is None else ""
+    word = word_at(source, 0)
+    is_one = word is not None and word.at == len(source.lexemes) and word.power is None
+    return word.plain if word is not None and is_one else ""
 
 
 WordPiece = tuple[str, int, int]

@@ -150,8 +150,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         det J = … = 0, which says where the arm is singular."""
         if not isinstance(subject, Token):
             return False
-        table = self.targets.tables.get(subject.text, [[None]])
-        asked = self.targets.single.get(subject.text, table[0][0])
+        asked = self.asked(subject.text)
         own = asked is not None and asked.kind.may_be_zero
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from freebody.errors import FreebodyError, listed
+from freebody.errors import listed
 from freebody.expressions.grammar import words
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, Span
@@ -223,13 +223,8 @@ def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
     found, given = [], set[str]()
     for k in sorted(places | {0}):
         k = _ALIGNED.end(lexemes, k)
-        if k >= len(lexemes) or lexemes[k].text == "_" or not words.begins(lexemes[k]):
-            continue
-        try:
-            word = words.spell(source, k)
-        except FreebodyError:  # told where the line is read
-            continue
-        if k in reading.in_sums:
+        word = words.word_at(source, k)
+        if word is None or lexemes[k].text == "_" or k in reading.in_sums:
             continue
         if not _IS.at(lexemes, word.at):
             continue

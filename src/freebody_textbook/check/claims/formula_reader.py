@@ -100,15 +100,17 @@ class FormulaReader:
 
     def _tells_of_bodies(self, token: Token) -> bool:
         """Whether a name is that of a vector of a body or the tip, or of an energy."""
-        if token.text in self.vocabulary.symbols:
+        name, vocabulary = token.text, self.vocabulary
+        is_wave = name in vocabulary.waves and name not in self.targets.single
+        if is_wave or name in vocabulary.symbols:
             return False
-        single = self.targets.single.get(token.text)
-        if single is not None:
-            return single.kind.of == "bodies"
-        if token.text in self.vocabulary.waves:
-            return False
-        table = self.targets.tables.get(token.text)
-        return table is not None and table[0][0].kind.of == "bodies"
+        asked = self.asked(name)
+        return asked is not None and asked.kind.of == "bodies"
+
+    def asked(self, name: str) -> AskedQuantity | None:
+        """The quantity of a name, or the first entry of the vector or matrix."""
+        table = self.targets.tables.get(name, [[None]])
+        return self.targets.single.get(name, table[0][0])
 
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
@@ -241,13 +243,11 @@ class FormulaReader:
             found = {what for what, dot in (("rate", 1), ("motion", 2)) if dot in dots}
             found |= {"weight"} if setting.order.gravity in used else set()
             return found, used & set(setting.loads)
-        if name in self.targets.single:
-            return {self.targets.single[name].kind.tells}, set()
-        table = self.targets.tables.get(name)
-        if table is None:
+        asked = self.asked(name)
+        if asked is None:
             return set(), set()
-        kind = table[0][0].kind
-        return {kind.tells}, set(setting.loads[: len(table)]) if kind.is_load else set()
+        rows = len(self.targets.tables.get(name, ())) if asked.kind.is_load else 0
+        return {asked.kind.tells}, set(setting.loads[:rows])
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
         """The claim that a quantity has the value of a tree."""

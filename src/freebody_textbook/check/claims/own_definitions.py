@@ -275,9 +275,8 @@ class OwnDefinitions(SolvedQuantities):
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
         letter, _ = numbered(name)
-        table = self.targets.tables.get(name)
         target = self.targets.single.get(name)
-        asked = table[0][0] if target is None and table else target
+        asked = self.asked(name)
         is_matrix = target is None and asked is not None and asked.kind.is_matrix
         soft = letter in AMBIGUOUS or name in self.targets.soft or is_matrix
         soft = soft or self.setting.is_free_body or (target is not None and target.soft)

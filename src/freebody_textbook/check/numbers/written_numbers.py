@@ -195,8 +195,7 @@ class _NumberSearch:
         condition on a paragraph of its own the end of the document."""
         begun = _BEHIND_CONDITION.end(self._written, self._written.at(self._end(k)))
         blank = next(_BLANK_LINE.all(self._written, begun), None)
-        is_alone = blank is None or blank.start == begun
-        return len(self.text) if is_alone else blank.span[0]
+        return len(self.text) if blank is None or blank.start == begun else blank.span[0]
 
     @cached_property
     def _written(self) -> Lexemes:

@@ -270,13 +270,9 @@ def _names(source: Source, within: range) -> Iterator[str]:
     """The plain spellings of the words in a stretch."""
     k = within.start
     while k < within.stop:
-        word = None
-        if words.begins(source.lexemes[k]):
-            try:
-                word = words.spell(source, k)
-                yield word.plain
-            except FreebodyError:  # it begins as a name does and is none
-                pass
+        word = words.word_at(source, k)
+        if word is not None:
+            yield word.plain
         k = max(word.at if word else 0, k + 1)
 
 

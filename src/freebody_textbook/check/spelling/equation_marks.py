@@ -4,10 +4,8 @@ the rest or not."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 
-from freebody.errors import FreebodyError
 from freebody.expressions.grammar import words
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source
@@ -90,19 +88,9 @@ def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
     if last.kind in ("sign", "line", "row") and last.text not in _LAST:
         return
     for k in range(first, end):
-        word = _spelt(source, k)
+        word = words.word_at(source, k) if _FRESH.at(lexemes, k) else None
         if word is not None and word.at == end:
             yield word
-
-
-def _spelt(source: Source, k: int) -> words.Word | None:
-    """The word that begins there, which several marks may ask for."""
-    if k not in source.words:
-        x, source.words[k] = source.lexemes[k], None
-        if (words.begins(x) or x.kind == "command") and _FRESH.at(source.lexemes, k):
-            with suppress(FreebodyError):  # it begins as a name does and is none
-                source.words[k] = words.spell(source, k)
-    return source.words[k]
 
 
 _LAST = frozenset((*PRIMES, *STARS, "}", "_"))
