@@ -104,15 +104,13 @@ def statements(
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
     _refuse_none_or_too_many(lines, bool(reading.unread or poses))
-    claimed = ClaimReader(source, vocabulary, targets, numbers)
+    claimed = ClaimReader(source, vocabulary, targets, numbers, lines)
     for line in lines:
         with reading.passing_over(line):
             if claimed.says_that_the_base_moves(line):
                 claimed.targets = replace(targets, based=True)
-    claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
-    claimed.load = claimed.loads(*lines)
-    pending |= claimed.own_scalars(lines) | claimed.own_coordinates(lines)
-    pending |= claimed.own_coefficients(lines, pending)
+    pending |= claimed.own_scalars | claimed.own_coordinates
+    pending |= claimed.own_coefficients(pending)
     own = _definitions(claimed, reading, lines, pending)
     read = (line for line in lines if line not in reading.failed)
     stated = [AnswerLine(line[1:]) if line in own else line for line in read]
@@ -154,7 +152,7 @@ def _definitions(
         for line in ready:
             waiting.remove(line)
             with reading.passing_over(line):
-                own += claimed.definitions(line, lines)
+                own += claimed.definitions(line)
         pending -= {line.subject for line in own}
 
 

@@ -21,6 +21,7 @@ from freebody.expressions.nodes import (
     Sum,
     nodes,
 )
+from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
@@ -53,9 +54,10 @@ class FormulaReader:
         vocabulary: Vocabulary,
         targets: Targets,
         numbers: WrittenNumbers,
+        lines: Sequence[AnswerLine],
     ):
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
-        self.numbers = numbers
+        self.numbers, self.lines = numbers, lines
         self.setting = vocabulary.setting
         self.told: list[Span] = []
         """The places at which the answer tells the known value of a parameter."""
@@ -63,10 +65,6 @@ class FormulaReader:
         """Values that quantities have for a while."""
         self.own_sides: dict[str, Sequence[Token]] = {}
         """The sides by which lines give names of the user's own, in their order."""
-        self.letters_of_vectors: frozenset[str] = frozenset()
-        """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
-        self.load: frozenset[str] = frozenset()
-        """The components of a force at the tip that the answer has."""
         self.is_loaded = False
         """Whether the line has components of a force at the tip."""
         self.besides: frozenset[str] = frozenset()
@@ -210,13 +208,17 @@ class FormulaReader:
     def begin(self, line: AnswerLine) -> None:
         """Note what a line is about."""
         if self.load:
-            self.is_loaded = bool(self.loads(line))
+            self.is_loaded = bool(self._load_of(line))
             self.besides = self._told_of(line)
 
-    def loads(self, *lines: AnswerLine) -> frozenset[str]:
-        """The components of a force or moment at the tip that lines have."""
-        names = {x.text for line in lines for x in line.names}
-        return frozenset(x for name in names for x in self._in_name(name)[1])
+    @cached_property
+    def load(self) -> frozenset[str]:
+        """The components of a force or moment at the tip that the answer has."""
+        return frozenset[str]().union(*map(self._load_of, self.lines))
+
+    def _load_of(self, line: AnswerLine) -> frozenset[str]:
+        """The components of a force or moment at the tip that a line has."""
+        return frozenset(x for name in line.names for x in self._in_name(name.text)[1])
 
     def _told_of(self, line: AnswerLine) -> frozenset[str]:
         """The effects that a line's quantities tell of besides a load: "rate", "motion",

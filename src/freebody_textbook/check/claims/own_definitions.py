@@ -3,7 +3,7 @@ the robot's quantities."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
@@ -13,6 +13,7 @@ from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Expression, Function, Matrix, Number, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
@@ -143,57 +144,60 @@ class SolvedQuantities(FormulaReader):
 class OwnDefinitions(SolvedQuantities):
     """Tells definitions from what is to be checked, and notes their values."""
 
-    def letters_given_as_vectors(self, lines: Sequence[AnswerLine]) -> frozenset[str]:
-        """First letters of names of vectors that a line gives by its entries."""
+    @cached_property
+    def letters_of_vectors(self) -> frozenset[str]:
+        """Letters such as v that lines give as vectors by their entries: v1 = 0 is one too."""
         return frozenset(
             line.subject[0]
-            for line in lines
+            for line in self.lines
             if line.subject in {*self.targets.soft, *self.targets.alone}
             and any(self.is_matrix(side) for side in line[1:])
         )
 
-    def own_scalars(self, lines: Sequence[AnswerLine]) -> set[str]:
-        """Names of vectors that lines give as one number, wherever these stand."""
+    def _subjects(self, is_own: Callable[[AnswerLine], bool]) -> set[str]:
+        """The subjects of lines that are something of the user's own, wherever these stand."""
         found = set[str]()
-        for line in lines:
+        for line in self.lines:
             with suppress(AnswerError):  # told where the line is read
-                if self._is_own_scalar(line.subject, line, lines):
+                if is_own(line):
                     found.add(line.subject)
         return found
 
-    def own_coefficients(self, lines: Sequence[AnswerLine], pending: Collection[str]) -> set[str]:
+    @property
+    def own_scalars(self) -> set[str]:
+        """Names of vectors that lines give as one number."""
+        return self._subjects(self._is_own_scalar)
+
+    def own_coefficients(self, pending: Collection[str]) -> set[str]:
         """Names of velocity coefficients that lines give and others use, wherever these stand;
         pending: names that wait for their own lines."""
-        given = {x.subject: x for x in lines}
+        given = {x.subject: x for x in self.lines}
         return {
             name
             for name, line in given.items()
-            if self._is_own_h(name, line, lines)
-            and not any(x.text in pending for x in line.written_with)
+            if self._is_own_h(line) and not any(x.text in pending for x in line.written_with)
         }
 
-    def definitions(self, line: AnswerLine, lines: Sequence[AnswerLine]) -> list[AnswerLine]:
+    def definitions(self, line: AnswerLine) -> list[AnswerLine]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its
         value is noted."""
         name = line.subject
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
-        if self.is_solved(line) or name in self.vocabulary.told:
-            return []
-        if self.is_of_angles(line):
+        if self.is_solved(line) or name in self.vocabulary.told or self.is_of_angles(line):
             return []
         if name in self.vocabulary.waves and self._is_wave(name, line):
             return [line]
         if not name or (
             name in self.targets.names
-            and not self._is_own_h(name, line, lines)
-            and not self._is_own_number(name, line, lines)
-            and not self._is_own_scalar(name, line, lines)
+            and not self._is_own_h(line)
+            and not self._is_own_number(line)
+            and not self._is_own_scalar(line)
         ):
             return []
         if self._repeats_a_formula(name, line):
             return [line]
-        is_taken = not self._is_free(name) and name not in self.own_coordinates(lines)
+        is_taken = not self._is_free(name) and name not in self.own_coordinates
         if name in self.vocabulary.waves or name in self.setting.zeros or is_taken:
             self._refuse_symbol(name, line)
             return []  # a loop's equation, solved for a length
@@ -234,23 +238,22 @@ class OwnDefinitions(SolvedQuantities):
             x.derivative(name).is_zero for x in pair(value) for name in moving
         )
 
-    def own_coordinates(self, lines: Sequence[AnswerLine]) -> set[str]:
+    @property
+    def own_coordinates(self) -> set[str]:
         """Names of coordinates that lines give to numbers of their own, as θ_1 = m_1 l_c1² + I_1,
         where the coordinates go by other names."""
-        symbols, found = self.vocabulary.symbols, set[str]()
-        written = {name.text for line in lines for name in line.names}
-        for line in lines:
-            name = line.subject if len(line) == 2 else ""
-            value = symbols.get(name)
-            if not isinstance(value, Trig) or not self._is_coordinate(value):
-                continue
-            others = (x for x in written - {name} if x in symbols)
-            with suppress(AnswerError):  # told where the line is read
-                if any(symbols[x] == value for x in others) and self._is_still(
-                    self._given(line[1])
-                ):
-                    found.add(name)
-        return found
+        return self._subjects(self._is_own_coordinate)
+
+    def _is_own_coordinate(self, line: AnswerLine) -> bool:
+        """Whether a line gives a number of parameters to a coordinate's name, where the coordinate
+        goes by another one."""
+        symbols = self.vocabulary.symbols
+        value = symbols.get(line.subject)
+        if len(line) != 2 or not isinstance(value, Trig) or not self._is_coordinate(value):
+            return False
+        written = {name.text for x in self.lines for name in x.names} - {line.subject}
+        is_renamed = any(symbols[x] == value for x in written if x in symbols)
+        return is_renamed and self._is_still(self._given(line[1]))
 
     def _is_coordinate(self, value: Trig) -> bool:
         return any(value == self.setting.ring[x] for x in self.setting.symbols.coordinates)
@@ -270,10 +273,11 @@ class OwnDefinitions(SolvedQuantities):
             return True
         return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
 
-    def _is_own_number(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_number(self, line: AnswerLine) -> bool:
         """Whether a letter that some books have for one of the quantities stands for something of
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
+        name = line.subject
         letter, _ = numbered(name)
         target = self.targets.single.get(name)
         asked = self.asked(name)
@@ -287,21 +291,14 @@ class OwnDefinitions(SolvedQuantities):
             return False
         if target is None:
             return name in AMBIGUOUS or (
-                self._is_used(name, line, lines)
+                self._is_used(line)
                 and (is_matrix or self._is_still(self._given(line[1])))
-                and not self._is_zero_vector(name, line)
+                and not self._is_zero_vector(line)
                 and not self.says_that_the_base_moves(line)
             )
-        return self._is_other_number(name, line, lines, target, soft)
+        return self._is_other_number(line, target, soft)
 
-    def _is_other_number(
-        self,
-        name: str,
-        line: AnswerLine,
-        lines: Sequence[AnswerLine],
-        target: AskedQuantity,
-        soft: bool,
-    ) -> bool:
+    def _is_other_number(self, line: AnswerLine, target: AskedQuantity, soft: bool) -> bool:
         """Whether a line gives a quantity's name to a number that the quantity cannot be; soft:
         whether the name is often another's."""
         given = self._given(line[1])
@@ -309,7 +306,7 @@ class OwnDefinitions(SolvedQuantities):
             return not target.kind.is_quotient
         if target.soft and isinstance(given, Trig):
             return is_of_another_kind(self.setting, given, target.polynomial())
-        if not soft or not self._is_used(name, line, lines) or not isinstance(given, Trig):
+        if not soft or not self._is_used(line) or not isinstance(given, Trig):
             return False
         if self.setting.is_free_body:  # T of thrusts, where m, I and rates tell the energy
             return generators_in(given).isdisjoint(generators_in(target.polynomial()))
@@ -321,21 +318,24 @@ class OwnDefinitions(SolvedQuantities):
         by_number = isinstance(node, Matrix) or functions_of(node)
         return None if by_number else self.quotient(node)
 
-    def _is_own_scalar(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_scalar(self, line: AnswerLine) -> bool:
         """Whether a name of a body's vector is given to one number, or the letter of another vector
         with which other lines are written, as a ratio n."""
+        name = line.subject
         if name in self.targets.single:
             return False
         is_vector = len(self.targets.tables.get(name, ())) > 1
         is_letter = is_vector and len(name) == 1 and name not in self.vocabulary.symbols
-        if name not in self.targets.soft and not (is_letter and self._is_used(name, line, lines)):
+        if name not in self.targets.soft and not (is_letter and self._is_used(line)):
             return False
-        return not (self._is_zero_vector(name, line) or isinstance(self.parse(line[1]), Matrix))
+        return not (self._is_zero_vector(line) or isinstance(self.parse(line[1]), Matrix))
 
-    def _is_zero_vector(self, name: str, line: AnswerLine) -> bool:
+    def _is_zero_vector(self, line: AnswerLine) -> bool:
         """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
         node = self.parse(line[1])
-        return isinstance(node, Number) and not node.value and self.may_be_vector(name, node)
+        return (
+            isinstance(node, Number) and not node.value and self.may_be_vector(line.subject, node)
+        )
 
     def may_be_vector(self, name: str, node: Number) -> bool:
         """Whether one number may be a vector: 0 of one that vanishes, or where other lines give the
@@ -348,13 +348,12 @@ class OwnDefinitions(SolvedQuantities):
             x.kind.of == "bodies" and x.polynomial().is_zero for (x,) in table
         )
 
-    def _is_own_h(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_h(self, line: AnswerLine) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
-        target = self.targets.single.get(name)
-        return (
-            target is not None and target.kind.is_coefficient and self._is_used(name, line, lines)
-        )
+        target = self.targets.single.get(line.subject)
+        return target is not None and target.kind.is_coefficient and self._is_used(line)
 
-    def _is_used(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
-        """Whether another line is written with a name, not merely about it."""
-        return any(t.text == name for x in lines if x != line for t in x.written_with)
+    def _is_used(self, line: AnswerLine) -> bool:
+        """Whether another line is written with a line's subject, not merely about it."""
+        others = (x for x in self.lines if x != line)
+        return any(token.text == line.subject for x in others for token in x.written_with)
