@@ -272,5 +272,5 @@ def text_of(answer: Any) -> str:
 
 
 def _expression(x: Any) -> str:
-    """One side on one line."""
+    """A side of SymPy's on one line."""
     return " ".join(str(x).split())

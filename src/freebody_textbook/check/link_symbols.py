@@ -17,7 +17,7 @@ class LinkSymbol:
     letter: str
     unit: Unit
     also: tuple[str, ...] = ()
-    """Other letters of answers."""
+    """Other letters by which answers call it."""
     behind: tuple[str, ...] = ()
     """Spellings with something behind the number, l1c."""
     moves: bool = False

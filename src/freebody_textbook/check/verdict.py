@@ -11,8 +11,8 @@ from freebody.outputs.display import InWords, counted
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate,
-    exponent, symbol, "missing factor", "extra factor" or "term"."""
+    """A mistake in an answer. kind: sign, factor, missing, extra, function, angle, length, index,
+    rate, exponent, symbol, "missing factor", "extra factor" or "term"."""
 
     kind: str
     message: str
@@ -112,7 +112,7 @@ class Verdict(InWords):
 
     @property
     def findings(self) -> tuple[Mistake, ...]:
-        """All mistakes."""
+        """The mistakes of all equations."""
         return tuple(finding for equation in self.equations for finding in equation.findings)
 
     @property

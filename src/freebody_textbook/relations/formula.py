@@ -115,7 +115,7 @@ class _FormulaLanguage:
 
 
 class _FormulaParser(Parser):
-    """One side of a formula."""
+    """The parser of one side of a formula."""
 
     implied_products = False
     largest_exponent = 9999

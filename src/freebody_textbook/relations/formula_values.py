@@ -77,7 +77,7 @@ def plain(x: Any) -> FormulaValue:
 
 
 def rank(x: FormulaValue) -> int:
-    """0 of a scalar, 1 of a vector, 2 of a matrix."""
+    """The rank of a value: 0 of a scalar, 1 of a vector, 2 of a matrix."""
     return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
 
 
@@ -99,7 +99,7 @@ def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 
 def minus(a: FormulaValue) -> FormulaValue:
-    """-a."""
+    """The opposite -a of a value."""
     return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
 
 
@@ -141,7 +141,7 @@ def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 
 def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a · b."""
+    """The dot product a · b."""
     if isinstance(a, Each) or isinstance(b, Each):
         return _each(dotted, a, b)
     if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):

@@ -59,7 +59,7 @@ class Relation(Titled):
 
     @property
     def differences(self) -> list[FormulaValue]:
-        """First side minus the last, entry by entry."""
+        """The first side minus the last, entry by entry."""
         return (
             list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
         )
@@ -141,7 +141,7 @@ def symbols_of(formula: str) -> list[str]:
 
 
 def _filled(side: FormulaValue, sides: tuple[FormulaValue, ...]) -> FormulaValue:
-    """0 stands for a zero vector where another side is one."""
+    """A side, or the zero vector that a 0 stands for where another side is a vector."""
     other = max(sides, key=rank)
     return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
 

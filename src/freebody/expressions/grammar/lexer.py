@@ -24,7 +24,7 @@ class Figures(NamedTuple):
 
     @property
     def last(self) -> Fraction:
-        """One unit of the last digit."""
+        """The value of one unit of the last digit."""
         return Fraction(10) ** (self.exponent - self.decimals)
 
     @property

@@ -64,7 +64,7 @@ class Parser(ABC):
         return token
 
     def since(self, start: int) -> Span:
-        """From there to the end of the last token that was used up."""
+        """The span from a place to the end of the last token that was used up."""
         return start, self.tokens[self.at - 1].end
 
     def is_operator(self, *texts: str) -> bool:
@@ -291,7 +291,7 @@ class Parser(ABC):
         return node
 
     def _fraction(self) -> Expression:
-        """\\frac{above}{below}, \\frac12."""
+        """The fraction of \\frac{above}{below} or \\frac12."""
         start = self.take().start
         above, below = (
             self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2)
@@ -318,12 +318,12 @@ class Parser(ABC):
         return [*factors, factor]
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
-        """A fraction."""
+        """The fraction of two nodes."""
         return Quotient(above, below, span=around(above, below))
 
 
 def around(first: Expression, last: Expression) -> Span:
-    """From the start of one piece to the end of another."""
+    """The span from the start of one piece to the end of another."""
     return first.span[0], last.span[1]
 
 

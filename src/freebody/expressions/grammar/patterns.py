@@ -162,7 +162,7 @@ class _PatternItem:
 
 
 class _Reader:
-    """Reads one pattern."""
+    """The reader of one pattern's text."""
 
     def __init__(self, text: str):
         self.text = text

@@ -67,7 +67,7 @@ class Source:
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """Its letters, figures, commands and signs."""
+        """The text's letters, figures, commands and signs."""
         return Lexemes.of(self.text)
 
     @cached_property

@@ -54,7 +54,7 @@ class Word:
     """A power that stood before the subscript, as in l²₁."""
 
     def add(self, plain: str, origin: int, cut: bool = True) -> None:
-        """One more unit."""
+        """Put one more unit behind the word."""
         if cut:
             self.cuts.add(len(self.plain))
         self.plain += plain

@@ -79,8 +79,8 @@ class Lettering(ByValue):
         )
 
     def printable(self) -> Self:
-        """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
-        things."""
+        """The lettering itself; raises FreebodyError for a name that cannot be printed, and for one
+        name of two things."""
         for name in self.notation.names:
             if not _is_printable(spelt(name)):
                 raise FreebodyError(

@@ -34,7 +34,7 @@ _ACROSS = "a component that a plane does not have"
 
 
 class ClaimReader(OwnDefinitions, UnnamedEquations):
-    """Lines into claims."""
+    """The reader that makes claims of lines."""
 
     def claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """The claims of one equation, which stands after others."""

@@ -46,7 +46,7 @@ _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
 
 
 class FormulaReader:
-    """Reads sides."""
+    """The reader of sides, which makes trees and values of them."""
 
     def __init__(
         self,
@@ -180,7 +180,7 @@ class FormulaReader:
         return self.vocabulary.uses.get(name) == () and not by_formula
 
     def value(self, node: Expression) -> Trig:
-        """A tree as polynomial."""
+        """The polynomial that a tree is."""
         return PolynomialReader(self.source, self.setting.ring).read(node)
 
     def quotient(self, node: Expression) -> Value:

@@ -76,7 +76,8 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
 
 
 def as_texts(names: object) -> dict[str, str]:
-    """Names and their meanings, of which a number is one too; raises AnswerError."""
+    """The names and meanings that a user gives, of which a number is one too; raises
+    AnswerError."""
     if not isinstance(names, Mapping):
         raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
     for name, meaning in names.items():

@@ -260,7 +260,7 @@ class UnnamedEquations(FormulaReader):
         return self._difference(line)[1].is_zero
 
     def _difference(self, line: AnswerLine) -> tuple[Expression, Value]:
-        """Left less right; where one is 0 the other, with its own sign."""
+        """The left side less the right; where one is 0 the other, with its own sign."""
         left, right = map(self.parse, line)
         values = self.quotient(left), self.quotient(right)
         node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
@@ -309,7 +309,7 @@ class UnnamedEquations(FormulaReader):
         return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
 
     def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
-        """One entry: the side that says more is compared with the other."""
+        """The claim of one entry: the side that says more is compared with the other."""
         is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
         if isinstance(right, Number) and not is_result:
             left, right = right, left

@@ -42,7 +42,7 @@ _NOTHING = re.compile(
 _THEREFORE = re.compile(
     r"\\(?:therefore|Rightarrow|implies|Longrightarrow|rightarrow|iff|Leftrightarrow)(?![A-Za-z])"
 )
-"""Commands between equations."""
+"""The commands that stand between equations."""
 _AROUND = re.compile(
     r"\\(?:boxed|fbox|underline|overline|ensuremath|displaystyle|underbrace|overbrace)(?![A-Za-z])\s*"
     rf"|\\(?:textcolor|colorbox)\s*{_GROUP}\s*"

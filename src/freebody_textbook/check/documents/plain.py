@@ -92,7 +92,7 @@ def sentences(lexemes: Lexemes, line: Span, is_name: Callable[[range], bool]) ->
 
 
 def _parts(match: Match) -> Iterator[range]:
-    """The words between hyphens."""
+    """The parts of a word between its hyphens."""
     start = match.start
     for k in range(match.start, match.stop):
         if match.lexemes[k].text == "-":

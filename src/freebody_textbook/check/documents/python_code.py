@@ -151,7 +151,7 @@ def _begun(text: str, end: int) -> int:
 
 
 def _statements(code: str) -> Iterator[Span]:
-    """Lines, those inside brackets joined; without comments at their ends."""
+    """The statements of code: lines without comments, those inside brackets joined."""
     depth, start, at = 0, 0, 0
     while at < len(code):
         c = code[at]
@@ -177,7 +177,7 @@ def _statements(code: str) -> Iterator[Span]:
 
 
 def read(text: str) -> AnswerDocument:
-    """All of it is code."""
+    """The document of a text that is all code."""
     written = plain_characters(text)
     whole, said = Blanks(written), Blanks(written)
     pieces = clean(whole, said, (0, len(written)))

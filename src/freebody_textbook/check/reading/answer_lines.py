@@ -31,7 +31,7 @@ _AXES = ["x"], ["y"], ["z"]
 _WHERE = LexemePattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
-"""Between an equation and one that says what a letter in it stands for."""
+"""The words between an equation and one that says what a letter in it stands for."""
 _EQUALS = LexemePattern("< = | == >")
 _CONTINUES = LexemePattern("+ | - | * | %strong | / | &")
 _TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
@@ -52,7 +52,7 @@ class AnswerLine(tuple[tuple[Token, ...], ...]):
 
     @property
     def names(self) -> list[Token]:
-        """The names in it."""
+        """The names in the equation."""
         return [token for token in self.tokens if token.kind == "name"]
 
     @property
@@ -68,7 +68,7 @@ class AnswerLine(tuple[tuple[Token, ...], ...]):
 
     @property
     def span(self) -> Span:
-        """Its place in the text."""
+        """The equation's place in the text."""
         return self[0][0].start, self[-1][-1].end
 
 
@@ -297,8 +297,8 @@ def _without_time(found: Sequence[Token]) -> Iterator[Token]:
 
 
 def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
-    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
-    one before, unless words stand between.
+    """The tokens of each equation: a line that begins with an operator, or stands behind one,
+    continues the one before, unless words stand between.
 
     A minus may begin an equation of its own, -a = b.
     """

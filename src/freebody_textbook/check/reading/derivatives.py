@@ -28,7 +28,7 @@ _HIGHEST = 2
 
 
 class DerivativeParser(Parser):
-    """Reads derivatives."""
+    """A parser of derivatives."""
 
     vocabulary: Vocabulary
     reader: PolynomialReader
@@ -72,7 +72,7 @@ class DerivativeParser(Parser):
         return Matrix(tuple(table), span=span)
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
-        """One derivative."""
+        """The derivative of an expression without entries."""
         value = self.reader.read(of)
         rates = self.vocabulary.setting.symbols.rates
         slope = value.along(rates) if by == "t" else value.derivative(by)
@@ -134,7 +134,7 @@ class DerivativeParser(Parser):
         return Named(self.source[span], value, is_derivative=not own, span=span)
 
     def jacobian(self, token: Token) -> Expression:
-        """jacobian([x; y], [q1; q2])."""
+        """The matrix that is written jacobian([x; y], [q1; q2])."""
         self.expect("open", "'('")
         of = self._vector(self.expression())
         self.expect("comma", "the comma of jacobian(what, by what)")

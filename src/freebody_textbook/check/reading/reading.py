@@ -65,7 +65,8 @@ class AnswerParser(DerivativeParser):
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def primary(self) -> Expression:
-        """Also ∂L/∂θ̇1, and d/dt in front of a bracket, name or derivative."""
+        """A number, name, function, fraction or bracket, or a derivative: ∂L/∂θ̇1, or d/dt in front
+        of a bracket, name or derivative."""
         if self.token.kind != "partial":
             return super().primary()
         first = self.take()
@@ -236,7 +237,7 @@ class AnswerParser(DerivativeParser):
         return node if exponent == 1 else Power(node, exponent, span=span)
 
     def _inverse_function(self, token: Token, function: str) -> Expression:
-        """arccos(x), atan2(y, x), √x."""
+        """An inverse function or root: arccos(x), atan2(y, x), √x."""
         bare = ("fraction", "function", *["number", "name"] * (function == "sqrt"))
         if self.token.kind in bare and function != "atan2":  # \arctan\sqrt{x}, √2
             return Function(function, self.primary(), span=self.since(token.start))
@@ -315,7 +316,7 @@ class AnswerParser(DerivativeParser):
         )
 
     def _cross(self, token: Token) -> Expression:
-        """cross(a, b)."""
+        """The cross product that is written cross(a, b)."""
         self.expect("open", "'('")
         left = self.expression()
         self.expect("comma", "','")

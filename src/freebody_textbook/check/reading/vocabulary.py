@@ -98,7 +98,7 @@ class Vocabulary:
 
     @property
     def known(self) -> frozenset[str]:
-        """All names but functions."""
+        """All names that are known, functions apart."""
         if self._known is None:
             own = (*self.aliases, *self.matrices, *self.trees)
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])

@@ -50,7 +50,7 @@ class AnswerText(Source):
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """Its letters, figures, commands and signs, in one spelling."""
+        """The answer's letters, figures, commands and signs, in one spelling."""
         return in_one_spelling(self.text)
 
     def __getitem__(self, span: Span) -> str:

@@ -38,7 +38,7 @@ class AskedMark:
 def asked_marks(
     source: Source, within: range, is_quantity: Callable[[str], bool]
 ) -> Iterator[AskedMark]:
-    """In a stretch of lexemes the signs of equality with a quantity left of them."""
+    """The signs of equality in a stretch of lexemes that have a quantity left of them."""
     lexemes = source.lexemes
     for match in _MARK.all(lexemes, within.start, within.stop):
         k = match.start
