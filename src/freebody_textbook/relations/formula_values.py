@@ -4,9 +4,9 @@ examples: vectors are tuples, matrices tuples of tuples."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import reduce, wraps
 from typing import Any
 
 import numpy as np
@@ -89,10 +89,23 @@ def shape_name(x: FormulaValue) -> str:
 
 
 # ---------------------------------------------------------------- arithmetic
+def _for_each(rule: Callable[[Any, Any], FormulaValue]) -> Callable[[Any, Any], FormulaValue]:
+    """A rule of two values, which takes what is given for several bodies one by one."""
+
+    @wraps(rule)
+    def each(a: FormulaValue, b: FormulaValue) -> FormulaValue:
+        counts = [len(x) for x in (a, b) if isinstance(x, Each)]
+        if not counts:
+            return rule(a, b)
+        left, right = (x if isinstance(x, Each) else Each((x,) * max(counts)) for x in (a, b))
+        return Each(map(each, left, right))
+
+    return each
+
+
+@_for_each
 def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a + b of the same shape."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(plus, a, b)
     if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added")
     return tuple(map(plus, a, b)) if rank(a) else a + b
@@ -103,10 +116,9 @@ def minus(a: FormulaValue) -> FormulaValue:
     return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
 
 
+@_for_each
 def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a b: scalars times anything, matrices times vectors and matrices."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(multiplied, a, b)
     match rank(a), rank(b):
         case 0, 0:
             return a * b
@@ -123,11 +135,10 @@ def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     )
 
 
+@_for_each
 def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
     ω z × b."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(crossed, a, b)
     match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
         case 3, 3:
             return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
@@ -140,19 +151,12 @@ def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
 
 
+@_for_each
 def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """The dot product a · b."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(dotted, a, b)
     if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product")
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
-
-
-def _each(rule: Any, a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    n = max(len(x) for x in (a, b) if isinstance(x, Each))
-    left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
-    return Each(map(rule, left, right))
 
 
 # ---------------------------------------------------------------- functions and powers
