@@ -114,19 +114,7 @@ def statements(
     own = _definitions(claimed, reading, lines, pending)
     read = (line for line in lines if line not in reading.failed)
     stated = [AnswerLine(line[1:]) if line in own else line for line in read]
-    by_line: dict[AnswerLine, list[Claim]] = {}
-    for line in (line for line in stated if len(line) > 1):
-        with reading.passing_over(line):
-            _refuse_names(source, line, pending)
-            before = [claim for claims in by_line.values() for claim in claims]
-            by_line[line] = claimed.claims(line, before)
-    unread_names = {line.subject for line in reading.failed} | reading.unread_names
-    for line in list(by_line):
-        with reading.passing_over(line):
-            _refuse_names(source, line, unread_names - symbols)
-        if line in reading.failed:
-            del by_line[line]
-    found = [claim for claims in by_line.values() for claim in claims]
+    found = _claims(claimed, reading, [line for line in stated if len(line) > 1], pending, symbols)
     if not found and not poses:
         _refuse_nothing(setting, source, own, reading.unread)
     if document.strict:
@@ -136,6 +124,30 @@ def statements(
     unread = sorted(reading.unread, key=lambda row: row.at)
     unused, told = _unused(source, own, lines), tuple(claimed.told)
     return Statements([*found, *poses], unused, tuple(unread), numbers, told)
+
+
+def _claims(
+    claimed: ClaimReader,
+    reading: DocumentReader,
+    lines: Sequence[AnswerLine],
+    pending: Collection[str],
+    symbols: Collection[str],
+) -> list[Claim]:
+    """The claims of lines, but for those written with names that no line which can be read gives;
+    pending: names without value, symbols: those that had one before."""
+    by_line: dict[AnswerLine, list[Claim]] = {}
+    for line in lines:
+        with reading.passing_over(line):
+            _refuse_names(reading.source, line, pending)
+            before = [claim for claims in by_line.values() for claim in claims]
+            by_line[line] = claimed.claims(line, before)
+    unread_names = {line.subject for line in reading.failed} | reading.unread_names
+    for line in list(by_line):
+        with reading.passing_over(line):
+            _refuse_names(reading.source, line, unread_names.difference(symbols))
+        if line in reading.failed:
+            del by_line[line]
+    return [claim for claims in by_line.values() for claim in claims]
 
 
 def _definitions(

@@ -110,9 +110,8 @@ class Vocabulary:
     def copy(self) -> Vocabulary:
         """A vocabulary of the same names, apart from what is defined later."""
         kept = copy(self)
-        for name, table in vars(self).items():
-            if isinstance(table, dict | set):
-                setattr(kept, name, copy(table))
+        tables = ((name, x) for name, x in vars(self).items() if isinstance(x, dict | set))
+        kept.__dict__.update((name, copy(x)) for name, x in tables)
         return kept
 
     def define(
