@@ -161,8 +161,8 @@ class _WholeAnswer:
         return _Judged(where, verdict, [claim for claim, _ in judged])
 
     def needed(self, found: _Judged) -> frozenset[str]:
-        """Of what has the other sign, that without which fewer lines would be right, or in fewer
-        assemblies: in some a multiplier does nothing."""
+        """The opposed senses without which fewer lines would be right, or in fewer assemblies: in
+        some a multiplier does nothing."""
         opposed = found.where.opposed
         without = {x: replace(found.where, opposed=opposed - {x}) for x in opposed}
         return frozenset(
@@ -180,18 +180,18 @@ class _Judged:
 
     @property
     def wrong(self) -> list[Claim]:
-        """The claims that are."""
+        """The claims that are wrong."""
         rows = zip(self.claims, self.verdict.equations, strict=True)
         return [claim for claim, x in rows if not x.equal]
 
     @property
     def right(self) -> int:
-        """How many equations are right."""
+        """The number of equations that are right."""
         return len(self.claims) - len(self.wrong)
 
     @property
     def extent(self) -> tuple[int, int]:
-        """How many equations are right, and how many in every assembly."""
+        """The number of equations that are right, and of those that are so in every assembly."""
         right = [x for x in self.verdict.equations if x.equal]
         return len(right), sum(ONE_ASSEMBLY not in x.note for x in right)
 
@@ -206,7 +206,7 @@ class _Judged:
         return any(map(_says_nothing, self.verdict.equations))
 
     def explained_by(self, other: _Judged, cause: str) -> _Judged:
-        """The same, with a cause of what is wrong here without a word, and right there."""
+        """This answer with a cause of what is wrong here without a word, and right there."""
         rows = self.verdict.equations, other.verdict.equations
         if len(rows[0]) != len(rows[1]):
             return self
@@ -217,7 +217,7 @@ class _Judged:
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
 
     def instead_of(self, before: _Judged) -> _Judged:
-        """The same, with a note on what is right in the answer's own senses only."""
+        """This answer with a note on what is right in its own senses only."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
@@ -231,7 +231,7 @@ def _says_nothing(x: EquationVerdict) -> bool:
 def _leaving_out(
     document: AnswerDocument, source: AnswerText, span: Span, unread: list[UnreadEquation]
 ) -> Iterator[None]:
-    """Of a document, note what cannot be judged, and go on."""
+    """Note an equation of a document that cannot be judged, and go on."""
     try:
         yield
     except AnswerError as problem:
@@ -272,5 +272,5 @@ def text_of(answer: Any) -> str:
 
 
 def _expression(x: Any) -> str:
-    """One side on one line."""
+    """A side of SymPy's on one line."""
     return " ".join(str(x).split())

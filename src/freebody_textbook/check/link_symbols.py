@@ -1,5 +1,5 @@
-"""What every link of a planar arm has in the notes, one record each: the letter, other spellings of
-it in answers, and the unit."""
+"""The symbols of each link of a planar arm in the notes, one record each: the letter, other
+spellings of it in answers, and the unit."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class LinkSymbol:
     letter: str
     unit: Unit
     also: tuple[str, ...] = ()
-    """Other letters of answers."""
+    """Other letters by which answers call it."""
     behind: tuple[str, ...] = ()
     """Spellings with something behind the number, l1c."""
     moves: bool = False

@@ -1,4 +1,4 @@
-"""What `check` says: equal, or where an answer differs and why."""
+"""The verdict of `check`: equal, or where an answer differs and why."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from freebody.outputs.display import InWords, counted
 
 @dataclass(frozen=True)
 class Mistake:
-    """One mistake. kind: sign, factor, missing, extra, function, angle, length, index, rate,
-    exponent, symbol, "missing factor", "extra factor" or "term"."""
+    """A mistake in an answer. kind: sign, factor, missing, extra, function, angle, length, index,
+    rate, exponent, symbol, "missing factor", "extra factor" or "term"."""
 
     kind: str
     message: str
     yours: str = ""
-    """What stands in the answer."""
+    """The piece of the answer."""
     right: str = ""
-    """What must stand there."""
+    """The right piece in its place."""
     line: int = 0
     column: int = 0
     context: str = ""
@@ -40,18 +40,18 @@ class EquationVerdict:
     """The verdict on one equation of an answer."""
 
     name: str
-    """As the answer writes it."""
+    """The name as the answer writes it."""
     title: str
-    """What it is, in words."""
+    """The quantity in words."""
     equal: bool
     findings: tuple[Mistake, ...] = ()
     causes: tuple[str, ...] = ()
-    """What may have been thought, where a single thought explains the whole difference."""
+    """The thoughts that may be behind it, where a single one explains the whole difference."""
     example: Example | None = None
     example_text: str = ""
     note: str = ""
     where: str = ""
-    """Of a document the equation's line, "line 12"; "" of an answer without lines."""
+    """The equation's line in a document, "line 12"; "" of an answer without lines."""
 
     @property
     def text(self) -> str:
@@ -74,11 +74,11 @@ class UnreadEquation:
     """An equation of a document that was passed over."""
 
     at: int
-    """Its place in the text, to put them in order."""
+    """The place in the text, by which equations are put in order."""
     where: str
-    """Its line, in words."""
+    """The line of the equation, in words."""
     text: str
-    """As it is written, shortened."""
+    """The equation as it is written, shortened."""
     reason: str
     is_asked: bool
     """Whether it is about one of the robot's quantities, so that something was left unchecked."""
@@ -112,12 +112,12 @@ class Verdict(InWords):
 
     @property
     def findings(self) -> tuple[Mistake, ...]:
-        """All mistakes."""
+        """The mistakes of all equations."""
         return tuple(finding for equation in self.equations for finding in equation.findings)
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """What may have been thought."""
+        """The thoughts that may be behind wrong equations."""
         return tuple(cause for equation in self.equations for cause in equation.causes)
 
     @property

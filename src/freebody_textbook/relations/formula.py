@@ -17,10 +17,11 @@ from unicodedata import normalize
 from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
-from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.grammar.lexemes import Lexeme, plain
-from freebody.expressions.grammar.lexer import Token, tokens
+from freebody.expressions.grammar.atoms import atom, between, unprimed
+from freebody.expressions.grammar.lexemes import Lexeme
+from freebody.expressions.grammar.lexer import Token, sides, tokens
 from freebody.expressions.grammar.parser import Parser
+from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, UnreadableError
 from freebody.expressions.grammar.words import Cut
 from freebody.expressions.nodes import NOWHERE
@@ -44,14 +45,13 @@ _RULES: dict[str, tuple[int, Callable[..., Expression]]] = {
 }
 """The number of arguments of each function, and what it makes of them."""
 
+_NAME = LexemePattern("< %letter | _ > < ~%letter | ~%digit | ~%mark | ~_ >{0,400}")
+
 SPECIAL: dict[str, tuple] = {
     "gravity": ("g",), "qd": ("q", (), 1), "qdd": ("q", (), 2), "qdd_back": ("q", ("back",), 2),
 }  # fmt: skip
 """Vectors whose names are words: letter, subscripts, dots."""
 
-_PLACES = frozenset("0123456789ihk")
-_OF_WORLD = (*(f"w{k}" for k in range(10)), "w_i", "w_h", "w_k")
-"""Angular velocities with components in the world."""
 GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 """Endings of names that stand for a link's number."""
 
@@ -70,32 +70,27 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
     Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
     """
     source = _FormulaText.of(text)
-    sides: list[list[Token]] = [[]]
-    for token in tokens(source, _FormulaLanguage())[:-1]:
-        if token.kind == "equals":
-            sides.append([])
-        elif token.text != "\n":
-            sides[-1].append(token)
-    read = [evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED) for side in sides]
+    written = [x for x in tokens(source, _FormulaLanguage())[:-1] if x.text != "\n"]
+    read = [
+        evaluate(_FormulaParser(source, side, bold, primed).side(), _PRINTED)
+        for side in sides(written)
+    ]
     return read[0] if len(read) == 1 else Equation(tuple(read))
 
 
 def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
     """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with
     a prime."""
-    if primed or "_prime" in name:
-        plain = symbol(name.replace("_prime", ""), bold)
+    if primed or unprimed(name) != name:
+        plain = symbol(unprimed(name), bold)
         return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
-    head, _, low = name.partition("_")
-    letter, up = head[:-1], head[-1:]
-    if letter.isalpha() and up in _PLACES and low in _PLACES:
-        return Symbol(name, letter, (GENERAL.get(low, low),), bold=True, high=GENERAL.get(up, up))
-    if name in _OF_WORLD:
-        return replace(
-            symbol("omega" + name[1:], bold), name=name
-        )  # ω with components in the world
+    if parts := between(name):
+        high, low = (GENERAL.get(place, place) for place in parts[1:])
+        return Symbol(name, parts[0], (low,), bold=True, high=high)
     own = atom(name)
     places = own.index[0] if len(own.index) == 1 else ""
+    if own.letter == "w" and len(places) == 1 and not own.dots:  # ω with components in the world
+        return replace(symbol(f"omega_{places}", bold), name=name)
     if not 1 <= len(places) <= 2 or not set(places) <= GENERAL.keys():
         return Symbol(name, *SPECIAL[name], bold=True) if name in SPECIAL else sym(name, bold)
     letters, centre = own.letter, ""
@@ -114,22 +109,15 @@ class _FormulaLanguage:
         return x.kind == "letter" or x.text == "_"
 
     def word(self, source: Source, at: int) -> Cut:
-        items, stop = source.lexemes.items, at + 1
-        while (
-            stop < len(items)
-            and not items[stop].apart
-            and (items[stop].kind in ("letter", "digit", "mark") or items[stop].text == "_")
-        ):
-            stop += 1
-        name = normalize("NFC", plain(items[at:stop]))
-        return Cut([(name, items[at].start, items[stop - 1].end)], None, stop)
+        match = _NAME.at(source.lexemes, at)
+        assert match is not None
+        return Cut([(normalize("NFC", match.text), *match.span)], None, match.stop)
 
 
 class _FormulaParser(Parser):
-    """One side of a formula."""
+    """The parser of one side of a formula."""
 
     implied_products = False
-    tables_anywhere = True
     largest_exponent = 9999
 
     def __init__(

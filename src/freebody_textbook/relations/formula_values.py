@@ -4,10 +4,9 @@ examples: vectors are tuples, matrices tuples of tuples."""
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from functools import reduce
+from functools import reduce, wraps
 from typing import Any
 
 import numpy as np
@@ -28,6 +27,7 @@ from freebody.expressions.expression import (
     Transposed,
     Vector,
 )
+from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.scalar_math import tan
 from freebody.scalars.composed import Composed
@@ -77,7 +77,7 @@ def plain(x: Any) -> FormulaValue:
 
 
 def rank(x: FormulaValue) -> int:
-    """0 of a scalar, 1 of a vector, 2 of a matrix."""
+    """The rank of a value: 0 of a scalar, 1 of a vector, 2 of a matrix."""
     return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
 
 
@@ -89,24 +89,36 @@ def shape_name(x: FormulaValue) -> str:
 
 
 # ---------------------------------------------------------------- arithmetic
+def _for_each(rule: Callable[[Any, Any], FormulaValue]) -> Callable[[Any, Any], FormulaValue]:
+    """A rule of two values, which takes what is given for several bodies one by one."""
+
+    @wraps(rule)
+    def each(a: FormulaValue, b: FormulaValue) -> FormulaValue:
+        counts = [len(x) for x in (a, b) if isinstance(x, Each)]
+        if not counts:
+            return rule(a, b)
+        left, right = (x if isinstance(x, Each) else Each((x,) * max(counts)) for x in (a, b))
+        return Each(map(each, left, right))
+
+    return each
+
+
+@_for_each
 def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a + b of the same shape."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(plus, a, b)
     if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added")
     return tuple(map(plus, a, b)) if rank(a) else a + b
 
 
 def minus(a: FormulaValue) -> FormulaValue:
-    """-a."""
+    """The opposite -a of a value."""
     return type(a)(map(minus, a)) if isinstance(a, tuple) else -a
 
 
+@_for_each
 def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a b: scalars times anything, matrices times vectors and matrices."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(multiplied, a, b)
     match rank(a), rank(b):
         case 0, 0:
             return a * b
@@ -123,11 +135,10 @@ def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     )
 
 
+@_for_each
 def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
     ω z × b."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(crossed, a, b)
     match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
         case 3, 3:
             return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
@@ -140,19 +151,12 @@ def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
     raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no cross product")
 
 
+@_for_each
 def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a · b."""
-    if isinstance(a, Each) or isinstance(b, Each):
-        return _each(dotted, a, b)
+    """The dot product a · b."""
     if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product")
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
-
-
-def _each(rule: Any, a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    n = max(len(x) for x in (a, b) if isinstance(x, Each))
-    left, right = (x if isinstance(x, Each) else Each((x,) * n) for x in (a, b))
-    return Each(map(rule, left, right))
 
 
 # ---------------------------------------------------------------- functions and powers
@@ -306,10 +310,10 @@ def typical_value(name: str, given: float | None, shift: int, k: int) -> float:
     """The model's value; else one of a usual size."""
     if given is not None:
         return given
-    match = re.fullmatch(r"([A-Za-z]+)(\d+)(_d{1,2})?", name)
-    number = (int(match[2]) if match else k) - 1 + shift
-    if match and match[3]:
-        return (_TYPICAL_RATES if match[3] == "_d" else _TYPICAL_SECONDS)[number % 4]
-    if match and match[1] in _TYPICAL:
-        return _TYPICAL[match[1]][number % 4]
+    own = atom(name)
+    number = (int(own.figures) if own.is_numbered else k) - 1 + shift
+    if own.is_numbered and own.dots:
+        return (_TYPICAL_RATES if own.dots == 1 else _TYPICAL_SECONDS)[number % 4]
+    if own.is_numbered and own.letter in _TYPICAL:
+        return _TYPICAL[own.letter][number % 4]
     return 9.81 if name == "g" else round(0.3 + 0.17 * (number % 5), 2)

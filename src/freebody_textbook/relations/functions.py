@@ -57,7 +57,7 @@ class VectorFunction(Titled):
 
     @property
     def symbols(self) -> tuple[Composed, ...]:
-        """The variables."""
+        """The variables as exact functions."""
         return tuple(map(Composed.variable, self.names))
 
     def __call__(self, x: ArrayLike) -> Array:
@@ -89,12 +89,12 @@ class Trajectory(Titled):
 
     @cached_property
     def velocity(self) -> VectorFunction:
-        """dr/dt (1.2)."""
+        """The velocity dr/dt (1.2)."""
         return self._derivative(1)
 
     @cached_property
     def acceleration(self) -> VectorFunction:
-        """d²r/dt² (1.3)."""
+        """The acceleration d²r/dt² (1.3)."""
         return self._derivative(2)
 
     def _derivative(self, order: int) -> VectorFunction:

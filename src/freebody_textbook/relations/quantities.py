@@ -128,7 +128,7 @@ class QuantityValues:
 
     @cached_property
     def record(self) -> Recursion:
-        """One run of the recursion."""
+        """The record of one run of the recursion."""
         return self.s.recursion(self.gravity)
 
     def _element(self, x: Any) -> Trig:

@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.expressions.expression import Equation
 from freebody.expressions.grammar.lexemes import Lexemes
-from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.lexer import numbers
 from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
@@ -59,7 +59,7 @@ class Relation(Titled):
 
     @property
     def differences(self) -> list[FormulaValue]:
-        """First side minus the last, entry by entry."""
+        """The first side minus the last, entry by entry."""
         return (
             list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
         )
@@ -141,7 +141,7 @@ def symbols_of(formula: str) -> list[str]:
 
 
 def _filled(side: FormulaValue, sides: tuple[FormulaValue, ...]) -> FormulaValue:
-    """0 stands for a zero vector where another side is one."""
+    """A side, or the zero vector that a 0 stands for where another side is a vector."""
     other = max(sides, key=rank)
     return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
 
@@ -203,18 +203,14 @@ def _numbers(side: FormulaValue, values: Mapping[str, float]) -> Any:
 
 
 # ---------------------------------------------------------------- numbers as printed
-_NUMBER = LexemePattern("< - | + >? @number")
-
-
 def printed_numbers(text: str) -> list[tuple[float, float]]:
     """The numbers of a printed result in order, each with one unit of its last digit."""
     found = []
     lexemes = Lexemes.of(text.replace(" ", "").replace("−", "-"))
-    for match in _NUMBER.all(lexemes):
-        word = "".join(x.text for x in lexemes[match.start : match.stop])
-        mantissa, _, power = word.partition("e")
-        digits = len(mantissa.partition(".")[2])
-        found.append((float(word), 10.0 ** (int(power or 0) - digits)))
+    for match, figures in numbers(lexemes):
+        size = float(match.text)
+        negative = match.start > 0 and lexemes[match.start - 1].text == "-"
+        found.append((-size if negative else size, float(figures.last)))
     return found
 
 

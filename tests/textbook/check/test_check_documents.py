@@ -261,6 +261,11 @@ def test_a_number_that_is_not_apart_is_a_factor():
     assert not fb.check(ARM, "H22 = (m2 lc2^2 + I2) (3.2)")
 
 
+def test_rows_of_one_equation_may_be_spaced():
+    answer = r"\begin{align} H_{22} &= m_2 l_{c2}^2 \\[2pt] &\quad + I_2 \end{align}"
+    assert fb.check(ARM, answer, form="latex")
+
+
 def test_signs_of_markdown_are_told_from_powers_and_minus():
     text = "**Answer**\n\n- H22 = m2*lc2**2 + I2\n- **so** G2 = m2*g*lc2*cos(theta1 + theta2)"
     assert len(fb.check(ARM, text, form="markdown").equations) == 2

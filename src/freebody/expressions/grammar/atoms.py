@@ -1,8 +1,9 @@
-"""Names as structured values: letter, index, dots. What needs a name's letter or number asks here,
-and takes no name apart itself."""
+"""Names as structured values: letter, index, dots, and how they are written. What needs a name's
+letter or number asks here, and takes no name apart itself."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from string import ascii_letters, digits
@@ -11,6 +12,8 @@ from freebody.expressions.grammar.tables.characters import DOT, PRIME
 
 _DOTS = {"_dd": 2, "_d": 1}
 """Endings of rates."""
+_PLACES = frozenset((*digits, *"ihk"))
+"""A link's number, or the letter that stands for one."""
 
 
 @dataclass(frozen=True)
@@ -56,10 +59,40 @@ def atom(name: str) -> Atom:
     return Atom(letter, index, dots + _DOTS.get(ending, 0), len(bare) - len(unprimed))
 
 
+def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
+    """Ways to write a letter with number k and dots: theta1_d, dtheta1, theta_dot_1, theta1',
+    θ̇₁."""
+    if dots == 0:
+        return (f"{letter}{k}",)
+    d, dot = "d" * dots, "d" * (dots - 1) + "dot"
+    return dict.fromkeys((
+        DOT * dots + f"{letter}{k}",
+        f"{letter}{k}{PRIME * dots}", f"{letter}{PRIME * dots}{k}",
+        f"{letter}{k}{d}", f"{d}{letter}{k}", f"{letter}{d}{k}",
+        f"{letter}{k}{dot}", f"{letter}{dot}{k}", f"{letter}{k}{'dot' * dots}",
+        f"{letter}{'dot' * dots}{k}",
+    ))  # fmt: skip
+
+
 def undotted(name: str) -> str:
     """The name of which a rate or an acceleration has the name, as code has it: theta1 of
     theta1_dd; any other name itself."""
     return name.removesuffix(atom(name).ending)
+
+
+def unprimed(name: str) -> str:
+    """The name without the ending of one with a prime: omega of omega_prime."""
+    return name.removesuffix("_prime")
+
+
+def between(name: str) -> tuple[str, ...]:
+    """The letter, the place above and the place below of a name between two bodies, R2_1, or Ri_h
+    with letters for the numbers of links; () of any other name."""
+    own = atom(name)
+    parts = (own.letter, *own.index)
+    if len(parts) == len(own.letter) == 2:
+        parts = (*own.letter, *own.index)
+    return parts if len(parts) == 3 and not own.dots and _PLACES.issuperset(parts[1:]) else ()
 
 
 def numbered(name: str) -> tuple[str, str]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import accumulate
 from typing import NamedTuple
 
 from freebody.expressions.grammar.tables import characters as table
@@ -44,6 +45,7 @@ _LEXEME = re.compile(
     rf"|(?P<comment>\#[^\n]*)|(?P<sign>{'|'.join(map(re.escape, table.SIGNS))}|.)",
     re.DOTALL,
 )
+_DEEPENING = {"(": 1, "[": 1, "{": 1, ")": -1, "]": -1, "}": -1}
 _SILENT = frozenset(f"\\{name}" for name in table.SILENT_COMMANDS)
 
 
@@ -91,12 +93,18 @@ class Lexemes(Sequence[Lexeme]):
 
     @cached_property
     def places(self) -> dict[str, list[int]]:
-        """Where lexemes of each text, and of each kind, are; a kind is written behind a %."""
+        """The lexemes of each text and of each kind, which is written behind a %."""
         found: dict[str, list[int]] = {}
         for k, x in enumerate(self.items):
             found.setdefault(x.text, []).append(k)
             found.setdefault(f"%{x.kind}", []).append(k)
         return found
+
+    @cached_property
+    def depths(self) -> list[int]:
+        """How many brackets are open in front of each lexeme, and behind the last; less than 0
+        where more were closed."""
+        return list(accumulate((_DEEPENING.get(x.text, 0) for x in self.items), initial=0))
 
     def at(self, place: int) -> int:
         """The first lexeme that begins there or later."""

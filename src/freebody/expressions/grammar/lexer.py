@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.lexemes import Lexeme, plain
-from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.lexemes import Lexeme, Lexemes, plain
+from freebody.expressions.grammar.patterns import LexemePattern, Match
 from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.grammar.tables import characters as table
+
+
+class WrittenFigures(NamedTuple):
+    """A number as it is written: 2.50e-3 has the mantissa 2.50 with two decimals, and the exponent
+    -3."""
+
+    mantissa: str
+    decimals: int
+    exponent: int
+
+    @property
+    def last(self) -> Fraction:
+        """The value of one unit of the last digit."""
+        return Fraction(10) ** (self.exponent - self.decimals)
+
+    @property
+    def digits(self) -> int:
+        """How many digits count: zeros in front do not."""
+        return len(self.mantissa.replace(".", "").lstrip("0"))
 
 
 @dataclass(frozen=True)
@@ -25,20 +44,25 @@ class Token:
     end: int
     value: Fraction = Fraction(0)
     written: str = ""
-    """Of an operator the sign that was written for it."""
+    """The sign as it was written."""
 
     @property
     def span(self) -> Span:
-        """Where it stands."""
+        """The place in the text."""
         return self.start, self.end
+
+    @property
+    def deepens(self) -> int:
+        """How many brackets are open behind it more than before it: 1, 0 or -1."""
+        return _DEEPENING.get(self.kind, 0)
 
 
 class Grammar(Protocol):
-    """What the lexer asks of a language."""
+    """A language as the lexer needs it."""
 
     @property
     def functions(self) -> Collection[str]:
-        """Words that are functions."""
+        """The words that are functions."""
         ...
 
     def begins(self, x: Lexeme) -> bool:
@@ -50,9 +74,18 @@ class Grammar(Protocol):
         ...
 
 
-_NUMBER = LexemePattern("@number")
+_NUMBER, _POWER = LexemePattern("@number"), LexemePattern("%high ~%high{0,60}")
 _LONGEST_NUMBER, _LARGEST_EXPONENT = 40, 30
-_CLOSING = frozenset(table.BRACKETS.values())
+_DEEPENING = {"open": 1, "begin": 1, "close": -1, "end": -1}
+_SIGNS = {
+    **dict.fromkeys(table.FRACTIONS, ("fraction", "")),
+    **{text: ("number", "", Fraction(*x)) for text, x in table.VULGAR_FRACTIONS.items()},
+    **{text: (kind, "") for text, kind in table.KINDS_OF_SIGNS.items()},
+    **{text: ("close", text[-1]) for text in table.BRACKETS.values()},
+    **{text: ("open", text[-1]) for text in table.BRACKETS},
+    **{text: ("operator", plain) for text, plain in table.OPERATORS.items()},
+}
+"""The kind of token that a sign is, its text where it is another, and its value."""
 MATRICES = frozenset(table.MATRICES)
 
 
@@ -80,6 +113,17 @@ def tokens(source: Source, language: Grammar, piece: Span | None = None) -> list
     return found
 
 
+def sides(line: Iterable[Token]) -> list[list[Token]]:
+    """Tokens parted at signs of equality."""
+    found: list[list[Token]] = [[]]
+    for token in line:
+        if token.kind == "equals":
+            found.append([])
+        else:
+            found[-1].append(token)
+    return found
+
+
 def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
     """The names that a word is made of, with the power that stood before its subscript."""
     for name, start, end in cut.pieces:
@@ -90,6 +134,16 @@ def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
     if cut.power is not None:
         end = cut.pieces[-1][2]
         yield Token("power", str(cut.power), end, end, Fraction(cut.power))
+
+
+def _figures(match: Match) -> WrittenFigures:
+    exponent = match["exponent"]
+    return WrittenFigures(match["mantissa"], len(match.items("decimals")), int(exponent or 0))
+
+
+def numbers(lexemes: Lexemes) -> Iterator[tuple[Match, WrittenFigures]]:
+    """The numbers of a text without their signs, and where each stands."""
+    return ((match, _figures(match)) for match in _NUMBER.all(lexemes))
 
 
 def _number(source: Source, k: int, found: list[Token]) -> int:
@@ -104,11 +158,11 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
     stop = match.stop
     kinds = [token.kind for token in found[-2:]]
     if kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]:
-        figures = all(x.kind == "digit" for x in lexemes[k:stop])
-        stop = k + 1 if figures else stop
+        whole = all(x.kind == "digit" for x in lexemes[k:stop])
+        stop = k + 1 if whole else stop
     text, span = plain(lexemes[k:stop]), (lexemes[k].start, lexemes[stop - 1].end)
-    mantissa, _, exponent = text.lower().partition("e")
-    if len(mantissa) > _LONGEST_NUMBER or abs(int(exponent[:9] or 0)) > _LARGEST_EXPONENT:
+    figures = _figures(match)
+    if len(figures.mantissa) > _LONGEST_NUMBER or abs(figures.exponent) > _LARGEST_EXPONENT:
         source.fail("this number is too long or too large", span)
     found.append(Token("number", text, *span, Fraction(text)))
     return stop
@@ -116,9 +170,7 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
 
 def _power(source: Source, k: int, found: list[Token]) -> int:
     """Figures written high; it returns the next lexeme."""
-    lexemes, stop = source.lexemes, k + 1
-    while stop < len(lexemes) and lexemes[stop].kind == "high" and not lexemes[stop].apart:
-        stop += 1
+    lexemes, stop = source.lexemes, _POWER.end(source.lexemes, k)
     digits = "".join(table.HIGH[x.text] for x in lexemes[k:stop])
     if not digits.removeprefix("-").isdigit() or len(digits) > 9:
         x = lexemes[k]
@@ -131,20 +183,11 @@ def _power(source: Source, k: int, found: list[Token]) -> int:
 def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
     """Operators, brackets, commands and the like."""
     text, span = x.text, (x.start, x.end)
-    if text in table.OPERATORS:
-        return Token("operator", table.OPERATORS[text], *span, written=text)
-    if text in table.BRACKETS:
-        return Token("open", text[-1], *span)
-    if text in _CLOSING:
-        return Token("close", text[-1], *span)
-    if text in table.KINDS_OF_SIGNS:
-        return Token(table.KINDS_OF_SIGNS[text], text, *span)
-    if text in table.VULGAR_FRACTIONS:
-        return Token("number", text, *span, Fraction(*table.VULGAR_FRACTIONS[text]))
+    if text in _SIGNS:
+        kind, own, *value = _SIGNS[text]
+        return Token(kind, own or text, *span, *value, written=text)
     if x.kind in ("row", "begin", "end"):
         return Token(x.kind, text, *span)
-    if text in table.FRACTIONS:
-        return Token("fraction", text, *span)
     if x.command in table.FUNCTION_COMMANDS and x.command in language.functions:
         return Token("function", x.command, *span)
     if x.kind == "mark":

@@ -25,11 +25,11 @@ from freebody.expressions.nodes import (
 )
 
 DEEPEST = 100
-"""Brackets inside brackets."""
+"""The most brackets inside one another."""
 
 _PAIR = {"(": ")", "[": "]", "{": "}"}
 PI = Fraction(repr(math.pi))
-_STARTS = ("name", "function", "open", "fraction", "partial")
+_STARTS = ("name", "function", "open", "fraction", "partial", "begin")
 """Tokens that begin a factor, numbers apart."""
 
 
@@ -38,11 +38,7 @@ class Parser(ABC):
 
     implied_products = True
     """Whether factors may stand side by side without a sign."""
-    tables_anywhere = False
-    """Whether vectors and matrices may stand inside an expression."""
     largest_exponent = 12
-    negative_powers = ""
-    """Why there are none; empty where there are."""
 
     def __init__(self, source: Source, tokens: Sequence[Token]):
         self.source, self.tokens = source, tokens
@@ -68,7 +64,7 @@ class Parser(ABC):
         return token
 
     def since(self, start: int) -> Span:
-        """From there to the end of the last token that was used up."""
+        """The span from a place to the end of the last token that was used up."""
         return start, self.tokens[self.at - 1].end
 
     def is_operator(self, *texts: str) -> bool:
@@ -84,33 +80,16 @@ class Parser(ABC):
     # ------------------------------------------------------------ sides
     def side(self) -> Expression:
         """A whole side: an expression, or a vector or matrix of expressions."""
-        whole = not self.tables_anywhere and self._is_table()
-        node = self.table() if whole else self.expression()
+        node = self.expression()
         if self.token.kind == "close":
             self.source.fail(f"this {self.token.text!r} closes no bracket", self.token.span)
         if self.token.kind != "stop":
             self.fail_here("an operator or the end of the line")
         return node
 
-    def makes_table(self, function: Token) -> bool:
-        """Whether a function is a name for a matrix, Matrix([[a, b], [c, d]])."""
-        return False
-
-    def _is_table(self) -> bool:
-        token = self.token
-        if token.kind == "begin" or (token.kind == "function" and self.makes_table(token)):
-            return True
-        if token.kind != "open" or token.text != "[":
-            return False
-        depth = 0
-        for k in range(len(self.tokens) - self.at):
-            following = self.ahead(k)
-            depth += {"open": 1, "close": -1}.get(following.kind, 0)
-            if depth == 0:
-                return self.ahead(k + 1).kind == "stop" and self.ahead(1).kind == "open"
-            if depth == 1 and following.kind in ("comma", "line"):
-                return True
-        return False
+    def opens_table(self) -> bool:
+        """Whether a vector or matrix comes next."""
+        return self.token.kind == "begin" or self.token.text == "["
 
     def table(self) -> Matrix:
         """[[a, b], [c, d]], [a, b], Matrix(…), or a LaTeX matrix."""
@@ -164,7 +143,7 @@ class Parser(ABC):
 
     # ------------------------------------------------------------ expressions
     def expression(self) -> Expression:
-        """term ± term …"""
+        """A sum of terms."""
         terms = [self._signed(self.product)]
         while self.is_operator("+", "-"):
             terms.append(self._signed(self.product))
@@ -173,7 +152,7 @@ class Parser(ABC):
         return Sum(tuple(terms), span=around(terms[0], terms[-1]))
 
     def _signed(self, read: Callable[[], Expression]) -> Expression:
-        """What `read` reads, with the signs before it."""
+        """An operand that `read` reads, with the signs before it."""
         start, negative = self.token.start, False
         while self.is_operator("+", "-"):
             negative ^= self.take().text == "-"
@@ -195,10 +174,8 @@ class Parser(ABC):
                 factors = [self.quotient(above, below)]
             elif not self.implied_products:
                 return product_of(factors)
-            elif (
-                token.kind in _STARTS
-                or (token.kind == "number" and "." in token.text and not self._is_behind_number())
-                or (token.kind == "begin" and self.tables_anywhere)
+            elif token.kind in _STARTS or (
+                token.kind == "number" and "." in token.text and not self._is_behind_number()
             ):
                 factors.append(self.factor())
             elif token.kind == "number":
@@ -207,7 +184,7 @@ class Parser(ABC):
                 return product_of(factors)
 
     def _is_behind_number(self) -> bool:
-        """Such as .5 in 2.0.5"""
+        """Whether the next token stands behind a number, such as .5 in 2.0.5."""
         return self.tokens[self.at - 1].kind == "number"
 
     def _number_behind(self, token: Token) -> None:
@@ -236,7 +213,7 @@ class Parser(ABC):
                 return node
 
     def transposed(self, node: Expression) -> Expression:
-        """What stands in front of the mark of a transpose."""
+        """A node whose mark of a transpose comes next, transposed."""
         return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
@@ -259,8 +236,6 @@ class Parser(ABC):
             value = self.expect("number", "a whole number as power").value * sign
             if bracket is not None:
                 self.expect("close", f"{_PAIR[bracket.text]!r}")
-        if value < 0 and self.negative_powers:
-            self.source.fail(self.negative_powers, token.span)
         if value.denominator != 1 or abs(value) > self.largest_exponent:
             self.source.fail(
                 f"a power must be a whole number up to {self.largest_exponent}", token.span
@@ -278,14 +253,12 @@ class Parser(ABC):
             return Number(token.value, decimal, span=token.span)
         if token.kind == "name":
             return self.name()
-        if self.tables_anywhere and (token.kind == "begin" or token.text == "["):
+        if self.opens_table():
             return self.table()
         if token.kind == "open":
             return self.bracket()
         if token.kind in ("function", "fraction"):
             return self._nested_call()
-        if token.kind == "begin":
-            self.source.fail("a matrix must be a whole side of the equation", token.span)
         self.fail_here("a term")
 
     def bracket(self) -> Expression:
@@ -318,7 +291,7 @@ class Parser(ABC):
         return node
 
     def _fraction(self) -> Expression:
-        """\\frac{above}{below}, \\frac12."""
+        """The fraction of \\frac{above}{below} or \\frac12."""
         start = self.take().start
         above, below = (
             self.bracket() if self.token.kind == "open" else self.primary() for _ in range(2)
@@ -328,7 +301,7 @@ class Parser(ABC):
     # ------------------------------------------------------------ what a language says
     @abstractmethod
     def name(self) -> Expression:
-        """What the name that comes next stands for."""
+        """The node that the name that comes next stands for."""
 
     @abstractmethod
     def call(self) -> Expression:
@@ -345,12 +318,12 @@ class Parser(ABC):
         return [*factors, factor]
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
-        """A fraction."""
+        """The fraction of two nodes."""
         return Quotient(above, below, span=around(above, below))
 
 
 def around(first: Expression, last: Expression) -> Span:
-    """From the start of one piece to the end of another."""
+    """The span from the start of one piece to the end of another."""
     return first.span[0], last.span[1]
 
 

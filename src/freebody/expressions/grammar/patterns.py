@@ -19,12 +19,13 @@ from freebody.expressions.grammar.lexemes import KINDS, Lexeme, Lexemes, plain, 
 from freebody.expressions.grammar.tables.classes import CLASSES, PATTERNS
 
 MANY = 60
-"""As often as * and + repeat."""
+"""The most repetitions that * and + stand for."""
 
 Captures = dict[str, tuple[int, int]]
 _Next = Callable[[Lexemes, int, int, Captures], int]
 _PatternStep = Callable[[_Next], _Next]
-"""Of what comes behind, what comes from here on: it returns where the whole ends, or -1."""
+"""A function from the rest of a pattern to the pattern from here on, which returns where the whole
+ends, or -1."""
 _Test = Callable[[Lexeme], bool]
 _Firsts = frozenset[str] | None
 """Texts and kinds that something begins with; None where that is not known."""
@@ -49,12 +50,17 @@ class Match:
         return self.lexemes.items[slice(*self.captures.get(name, (0, 0)))]
 
     def __getitem__(self, name: str) -> str:
-        """What was kept by a name, as text without blanks."""
+        """The text that was kept by a name, without blanks."""
         return plain(self.items(name))
 
     @property
+    def text(self) -> str:
+        """The lexemes as text without blanks."""
+        return plain(self.lexemes[self.start : self.stop])
+
+    @property
     def span(self) -> tuple[int, int]:
-        """Where it stands in the text."""
+        """The place in the text."""
         at = self.lexemes[self.start].start if self.start < len(self.lexemes) else 0
         return at, self.lexemes[self.stop - 1].end if self.stop > self.start else at
 
@@ -69,18 +75,19 @@ class LexemePattern:
         self._run = item.step(lambda lexemes, k, end, kept: k)
 
     def at(self, lexemes: Lexemes, k: int, end: int | None = None) -> Match | None:
-        """What it describes from k on; `end`: the lexeme at which the text ends for it."""
+        """The match that begins at k, if there is one; `end`: the lexeme at which the text ends for
+        it."""
         kept: Captures = {}
         stop = self._run(lexemes, k, len(lexemes) if end is None else end, kept)
         return Match(lexemes, k, stop, kept) if stop >= 0 else None
 
     def end(self, lexemes: Lexemes, k: int) -> int:
-        """Where what it describes ends that begins at k; k where there is nothing."""
+        """The end of the match that begins at k; k where there is none."""
         match = self.at(lexemes, k)
         return match.stop if match else k
 
     def all(self, lexemes: Lexemes, start: int = 0, end: int | None = None) -> Iterator[Match]:
-        """What it describes in a stretch, from left to right, none inside another."""
+        """The matches in a stretch, from left to right, none inside another."""
         end = len(lexemes) if end is None else end
         stop = start
         if any(need.isdisjoint(lexemes.places) for need in self._needs):
@@ -132,8 +139,8 @@ _PLACES: dict[str, Callable[[Lexemes, int, int], bool]] = {
         not _touches(lexemes, k, end) or lexemes[k].kind != "letter"
     ),
 }
-"""What may be asked of a place: whether a blank stands there or none, and whether a line, a name or
-a word begins or ends."""
+"""The conditions on a place: whether a blank stands there or none, and whether a line, a name or a
+word begins or ends."""
 
 # -------------------------------------------------------------------------------- reading
 ITEM = re.compile(
@@ -151,11 +158,11 @@ class _PatternItem:
     needs: frozenset[frozenset[str]] = frozenset()
     """Texts and kinds, one of each of which it cannot be without."""
     single: tuple[_Test, bool] | None = None
-    """Of one lexeme what it must be, and whether no blank may stand before it."""
+    """The test of an item that is one lexeme, and whether no blank may stand before it."""
 
 
 class _Reader:
-    """Reads one pattern."""
+    """The reader of one pattern's text."""
 
     def __init__(self, text: str):
         self.text = text
@@ -342,7 +349,7 @@ def _either(ways: list[_PatternItem]) -> _PatternItem:
 
 
 def _repeated(item: _PatternItem, low: int, high: int) -> _PatternItem:
-    """As often as it can be, else less often."""
+    """An item as often as it can be there, else less often."""
     if item.single is not None:
         return _repeated_single(item, item.single, low, high)
 

@@ -13,7 +13,7 @@ from freebody.expressions.nodes import Span
 from freebody.lazy import cached_property
 
 _SHOWN = 96
-"""Characters of a line that an error shows."""
+"""The most characters of a line that an error shows."""
 
 
 class UnreadableError(FreebodyError, ValueError):
@@ -21,7 +21,7 @@ class UnreadableError(FreebodyError, ValueError):
     place."""
 
     asked_by = ""
-    """What refuses it, in front of the message."""
+    """The caller that refuses a text, in front of the message."""
 
     def __init__(
         self,
@@ -48,7 +48,7 @@ class Source:
 
     what: ClassVar[str] = "text"
     longest: ClassVar[int] = 20_000
-    """Characters that are read."""
+    """The most characters that are read."""
     error: ClassVar[type[UnreadableError]] = UnreadableError
 
     @classmethod
@@ -67,21 +67,21 @@ class Source:
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """Its letters, figures, commands and signs."""
+        """The text's letters, figures, commands and signs."""
         return Lexemes.of(self.text)
 
     @cached_property
     def words(self) -> dict[int, Any]:
-        """Words that were spelt, by the lexeme that they begin with."""
+        """The words that were spelt, by the lexeme that they begin with."""
         return {}
 
     def plain(self, span: Span) -> str:
-        """What is read there, without blanks: 2.5e-3 of 2.5·10⁻³."""
+        """A piece as it is read, without blanks: 2.5e-3 of 2.5·10⁻³."""
         lexemes = self.lexemes
         return "".join(lexemes[k].text for k in lexemes.between(*span))
 
     def __getitem__(self, span: Span) -> str:
-        """What is written there, on one line."""
+        """A piece as it is written, on one line."""
         return " ".join(unicodedata.normalize("NFC", self.shown[span[0] : span[1]]).split())
 
     def part(self, at: int) -> tuple[str, int]:

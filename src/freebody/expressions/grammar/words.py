@@ -8,11 +8,13 @@ before the letter, primes behind: ˙theta1, lc1, theta1'.
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import pairwise
 
 from freebody.expressions.grammar.lexemes import Lexeme
+from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, UnreadableError
 from freebody.expressions.grammar.tables import characters as table
 from freebody.expressions.grammar.tables.characters import DOT, PRIME
@@ -22,11 +24,14 @@ DECORATIONS = frozenset(table.DECORATIONS)
 FRAMES = tuple(map(chr, range(0xE010, 0xE01A)))
 """Marks behind a name, one for each frame: of {}^1v_2 the plain spelling is v2 and the second."""
 DETERMINANT = "\ue01a"
-"""The same of what stands between bars, |J|."""
+"""The mark behind the name of a determinant, |J|."""
 COMMANDS = frozenset((*table.FONTS, *table.LETTER_COMMANDS, *table.ACCENTS))
 """LaTeX commands that a name may begin with."""
 COMMAND_NAMES = table.LETTER_COMMANDS
 """Plain names of LaTeX's letters."""
+_STAR = LexemePattern("@asterisk")
+_EARLY_POWER = LexemePattern("< ^ ~{? power:~%digit ~}? | power:< ² | ³ > > &< ~_ | ~%low_digit >")
+"""A power in front of a subscript, l²₁."""
 _DEEPEST, _LONGEST = 4, 200
 _ONE_LETTER = "a dot or bar needs a single letter under it, such as \\dot{\\theta}_1"
 
@@ -38,18 +43,18 @@ class Word:
 
     start: int
     at: int
-    """The next lexeme."""
+    """The lexeme behind the word."""
     end: int
-    """Where the last one ends in the text."""
+    """The place at which the last lexeme ends in the text."""
     plain: str = ""
     origins: list[int] = field(default_factory=list)
     cuts: set[int] = field(default_factory=set)
-    """Where a new name may begin: not inside `theta` that was one letter."""
+    """The places at which a new name may begin: not inside `theta` that was one letter."""
     power: int | None = None
     """A power that stood before the subscript, as in l²₁."""
 
     def add(self, plain: str, origin: int, cut: bool = True) -> None:
-        """One more unit."""
+        """Put one more unit behind the word."""
         if cut:
             self.cuts.add(len(self.plain))
         self.plain += plain
@@ -96,10 +101,6 @@ class _Speller:
     def _next(self) -> Lexeme:
         return self.items[self.word.at]
 
-    def _glued(self, k: int) -> str:
-        """The text of the k-th lexeme if no blank stands before it, else ""."""
-        return self.items[k].text if k < len(self.items) and not self.items[k].apart else ""
-
     def _take(self, count: int = 1) -> None:
         self.word.at += count
         self.word.end = self.items[self.word.at - 1].end
@@ -120,11 +121,12 @@ class _Speller:
         elif x.text in table.PRIMES:
             self._take()
             word.add(PRIME * table.PRIMES[x.text], x.start, cut=False)
-        elif count := self._star():
-            self._take(count)
+        elif star := _STAR.at(self.source.lexemes, word.at):
+            self._take(star.stop - star.start)
             word.add("*", x.start, cut=False)
-        elif count := self._early_power():
-            self._take(count)
+        elif early := _EARLY_POWER.at(self.source.lexemes, word.at):
+            self._take(early.stop - early.start)
+            word.power = int(table.HIGH.get(early["power"], early["power"]))
         elif x.kind in ("frame", "determinant"):
             self._take()
             word.add(FRAMES[int(x.text)] if x.text else DETERMINANT, x.start, cut=False)
@@ -142,36 +144,9 @@ class _Speller:
             self._take()
         return marks
 
-    def _star(self) -> int:
-        """Of how many lexemes a power is that is a star."""
-        k = self.word.at
-        if self.items[k].text != "^":
-            return 0
-        texts = [x.text for x in self.items[k + 1 : k + 4]]
-        if texts[:1] and texts[0] in table.STARS:
-            return 2
-        return 4 if len(texts) == 3 and texts[0] == "{" and texts[1] in table.STARS else 0
-
-    def _early_power(self) -> int:
-        """Of how many lexemes a power is in front of a subscript, which the word notes."""
-        k = self.word.at
-        figure, count = self.items[k].text, 1
-        if figure == "^":
-            braced = self._glued(k + 1) == "{"
-            figure, count = self._glued(k + 1 + braced), 2 + braced
-            count += self._glued(k + count) == "}"
-            if not (figure.isascii() and figure.isdigit()):
-                return 0
-        elif figure not in ("²", "³"):
-            return 0
-        behind = self._glued(k + count)
-        if behind != "_" and not table.LOW.get(behind, "").isdigit():
-            return 0
-        self.word.power = int(table.HIGH.get(figure, figure))
-        return count
-
     def _subscript(self) -> None:
-        """What follows underscores: a group in braces, or one letter, with which no name begins."""
+        """Read what follows underscores: a group in braces, or one letter, with which no name
+        begins."""
         word = self.word
         while word.at < len(self.items) and self._next.text == "_":
             self._take()
@@ -221,7 +196,7 @@ class _Speller:
         word.power = inner.power
 
     def _argument(self, depth: int) -> Word:
-        """What a command applies to, a group in braces or the next letter."""
+        """The argument of a command, a group in braces or the next letter."""
         start, k = self.word.end, self.word.at
         x = self.items[k] if k < len(self.items) else None
         if x is None or not (x.text == "{" or begins(x) or x.kind == "command"):
@@ -264,22 +239,27 @@ class _Speller:
         return inner.word
 
 
-def spell(source: Source, at: int, depth: int = 0) -> Word:
-    """The word that begins with a lexeme, `depth` commands deep."""
-    return _Speller(source, at).whole(depth)
+def spell(source: Source, at: int) -> Word:
+    """The word that begins with a lexeme."""
+    return _Speller(source, at).whole(0)
+
+
+def word_at(source: Source, at: int) -> Word | None:
+    """The word that begins with a lexeme; None where none begins that can be read."""
+    if at not in source.words:
+        source.words[at] = None
+        if at < len(source.lexemes) and begins(source.lexemes[at]):
+            with suppress(UnreadableError):
+                source.words[at] = spell(source, at)
+    return source.words[at]
 
 
 def spelt(name: str) -> str:
     """The plain spelling of a text that is one name and no more, else ""."""
     source = Source.of(name.strip())
-    items = source.lexemes.items
-    if not items or not (begins(items[0]) or items[0].kind == "command"):
-        return ""
-    try:
-        word = spell(source, 0)
-    except UnreadableError:
-        return ""
-    return word.plain if word.at == len(items) and word.power is None else ""
+    word = word_at(source, 0)
+    is_one = word is not None and word.at == len(source.lexemes) and word.power is None
+    return word.plain if word is not None and is_one else ""
 
 
 WordPiece = tuple[str, int, int]
@@ -322,7 +302,7 @@ def cut(
 def _shortest_ways(
     word: Word, known: Collection[str], functions: Collection[str]
 ) -> list[list[int]]:
-    """Where the fewest pieces begin and the last one ends: no way, the only one, or two of
+    """The ways to cut a word into the fewest pieces, by their ends: none, the only one, or two of
     several."""
     best: dict[int, list[list[int]]] = {0: [[0]]}  # by the place that they reach
     for i in sorted(word.cuts):

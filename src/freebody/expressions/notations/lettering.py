@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -10,12 +9,15 @@ from string import ascii_lowercase
 from typing import Self
 
 from freebody.errors import FreebodyError, shown
-from freebody.expressions.grammar.atoms import atom, numbered
-from freebody.expressions.grammar.words import spelt
+from freebody.expressions.grammar.atoms import atom, numbered, undotted
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.patterns import LexemePattern, Match
+from freebody.expressions.grammar.tables.characters import LOW
+from freebody.expressions.grammar.words import letter, spelt
 from freebody.expressions.nodes import Equation, Expression, Function, Sum, Symbol, nodes
 from freebody.expressions.notations.notation import BookNotation, preset
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.expressions.printed_names import DOTS, GREEK, sym
+from freebody.expressions.printed_names import GREEK, sym
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.expressions.typesetting.literal import MARK, in_parts
 from freebody.lazy import cached_property
@@ -25,8 +27,9 @@ from freebody.values import ByValue
 KIND_OF = {letter: kind for kind in LETTERED for letter in kind.printed}
 """The letters of derivations as they are made, and what they stand for."""
 
-_IN_WORDS = re.compile(
-    r"(?<![\w.])([A-Za-zα-ωΑ-Ω])([\u0307\u0308]?)([A-Za-z]{0,3})([₀-₉]+|_(?:\d|[a-z])(?!\w))"
+_IN_WORDS = LexemePattern(
+    "%fresh !-. letter:< %plain_letter | %dotted_letter > more:~%latin{0,3}"
+    " low:< ~%low_digit{1,9} | ~_ < ~%digit | index:~%small_letter > %ends >"
 )
 """A symbol in a sentence: θ̇₁, lc₂, τ_2, T_i."""
 
@@ -76,8 +79,8 @@ class Lettering(ByValue):
         )
 
     def printable(self) -> Self:
-        """Itself; raises FreebodyError for a name that cannot be printed, and for one name of two
-        things."""
+        """The lettering itself; raises FreebodyError for a name that cannot be printed, and for one
+        name of two things."""
         for name in self.notation.names:
             if not _is_printable(spelt(name)):
                 raise FreebodyError(
@@ -144,11 +147,10 @@ class Lettering(ByValue):
         """A symbol; vectors keep theirs."""
         if x.bold:
             return x
-        ending = next((e for e in reversed(DOTS) if x.name.endswith(e)), "")
-        stem = x.name.removesuffix(ending)
+        stem = undotted(x.name)
         new = self.names.get(x.name) or self._of_all(x.name)
-        if new is None and ending and (new := self.names.get(stem) or self._of_all(stem)):
-            return _made(new, ending, x)
+        if new is None and stem != x.name and (new := self.names.get(stem) or self._of_all(stem)):
+            return _made(new, x.name.removeprefix(stem), x)
         return x if new is None else _made(new, "", x)
 
     def _of_all(self, name: str) -> str | None:
@@ -175,19 +177,25 @@ class Lettering(ByValue):
         return unicodedata.normalize("NFC", plain)
 
     def words(self, text: str) -> str:
-        """Text without such names."""
-        return _IN_WORDS.sub(self._word, unicodedata.normalize("NFD", text))
+        """A sentence without such names."""
+        text, made, at = unicodedata.normalize("NFD", text), "", 0
+        for match in _IN_WORDS.all(Lexemes.of(text)):
+            start, end = match.span
+            made += text[at:start] + self._word(match)
+            at = end
+        return made + text[at:]
 
-    def _word(self, match: re.Match[str]) -> str:
-        letter, dot, letters, low = match.groups()
-        number = unicodedata.normalize("NFKC", low).removeprefix("_")
-        ending = {"": "", "\u0307": RATE, "\u0308": SECOND}[dot]
-        name = spelt(letter + letters) + ("_" if number.isalpha() else "") + number
-        old = sym(name + ending)
+    def _word(self, match: Match) -> str:
+        """A symbol of a sentence, as the sentence writes symbols."""
+        (first,) = match.items("letter")
+        own, low = atom(letter(first)), match["low"]
+        number = "".join(LOW.get(x.text, x.text) for x in match.items("low") if x.text != "_")
+        name = own.letter + match["more"] + ("_" if "index" in match else "") + number
+        old = sym(name + ("", RATE, SECOND)[own.dots])
         if not isinstance(old, Symbol) or (new := self.symbol(old)) == old:
-            return match[0]
+            return match.text
         stem = atom(new.name).letter
-        return f"{GREEK.get(stem, stem)}{dot}{low}"
+        return f"{GREEK.get(stem, stem)}{first.text[1:]}{low}"
 
 
 def _is_printable(name: str) -> bool:

@@ -61,7 +61,7 @@ class BookNotation(ByValue):
     absolute: bool = False
     """Whether angles are those of the links themselves, all from one direction."""
     zero: str = "x axis"
-    """A key of `ZEROS`."""
+    """The direction in which angles are 0, a key of `ZEROS`."""
     names: Mapping[str, str] = field(default_factory=dict[str, str])
     """Names and what they stand for: {"a": "l"} for all that are numbered, {"C": "cos"}."""
     parameters: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
@@ -70,7 +70,7 @@ class BookNotation(ByValue):
     """Letters of quantities by the names of kinds; what is not given has the usual ones."""
 
     terms: str = "coefficients"
-    """One of `TERMS`: how what is printed is sorted."""
+    """The form in which terms are printed, one of `TERMS`."""
 
     def __post_init__(self) -> None:
         """Refuse letters that are none: they are printed and read."""

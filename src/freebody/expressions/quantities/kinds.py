@@ -72,6 +72,8 @@ class Kind:
     """Whether they state an equation, not a value."""
     may_be_zero: bool = False
     """Whether 0 is set against all of it, Φ = 0."""
+    letters_of_ratios: tuple[str, ...] = ()
+    """Letters of it that lines also give to ratios of their own."""
     is_quotient: bool = False
     """Whether it is one by its nature."""
     takes_quotients: bool = False
@@ -188,6 +190,7 @@ COORDINATE = Kind(
 KINETIC = Kind(
     "T", "the kinetic energy", units.ENERGY,
     "kinetic", ("T", "K", "KE", "Ek", "Ekin"), ("T",), of="bodies", tells="motion",
+    letters_of_ratios=("K",),
 )  # fmt: skip
 POTENTIAL = Kind(
     "V", "the potential energy", units.ENERGY,
@@ -203,7 +206,7 @@ ENERGY = Kind(
 )
 BODY_KINETIC = Kind(
     "T_i", "the kinetic energy of body {}", units.ENERGY, letters=("k",), of="bodies",
-    of_one_body=True,
+    of_one_body=True, letters_of_ratios=("K",),
 )  # fmt: skip
 BODY_POTENTIAL = Kind(
     "V_i",
@@ -243,11 +246,16 @@ LOAD = Kind("load", is_load=True)
 LOOP = Kind("Phi", of="joints", of_loops="positions", may_be_zero=True, is_of_loop_equation=True)
 LOOP_RATE = Kind("Phi_d", of="joints", of_loops="rates", may_be_zero=True, is_of_loop_equation=True)
 LOOP_JACOBIAN = Kind("Phi_q", of="joints", of_loops="slopes", is_of_loop_equation=True)
-LOOP_REST = Kind("closing", of="joints", is_of_loop_equation=True, is_told_by_value=True)
+LOOP_REST = Kind(
+    "closing", of="joints", is_of_loop_equation=True, is_told_by_value=True,
+    letters_of_ratios=("gamma",),
+)  # fmt: skip
 MULTIPLIER = Kind("lam", of="joints")
 APPLIED = Kind("applied", unit=_force, of="joints")
 OF_INDEPENDENT = Kind("N", of="joints", holds_by_loops=True)
-DRIFT = Kind("drift", of="joints", holds_by_loops=True, is_quotient=True)
+DRIFT = Kind(
+    "drift", of="joints", holds_by_loops=True, is_quotient=True, letters_of_ratios=("gamma",)
+)
 INPUT_OUTPUT = Kind("input-output", of="joints", up_to_rows=True)
 LOOP_EQUATION = Kind("closed", holds_by_loops=True, is_equation=True)
 

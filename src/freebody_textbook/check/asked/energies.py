@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities import kinds

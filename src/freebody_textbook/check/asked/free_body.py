@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any, ClassVar
 
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle

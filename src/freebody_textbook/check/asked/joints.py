@@ -9,7 +9,7 @@ from fractions import Fraction
 from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import arithmetic, evaluate
 from freebody.expressions.expression import Expression
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds

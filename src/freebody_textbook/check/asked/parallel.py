@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from freebody.errors import FreebodyError
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.kinematics import Kinematics

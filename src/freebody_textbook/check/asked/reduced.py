@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.polynomials.symbols import RATE, SECOND

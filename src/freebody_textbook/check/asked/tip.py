@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import ClassVar
 
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.grammar.words import DETERMINANT
 from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.arithmetic import determinant

@@ -1,1 +1,1 @@
-"""What an answer claims: its equations, with names and definitions of its own."""
+"""The claims of an answer: its equations, with names and definitions of its own."""

@@ -1,4 +1,4 @@
-"""What the lines of an answer state: which quantity each is about, and the expression given for
+"""The claims of an answer's lines: the quantity that each is about, and the expression given for
 it."""
 
 from __future__ import annotations
@@ -22,9 +22,8 @@ from freebody_textbook.check.claims.own_definitions import OwnDefinitions
 from freebody_textbook.check.claims.unnamed_equations import UnnamedEquations
 from freebody_textbook.check.numbers.units import unit_of_quantity
 from freebody_textbook.check.reading.answer_lines import AnswerLine
-from freebody_textbook.check.reading.behind_names import power_behind, turn_behind
-from freebody_textbook.check.reading.circular_answers import uses
-from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.claim import Claim, uses
+from freebody_textbook.check.reading.reading import power_behind, turn_behind
 from freebody_textbook.check.states.state_values import functions_of
 from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
 
@@ -35,15 +34,16 @@ _ACROSS = "a component that a plane does not have"
 
 
 class ClaimReader(OwnDefinitions, UnnamedEquations):
-    """Lines into claims."""
+    """The reader that makes claims of lines."""
 
     def claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """The claims of one equation, which stands after others."""
         found = self._claims(line, before)
         by_loops = self.is_loaded and self.setting.system is not None
         if by_loops and not all(claim.target.acting for claim in found):
-            span = (line[0][0].start, line[-1][-1].end)
-            self.source.fail("of closed chains only torques are read under a force", span, _LOADED)
+            self.source.fail(
+                "of closed chains only torques are read under a force", line.span, _LOADED
+            )
         return found
 
     def _claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
@@ -98,10 +98,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         """Refuse what moves beside virtual displacements: read as rates, what does no work along
         the motion would vanish."""
         variations = self.vocabulary.variations
-        inside = [token for side in line for token in side if token.kind == "name"]
-        if variations.isdisjoint(token.start for token in inside):
+        if variations.isdisjoint(token.start for token in line.names):
             return
-        for token in inside:
+        for token in line.names:
             if token.start not in variations and self._is_moving(token):
                 self.source.fail(
                     "beside virtual displacements stands what has rates in it, which is not read",
@@ -117,10 +116,9 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _restates_a_parameter(self, line: AnswerLine) -> bool:
         """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
         checked."""
-        own = [x.text for x in line[0]] if len(line) == 2 else []
-        name = generator(self.vocabulary.symbols.get(own[0], self.setting.zero)) if own else None
+        name = generator(self.vocabulary.symbols.get(line.subject, self.setting.zero))
         value = self.setting.symbols.model.parameters.get(name or "")
-        if len(own) != 1 or value is None or any(x.kind == "name" for x in line[1]):
+        if len(line) != 2 or value is None or line.written_with:
             return False
         node = self.parse(line[1])
         written = self.numbers.of(node.span)
@@ -136,8 +134,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _stated(
         self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool
     ) -> list[Claim]:
-        """What a side says of the quantities that it is equal to; as_vector: another side is one,
-        by its entries."""
+        """The claims of a side about the quantities that it is equal to; as_vector: another side is
+        one, by its entries."""
         node = self.parse(side, self._shape_of(named[0], as_vector))
         return [claim for subject in named for claim in self._pairs(subject, node)]
 
@@ -152,8 +150,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         det J = … = 0, which says where the arm is singular."""
         if not isinstance(subject, Token):
             return False
-        table = self.targets.tables.get(subject.text, [[None]])
-        asked = self.targets.single.get(subject.text, table[0][0])
+        asked = self.asked(subject.text)
         own = asked is not None and asked.kind.may_be_zero
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
@@ -239,13 +236,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     ) -> Expression:
         """The vector of zeros that a plain 0 stands for where a vector is asked for, else what is
         written."""
-        if isinstance(node, Number) and table and self.may_be_vector(name, node):
-            zeros = tuple((replace(node),) for _ in table)
-            return Matrix(zeros, span=node.span) if node.value == 0 else node
-        return node
+        if not (isinstance(node, Number) and table and self.may_be_vector(name, node)):
+            return node
+        return node if node.value else Matrix(((node,),) * len(table), span=node.span)
 
     def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
-        """What is said of a name of the user's own for an expression of quantities, by more than
+        """The claims about a name of the user's own for an expression of quantities, by more than
         these."""
         matrix = self.vocabulary.matrices.get(name.text)
         if matrix is None:
@@ -267,8 +263,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _meant(
         self, name: str, single: AskedQuantity | None, node: Expression
     ) -> AskedQuantity | None:
-        """Of two quantities with one name, such as the potential energy and the power P, that which
-        has the unit of the answer, or is right, or has such rates as the answer."""
+        """The one of two quantities with one name, such as the potential energy and the power P,
+        that has the unit of the answer, or is right, or has such rates as the answer."""
         other = self.targets.namesakes.get(name)
         if other is None or isinstance(node, Matrix) or functions_of(node):
             return single
@@ -281,8 +277,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return other if _rates(value) in other.kind.rates else single
 
     def _table_of_bodies(self, name: str, node: Matrix) -> list[list[AskedQuantity]] | None:
-        """What a name stands for in equations of bodies, where a side says that: g = [0; -g] tells
-        the gravitational acceleration, not the terms of torques."""
+        """The vector that a name stands for in equations of bodies, where a side says that: g = [0;
+        -g] tells the gravitational acceleration, not the terms of torques."""
         table = self.targets.tables.get(self.targets.of_bodies.get(name, ""), [])
         right = [x for row in table for x in row]
         given = [x for row in node.rows for x in row]

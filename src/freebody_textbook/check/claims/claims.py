@@ -7,9 +7,8 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
-from freebody.errors import FreebodyError, listed
+from freebody.errors import listed
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.notations.notation import BookNotation
@@ -23,10 +22,8 @@ from freebody_textbook.check.documents.answer_document import AnswerDocument
 from freebody_textbook.check.numbers.results import WrittenNumbers
 from freebody_textbook.check.numbers.states import StateReader
 from freebody_textbook.check.numbers.written_numbers import taken_from
-from freebody_textbook.check.reading import loaded_lines
 from freebody_textbook.check.reading.answer_lines import AnswerLine, DocumentReader
-from freebody_textbook.check.reading.circular_answers import refuse_circles
-from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.claim import Claim, refuse_circles
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.verdict import UnreadEquation
@@ -37,15 +34,15 @@ MOST_EQUATIONS = 100
 
 @dataclass(frozen=True)
 class Statements:
-    """What a document says: claims in its order, the names of its own that no statement uses as
-    they are written, and what was not read."""
+    """All that a document says: claims in its order, the names of its own that no statement uses as
+    they are written, and the equations that were not read."""
 
     claims: list[Claim]
     unused: tuple[str, ...]
     unread: tuple[UnreadEquation, ...] = ()
     numbers: WrittenNumbers = WrittenNumbers()
     told: tuple[Span, ...] = ()
-    """Where values of parameters are told."""
+    """The places at which values of parameters are told."""
 
 
 def _names(
@@ -107,30 +104,17 @@ def statements(
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
     _refuse_none_or_too_many(lines, bool(reading.unread or poses))
-    claimed = ClaimReader(source, vocabulary, targets, numbers)
+    claimed = ClaimReader(source, vocabulary, targets, numbers, lines)
     for line in lines:
         with reading.passing_over(line):
             if claimed.says_that_the_base_moves(line):
                 claimed.targets = replace(targets, based=True)
-    claimed.letters_of_vectors = claimed.letters_given_as_vectors(lines)
-    claimed.load = loaded_lines.loads(lines, vocabulary, targets)
-    pending |= claimed.own_scalars(lines) | claimed.own_coordinates(lines)
-    pending |= claimed.own_coefficients(lines, pending)
+    pending |= claimed.own_scalars | claimed.own_coordinates
+    pending |= claimed.own_coefficients(pending)
     own = _definitions(claimed, reading, lines, pending)
-    stated = [line[1:] if line in own else line for line in lines if line not in reading.failed]
-    by_line: dict[AnswerLine, list[Claim]] = {}
-    for line in (line for line in stated if len(line) > 1):
-        with reading.passing_over(line):
-            _refuse_names(source, line, pending)
-            before = [claim for claims in by_line.values() for claim in claims]
-            by_line[line] = claimed.claims(line, before)
-    unread_names = (_names_of(reading.failed) | reading.unread_names) - symbols
-    for line in list(by_line):
-        with reading.passing_over(line):
-            _refuse_names(source, line, unread_names)
-        if line in reading.failed:
-            del by_line[line]
-    found = [claim for claims in by_line.values() for claim in claims]
+    read = (line for line in lines if line not in reading.failed)
+    stated = [AnswerLine(line[1:]) if line in own else line for line in read]
+    found = _claims(claimed, reading, [line for line in stated if len(line) > 1], pending, symbols)
     if not found and not poses:
         _refuse_nothing(setting, source, own, reading.unread)
     if document.strict:
@@ -142,6 +126,30 @@ def statements(
     return Statements([*found, *poses], unused, tuple(unread), numbers, told)
 
 
+def _claims(
+    claimed: ClaimReader,
+    reading: DocumentReader,
+    lines: Sequence[AnswerLine],
+    pending: Collection[str],
+    symbols: Collection[str],
+) -> list[Claim]:
+    """The claims of lines, but for those written with names that no line which can be read gives;
+    pending: names without value, symbols: those that had one before."""
+    by_line: dict[AnswerLine, list[Claim]] = {}
+    for line in lines:
+        with reading.passing_over(line):
+            _refuse_names(reading.source, line, pending)
+            before = [claim for claims in by_line.values() for claim in claims]
+            by_line[line] = claimed.claims(line, before)
+    unread_names = {line.subject for line in reading.failed} | reading.unread_names
+    for line in list(by_line):
+        with reading.passing_over(line):
+            _refuse_names(reading.source, line, unread_names.difference(symbols))
+        if line in reading.failed:
+            del by_line[line]
+    return [claim for claims in by_line.values() for claim in claims]
+
+
 def _definitions(
     claimed: ClaimReader, reading: DocumentReader, lines: Sequence[AnswerLine], pending: set[str]
 ) -> list[AnswerLine]:
@@ -150,34 +158,23 @@ def _definitions(
     own: list[AnswerLine] = []
     waiting = [line for line in lines if line not in reading.failed]
     while True:
-        ready = [line for line in waiting if not _written_with(line, pending)]
+        ready = [x for x in waiting if pending.isdisjoint(t.text for t in x.written_with)]
         if not ready:
             return own
         for line in ready:
             waiting.remove(line)
             with reading.passing_over(line):
-                own += claimed.definitions(line, lines)
-        pending -= _names_of(own)
-
-
-def _names_of(lines: Sequence[AnswerLine]) -> set[str]:
-    """The names that are the whole left side of lines."""
-    sides = (line[0] for line in lines)
-    return {side[0].text for side in sides if len(side) == 1 and side[0].kind == "name"}
-
-
-def _written_with(line: AnswerLine, names: Collection[str]) -> list[Token]:
-    """Where a line is written with one of some names, not about it."""
-    sides = line if len(line[0]) > 1 else line[1:]
-    return [
-        token for side in sides for token in side if token.kind == "name" and token.text in names
-    ]
+                own += claimed.definitions(line)
+        pending -= {line.subject for line in own}
 
 
 def _refuse_names(source: Source, line: AnswerLine, without_value: Collection[str]) -> None:
     """Refuse a line that is written with a name that no line gives, or none that can be read."""
-    for token in _written_with(line, without_value):
-        source.fail(f"{source[token.span]} is not defined by any line that can be read", token.span)
+    for token in line.written_with:
+        if token.text in without_value:
+            source.fail(
+                f"{source[token.span]} is not defined by any line that can be read", token.span
+            )
 
 
 def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:
@@ -222,17 +219,8 @@ def _unused(
     source: Source, own: Sequence[AnswerLine], lines: Sequence[AnswerLine]
 ) -> tuple[str, ...]:
     """The names that lines introduce and no other line uses."""
-    unused = []
-    for line in own:
-        used = {
-            token.text
-            for other in lines
-            if other is not line
-            for side in (other if other not in own else other[1:])
-            for token in side
-        }
-        if line[0][0].text not in used:
-            unused.append(source[line[0][0].span])
+    used = {x.text for y in lines for x in (y.written_with if y in own else y.names)}
+    unused = (source[line[0][0].span] for line in own if line.subject not in used)
     return tuple(dict.fromkeys(unused))
 
 
@@ -245,13 +233,8 @@ def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
     found, given = [], set[str]()
     for k in sorted(places | {0}):
         k = _ALIGNED.end(lexemes, k)
-        if k >= len(lexemes) or lexemes[k].text == "_" or not words.begins(lexemes[k]):
-            continue
-        try:
-            word = words.spell(source, k)
-        except FreebodyError:  # told where the line is read
-            continue
-        if k in reading.in_sums:
+        word = words.word_at(source, k)
+        if word is None or lexemes[k].text == "_" or k in reading.in_sums:
             continue
         if not _IS.at(lexemes, word.at):
             continue

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from freebody.expressions.evaluate import NoValue
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.grammar.words import FRAMES, PRIME
@@ -21,6 +21,8 @@ from freebody.expressions.nodes import (
     Sum,
     nodes,
 )
+from freebody.lazy import cached_property
+from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
@@ -30,11 +32,9 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import held, held_by_loops
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.numbers.results import WrittenNumbers
-from freebody_textbook.check.reading import loaded_lines
 from freebody_textbook.check.reading.answer_lines import AnswerLine
-from freebody_textbook.check.reading.circular_answers import uses
-from freebody_textbook.check.reading.claim import Claim
-from freebody_textbook.check.reading.reading import AnswerParser
+from freebody_textbook.check.reading.claim import Claim, uses
+from freebody_textbook.check.reading.reading import AnswerParser, opens_table
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.states.state_values import functions_of
@@ -42,11 +42,11 @@ from freebody_textbook.check.states.state_values import functions_of
 _TABLES = ("Matrix", "jacobian")
 """Functions that make a vector or matrix."""
 _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
-"""What identities of sines and cosines are made of."""
+"""The nodes of which identities of sines and cosines are made."""
 
 
 class FormulaReader:
-    """Reads sides."""
+    """The reader of sides, which makes trees and values of them."""
 
     def __init__(
         self,
@@ -54,24 +54,22 @@ class FormulaReader:
         vocabulary: Vocabulary,
         targets: Targets,
         numbers: WrittenNumbers,
+        lines: Sequence[AnswerLine],
     ):
         self.source, self.vocabulary, self.targets = source, vocabulary, targets
-        self.numbers = numbers
+        self.numbers, self.lines = numbers, lines
         self.setting = vocabulary.setting
         self.told: list[Span] = []
-        """Where the answer says what the value of a parameter is, which is known."""
+        """The places at which the answer tells the known value of a parameter."""
         self.replaced: dict[AskedQuantity, Trig] = {}
         """Values that quantities have for a while."""
         self.own_sides: dict[str, Sequence[Token]] = {}
-        """By what lines give names of the user's own, in their order."""
-        self.letters_of_vectors: frozenset[str] = frozenset()
-        """Letters such as v that other lines give as vectors: v1 = 0 is one too."""
-        self.load: frozenset[str] = frozenset()
-        """The components of a force at the tip that the answer has."""
+        """The sides by which lines give names of the user's own, in their order."""
         self.is_loaded = False
-        """Whether the line has some of them."""
+        """Whether the line has components of a force at the tip."""
         self.besides: frozenset[str] = frozenset()
-        """Of the line's quantities."""
+        """The motion and weights that the line's quantities tell of besides the force at the
+        tip."""
         self.common_axes = False
         """Whether vectors are in the world's axes, not each in those of its body."""
         self.of_bodies = False
@@ -91,29 +89,26 @@ class FormulaReader:
 
     def define(self, name: str, node: Expression, given: tuple[AskedQuantity, ...]) -> None:
         """A name of the user's own for what a tree is; given: the quantities in it."""
-        if isinstance(node, Matrix):
-            self.vocabulary.define_matrix(name, node, given)
-        elif functions_of(node):
-            self.vocabulary.define_tree(name, node, given)
-        else:
-            self.vocabulary.define(name, self.quotient(node), given)
+        stays = isinstance(node, Matrix) or functions_of(node)
+        self.vocabulary.define(name, node if stays else self.quotient(node), given)
 
     def is_about_bodies(self, line: AnswerLine) -> bool:
         """Whether a line has a name of a body's quantity in it."""
-        found = any(self._tells_of_bodies(token) for side in line for token in side)
-        return found or self.setting.is_free_body
+        return any(map(self._tells_of_bodies, line.names)) or self.setting.is_free_body
 
     def _tells_of_bodies(self, token: Token) -> bool:
         """Whether a name is that of a vector of a body or the tip, or of an energy."""
-        if token.kind != "name" or token.text in self.vocabulary.symbols:
+        name, vocabulary = token.text, self.vocabulary
+        is_wave = name in vocabulary.waves and name not in self.targets.single
+        if is_wave or name in vocabulary.symbols:
             return False
-        single = self.targets.single.get(token.text)
-        if single is not None:
-            return single.kind.of == "bodies"
-        if token.text in self.vocabulary.waves:
-            return False
-        table = self.targets.tables.get(token.text)
-        return table is not None and table[0][0].kind.of == "bodies"
+        asked = self.asked(name)
+        return asked is not None and asked.kind.of == "bodies"
+
+    def asked(self, name: str) -> AskedQuantity | None:
+        """The quantity of a name, or the first entry of the vector or matrix."""
+        table = self.targets.tables.get(name, [[None]])
+        return self.targets.single.get(name, table[0][0])
 
     def table(self, name: str, span: Span) -> Matrix | None:
         """The entries of a vector or matrix, each with its name."""
@@ -153,8 +148,8 @@ class FormulaReader:
         return replace(target, compute=target.in_world)
 
     def in_some_axes(self, side: Sequence[Token], stated: Callable[[], list[Claim]]) -> list[Claim]:
-        """What a side states; where that is wrong of vectors in the axes of their bodies, and right
-        of the vectors themselves, that: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
+        """The claims of a side; where they are wrong of vectors in the axes of their bodies and
+        right of the vectors themselves, those: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
         found = stated()
         bodies = self._bodies_without_axes(side)
         if not bodies or all_right(found):
@@ -185,7 +180,7 @@ class FormulaReader:
         return self.vocabulary.uses.get(name) == () and not by_formula
 
     def value(self, node: Expression) -> Trig:
-        """A tree as polynomial."""
+        """The polynomial that a tree is."""
         return PolynomialReader(self.source, self.setting.ring).read(node)
 
     def quotient(self, node: Expression) -> Value:
@@ -203,7 +198,7 @@ class FormulaReader:
         return self.setting.zero if target.idle else self.with_load(target).compute()
 
     def with_load(self, target: AskedQuantity) -> AskedQuantity:
-        """Of a torque in a line that has a force at the tip, the torque that holds it."""
+        """A quantity, or the torque that holds the force at the tip where the line has one."""
         if not self.is_loaded or not target.kind.is_drive or target.idle:
             return target
         if self.setting.system is not None:
@@ -213,11 +208,51 @@ class FormulaReader:
     def begin(self, line: AnswerLine) -> None:
         """Note what a line is about."""
         if self.load:
-            self.is_loaded = bool(loaded_lines.loads([line], self.vocabulary, self.targets))
-            self.besides = loaded_lines.told(line, self.vocabulary, self.targets)
+            self.is_loaded = bool(self._load_of(line))
+            self.besides = self._told_of(line)
+
+    @cached_property
+    def load(self) -> frozenset[str]:
+        """The components of a force or moment at the tip that the answer has."""
+        return frozenset[str]().union(*map(self._load_of, self.lines))
+
+    def _load_of(self, line: AnswerLine) -> frozenset[str]:
+        """The components of a force or moment at the tip that a line has."""
+        return frozenset(x for name in line.names for x in self._in_name(name.text)[1])
+
+    def _told_of(self, line: AnswerLine) -> frozenset[str]:
+        """The effects that a line's quantities tell of besides a load: "rate", "motion",
+        "weight"."""
+        variations = self.vocabulary.variations
+        varied = (x.text for x in line.names if x.start in variations)
+        others = {x.text for x in line.names if x.start not in variations}
+        weighs = {"weight"} if any(map(self._has_weight, varied)) else set[str]()
+        return frozenset(weighs.union(*(self._in_name(name)[0] for name in others)))
+
+    def _has_weight(self, name: str) -> bool:
+        """Whether the weights do work along a virtual displacement, as in δV."""
+        asked, gravity = self.targets.single.get(name), self.setting.order.gravity
+        return asked is not None and any(gravity in x for x, _ in asked.polynomial().terms())
+
+    def _in_name(self, name: str) -> tuple[set[str], set[str]]:
+        """The effects that a name tells of, and the components of the load that it holds."""
+        setting, value = self.setting, self.vocabulary.symbols.get(name)
+        if name in self.vocabulary.waves:
+            return set(), set()
+        if isinstance(value, Trig):
+            used = generators_in(value)
+            dots = {atom(x).dots for x in used}
+            found = {what for what, dot in (("rate", 1), ("motion", 2)) if dot in dots}
+            found |= {"weight"} if setting.order.gravity in used else set()
+            return found, used & set(setting.loads)
+        asked = self.asked(name)
+        if asked is None:
+            return set(), set()
+        rows = len(self.targets.tables.get(name, ())) if asked.kind.is_load else 0
+        return {asked.kind.tells}, set(setting.loads[:rows])
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
-        """What a tree says of a quantity."""
+        """The claim that a quantity has the value of a tree."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         if functions_of(node):  # compared in numbers
             return Claim(label, target, node, target.compute(), self.source, used)
@@ -240,15 +275,10 @@ class FormulaReader:
 
     def says_that_the_base_moves(self, line: AnswerLine) -> bool:
         """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
-        first = line[0]
-        if (
-            len(first) != 1
-            or first[0].text.removesuffix(FRAMES[0]) not in spellings("v", "0", 1)
-            or len(line) != 2
-        ):
+        if len(line) != 2 or line.subject.removesuffix(FRAMES[0]) not in spellings("v", "0", 1):
             return False
         self.of_bodies = True
-        gravity = self.table("gravity", first[0].span)
+        gravity = self.table("gravity", line[0][0].span)
         node = self.parse(line[1], gravity and (len(gravity.rows), 1))
         if gravity is None or not isinstance(node, Matrix):
             return False
@@ -258,8 +288,7 @@ class FormulaReader:
     def is_of_angles(self, line: AnswerLine) -> bool:
         """Whether a line is an identity of sines and cosines, s12 = s1 c2 + c1 s2: it holds, or is
         about nothing else. s12 = sin(θ1+θ2) only says what s12 is, and sin θ2 = 0 where."""
-        tokens = [token for side in line for token in side]
-        waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in tokens)
+        waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in line.tokens)
         if len(line) != 2 or not waves or any(map(self.is_matrix, line)):
             return False
         sides = list(map(self.parse, line))
@@ -268,21 +297,16 @@ class FormulaReader:
             return False
         if all(isinstance(x, Wave | Number) for x in sides):
             return False
-        is_asked = len(line[0]) == 1 and line[0][0].text in self.targets.names
+        is_asked = line.subject in self.targets.names
         may_be_wrong = not (is_asked or self.setting.system or _has_number(sides))
         return may_be_wrong or difference(*map(self.quotient, sides)).is_zero
 
     def is_matrix(self, side: Sequence[Token]) -> bool:
-        """Whether a side begins with a vector or matrix of several entries; [m1] is a bracket."""
-        depth = 0
-        for token in side if side[0].text == "[" else ():
-            depth += {"open": 1, "close": -1}.get(token.kind, 0)
-            if depth == 0 or (depth == 1 and token.kind in ("comma", "line", "row")):
-                return depth == 1
-        return side[0].kind == "begin" or self._function(side[0]) in _TABLES
+        """Whether a side begins with a vector or matrix."""
+        return opens_table(side) or self._function(side[0]) in _TABLES
 
     def _function(self, token: Token) -> str:
-        """What a token is called that is a function's name, else ""."""
+        """The function that a token names, else ""."""
         return self.vocabulary.functions[token.text] if token.kind == "function" else ""
 
 

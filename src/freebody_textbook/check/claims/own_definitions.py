@@ -1,100 +1,210 @@
-"""Lines that introduce names of the user's own."""
+"""Lines that introduce names of the user's own, or tell a coordinate, a rate or an acceleration by
+the robot's quantities."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
 
-from freebody.expressions.grammar.atoms import numbered
+from freebody.expressions.grammar.atoms import atom, numbered
 from freebody.expressions.grammar.lexer import Token
-from freebody.expressions.nodes import Matrix, Number
+from freebody.expressions.nodes import Expression, Function, Matrix, Number, nodes
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities import kinds
+from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.answer_tree import Wave
-from freebody_textbook.check.algebra.quotients import Value, difference, pair
+from freebody_textbook.check.algebra.answer_tree import Named, Wave
+from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
 from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS
 from freebody_textbook.check.asked.quantity import AskedQuantity
-from freebody_textbook.check.claims.solved_quantities import SolvedQuantities
+from freebody_textbook.check.claims.formula_reader import FormulaReader
 from freebody_textbook.check.numbers.units import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
-from freebody_textbook.check.reading.circular_answers import refuse_itself, uses
+from freebody_textbook.check.reading.claim import Claim, refuse_itself, uses
+from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
+from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
+from freebody_textbook.closed_chains.first_kind import multiplier_names
 from freebody_textbook.closed_chains.linear import Ratio
 
 _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "
     "--parameter lc=l/2, or stand below [parameters] in the robot's file or a notation of your own."
 )
-"""Families whose letter alone is one's own where it is one number, as an inertia J."""
-_NO_QUOTIENTS = ("K", "gamma")
-"""Letters of quantities that are no quotients, which name ratios in other lines."""
+_IN_NUMBERS = "by the forces on the body"
+
+
+class SolvedQuantities(FormulaReader):
+    """Reads lines solved for what moves."""
+
+    def is_solved(self, line: AnswerLine) -> bool:
+        """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an
+        angle by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
+        first = line[0][0]
+        if len(line) != 2 or len(line[0]) != 1 or self.is_matrix(line[1]):
+            return False
+        if self._is_position(line):
+            return True
+        names = {token.text for token in line.written_with}
+        if first.text in self.vocabulary.waves:
+            tip = (x for x in names if x in self.targets.single)
+            return any(self.targets.single[x].kind.has_legs for x in tip)
+        return self._is_of_motion(line, names)
+
+    def _is_of_motion(self, line: AnswerLine, names: Collection[str]) -> bool:
+        """Whether a line with one name on its left tells a coordinate, rate or acceleration by the
+        names on its right."""
+        first = line[0][0]
+        value = self.vocabulary.symbols.get(first.text)
+        moving = self._moving(value)
+        is_asked = first.text in self.targets.single and not self.is_own(first.text)
+        if is_asked or not (moving or self._is_sum(value)):
+            return False
+        if first.text in self.targets.tables and isinstance(self.parse(line[1]), Matrix):
+            return False
+        if self.setting.system is not None and self.numbers.state_at(
+            (line[1][0].start, line[1][-1].end)
+        ):
+            return True  # d3 = 0.74 m at θ1 = 40°
+        if self.setting.is_free_body or self.setting.system is not None:
+            return bool(names) or (self.setting.is_free_body and atom(moving).dots > 0)
+        by_quantities = any(
+            x in self.targets.names and x not in self.vocabulary.symbols for x in names
+        )
+        return by_quantities or (atom(moving).dots == 2 and bool(names))
+
+    def _is_position(self, line: AnswerLine) -> bool:
+        """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
+        first, functions = line[0][0].text, self.vocabulary.functions
+        if not any(
+            x.kind == "function" and functions[x.text] in INVERSE_FUNCTIONS for x in line[1]
+        ):
+            return False
+        moving = self._moving(self.vocabulary.symbols.get(first))
+        return first in self.vocabulary.waves or moving in self.setting.symbols.coordinates
+
+    def _moving(self, value: Value | None) -> str:
+        """The coordinate, rate or acceleration that a value is, or nothing."""
+        name = "" if value is None else generator(value) or ""
+        known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
+        if self.setting.system is not None:
+            known |= set(multiplier_names(self.setting.system.loops))
+        if self.setting.is_free_body:
+            known |= set(self.setting.symbols.extra)
+        return name if name in known else ""
+
+    def _is_sum(self, value: Value | None) -> bool:
+        """Whether a name stands for a sum of coordinates or rates of a closed chain, such as the
+        angle of a coupler."""
+        if self.setting.system is None or not isinstance(value, Trig) or value.is_zero:
+            return False
+        parts = (value.ring.polynomial([(x, Fraction(1))]) for x, _ in value.terms())
+        return all(map(self._moving, parts))
+
+    def solved_for(self, line: AnswerLine) -> Claim:
+        """The claim of a line about a coordinate or what belongs to it, by the robot's
+        quantities."""
+        first, node = line[0][0], self.parse(line[1])
+        value = self.quotient(self.parse(line[0]))
+        name = self._moving(value)
+        for part in nodes(node):
+            if not isinstance(part, Named) or part.name in self.targets.single:
+                continue
+            if name and any(name in p for x in pair(part.value) for p, _ in x.terms()):
+                self.source.fail(
+                    f"{self.source[first.span]} stands on both sides: solve for it", part.span
+                )
+        if any(isinstance(x, Function) for x in nodes(node)):
+            return self._position(line, name, value, node)
+        words = "solved for it by the robot's quantities"
+        is_angular = self.setting.turns(name)
+        target = AskedQuantity(kinds.SOLVED, (), lambda: value, words=words, is_angular=is_angular)
+        if self.setting.is_free_body and not any(isinstance(x, Named) for x in nodes(node)):
+            motion = FreeBodyMotion(self.setting).motion((value,))
+            target = replace(target, compute=lambda: motion.of(value), words=_IN_NUMBERS)
+        return self.claim(self.source[first.span], target, node)
+
+    def _position(self, line: AnswerLine, name: str, value: Value, node: Expression) -> Claim:
+        """The claim of a line that tells a coordinate by inverse functions."""
+        label = self.source[line[0][0].span]
+        for part in nodes(node):
+            if isinstance(part, Wave) and any(x == name for x, _ in part.angle):
+                self.source.fail(f"{label} stands on both sides: solve for it", part.span)
+        target = AskedQuantity(
+            kinds.POSTURE, (), lambda: value, words="given by the robot's position"
+        )
+        used = tuple(uses(node, self.targets.single, self.vocabulary))
+        return Claim(label, target, node, value, self.source, used)
 
 
 class OwnDefinitions(SolvedQuantities):
     """Tells definitions from what is to be checked, and notes their values."""
 
-    def letters_given_as_vectors(self, lines: Sequence[AnswerLine]) -> frozenset[str]:
-        """First letters of names of vectors that a line gives by its entries."""
+    @cached_property
+    def letters_of_vectors(self) -> frozenset[str]:
+        """Letters such as v that lines give as vectors by their entries: v1 = 0 is one too."""
         return frozenset(
-            line[0][0].text[0]
-            for line in lines
-            if len(line[0]) == 1
-            and line[0][0].text in {*self.targets.soft, *self.targets.alone}
+            line.subject[0]
+            for line in self.lines
+            if line.subject in {*self.targets.soft, *self.targets.alone}
             and any(self.is_matrix(side) for side in line[1:])
         )
 
-    def own_scalars(self, lines: Sequence[AnswerLine]) -> set[str]:
-        """Names of vectors that lines give as one number, wherever these stand."""
+    def _subjects(self, is_own: Callable[[AnswerLine], bool]) -> set[str]:
+        """The subjects of lines that are something of the user's own, wherever these stand."""
         found = set[str]()
-        for line in lines:
-            name = line[0][0].text if len(line[0]) == 1 and len(line) > 1 else ""
+        for line in self.lines:
             with suppress(AnswerError):  # told where the line is read
-                if self._is_own_scalar(name, line, lines):
-                    found.add(name)
+                if is_own(line):
+                    found.add(line.subject)
         return found
 
-    def own_coefficients(self, lines: Sequence[AnswerLine], pending: Collection[str]) -> set[str]:
+    @property
+    def own_scalars(self) -> set[str]:
+        """Names of vectors that lines give as one number."""
+        return self._subjects(self._is_own_scalar)
+
+    def own_coefficients(self, pending: Collection[str]) -> set[str]:
         """Names of velocity coefficients that lines give and others use, wherever these stand;
         pending: names that wait for their own lines."""
-        given = {x[0][0].text: x for x in lines if len(x[0]) == 1 and len(x) > 1}
+        given = {x.subject: x for x in self.lines}
         return {
             name
             for name, line in given.items()
-            if self._is_own_h(name, line, lines)
-            and not any(x.text in pending for side in line[1:] for x in side)
+            if self._is_own_h(line) and not any(x.text in pending for x in line.written_with)
         }
 
-    def definitions(self, line: AnswerLine, lines: Sequence[AnswerLine]) -> list[AnswerLine]:
+    def definitions(self, line: AnswerLine) -> list[AnswerLine]:
         """The line, if it introduces a name of the user's own, or an h that other lines use: its
         value is noted."""
-        first = line[0]
-        name = first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+        name = line.subject
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
-        if self.is_solved(line) or name in self.vocabulary.told:
-            return []
-        if self.is_of_angles(line):
+        if self.is_solved(line) or name in self.vocabulary.told or self.is_of_angles(line):
             return []
         if name in self.vocabulary.waves and self._is_wave(name, line):
             return [line]
         if not name or (
             name in self.targets.names
-            and not self._is_own_h(name, line, lines)
-            and not self._is_own_number(name, line, lines)
-            and not self._is_own_scalar(name, line, lines)
+            and not self._is_own_h(line)
+            and not self._is_own_number(line)
+            and not self._is_own_scalar(line)
         ):
             return []
         if self._repeats_a_formula(name, line):
             return [line]
-        is_taken = not self._is_free(name) and name not in self.own_coordinates(lines)
+        is_taken = not self._is_free(name) and name not in self.own_coordinates
         if name in self.vocabulary.waves or name in self.setting.zeros or is_taken:
             self._refuse_symbol(name, line)
             return []  # a loop's equation, solved for a length
         node = self.parse(line[1])
         given = tuple(use.target for use in uses(node, self.targets.single, self.vocabulary))
         if self.targets.single.get(name) in given:
-            refuse_itself(self.source, self.source[first[0].span], node.span)
+            refuse_itself(self.source, self.source[line[0][0].span], node.span)
         self.define(name, node, given)
         self.own_sides[name] = line[1]
         return [line]
@@ -128,23 +238,22 @@ class OwnDefinitions(SolvedQuantities):
             x.derivative(name).is_zero for x in pair(value) for name in moving
         )
 
-    def own_coordinates(self, lines: Sequence[AnswerLine]) -> set[str]:
+    @property
+    def own_coordinates(self) -> set[str]:
         """Names of coordinates that lines give to numbers of their own, as θ_1 = m_1 l_c1² + I_1,
         where the coordinates go by other names."""
-        symbols, found = self.vocabulary.symbols, set[str]()
-        written = {token.text for line in lines for side in line for token in side}
-        for line in lines:
-            name = line[0][0].text if len(line[0]) == 1 and len(line) == 2 else ""
-            value = symbols.get(name)
-            if not isinstance(value, Trig) or not self._is_coordinate(value):
-                continue
-            others = (x for x in written - {name} if x in symbols)
-            with suppress(AnswerError):  # told where the line is read
-                if any(symbols[x] == value for x in others) and self._is_still(
-                    self._given(line[1])
-                ):
-                    found.add(name)
-        return found
+        return self._subjects(self._is_own_coordinate)
+
+    def _is_own_coordinate(self, line: AnswerLine) -> bool:
+        """Whether a line gives a number of parameters to a coordinate's name, where the coordinate
+        goes by another one."""
+        symbols = self.vocabulary.symbols
+        value = symbols.get(line.subject)
+        if len(line) != 2 or not isinstance(value, Trig) or not self._is_coordinate(value):
+            return False
+        written = {name.text for x in self.lines for name in x.names} - {line.subject}
+        is_renamed = any(symbols[x] == value for x in written if x in symbols)
+        return is_renamed and self._is_still(self._given(line[1]))
 
     def _is_coordinate(self, value: Trig) -> bool:
         return any(value == self.setting.ring[x] for x in self.setting.symbols.coordinates)
@@ -164,38 +273,32 @@ class OwnDefinitions(SolvedQuantities):
             return True
         return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
 
-    def _is_own_number(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_number(self, line: AnswerLine) -> bool:
         """Whether a letter that some books have for one of the quantities stands for something of
         the user's own: one number for a matrix or vector, or what other lines use and has other
         units."""
+        name = line.subject
         letter, _ = numbered(name)
-        table = self.targets.tables.get(name)
-        is_matrix = name not in self.targets.single and table and table[0][0].kind.is_matrix
-        soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
-        soft = soft or self.setting.is_free_body
         target = self.targets.single.get(name)
-        soft = soft or (target is not None and target.soft)
-        if not (soft or letter in _NO_QUOTIENTS) or self.is_matrix(line[1]):
+        asked = self.asked(name)
+        is_matrix = target is None and asked is not None and asked.kind.is_matrix
+        soft = letter in AMBIGUOUS or name in self.targets.soft or is_matrix
+        soft = soft or self.setting.is_free_body or (target is not None and target.soft)
+        may_be_ratio = asked is not None and letter in asked.kind.letters_of_ratios
+        if not (soft or may_be_ratio) or self.is_matrix(line[1]):
             return False
         if target is not None and target.kind.is_given:
             return False
         if target is None:
             return name in AMBIGUOUS or (
-                self._is_used(name, line, lines)
-                and (bool(is_matrix) or self._is_still(self._given(line[1])))
-                and not self._is_zero_vector(name, line)
+                self._is_used(line)
+                and (is_matrix or self._is_still(self._given(line[1])))
+                and not self._is_zero_vector(line)
                 and not self.says_that_the_base_moves(line)
             )
-        return self._is_other_number(name, line, lines, target, soft)
+        return self._is_other_number(line, target, soft)
 
-    def _is_other_number(
-        self,
-        name: str,
-        line: AnswerLine,
-        lines: Sequence[AnswerLine],
-        target: AskedQuantity,
-        soft: bool,
-    ) -> bool:
+    def _is_other_number(self, line: AnswerLine, target: AskedQuantity, soft: bool) -> bool:
         """Whether a line gives a quantity's name to a number that the quantity cannot be; soft:
         whether the name is often another's."""
         given = self._given(line[1])
@@ -203,11 +306,7 @@ class OwnDefinitions(SolvedQuantities):
             return not target.kind.is_quotient
         if target.soft and isinstance(given, Trig):
             return is_of_another_kind(self.setting, given, target.polynomial())
-        if not soft:
-            return False
-        if not self._is_used(name, line, lines):
-            return False
-        if not isinstance(given, Trig):
+        if not soft or not self._is_used(line) or not isinstance(given, Trig):
             return False
         if self.setting.is_free_body:  # T of thrusts, where m, I and rates tell the energy
             return generators_in(given).isdisjoint(generators_in(target.polynomial()))
@@ -219,21 +318,24 @@ class OwnDefinitions(SolvedQuantities):
         by_number = isinstance(node, Matrix) or functions_of(node)
         return None if by_number else self.quotient(node)
 
-    def _is_own_scalar(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_scalar(self, line: AnswerLine) -> bool:
         """Whether a name of a body's vector is given to one number, or the letter of another vector
         with which other lines are written, as a ratio n."""
+        name = line.subject
         if name in self.targets.single:
             return False
         is_vector = len(self.targets.tables.get(name, ())) > 1
         is_letter = is_vector and len(name) == 1 and name not in self.vocabulary.symbols
-        if name not in self.targets.soft and not (is_letter and self._is_used(name, line, lines)):
+        if name not in self.targets.soft and not (is_letter and self._is_used(line)):
             return False
-        return not (self._is_zero_vector(name, line) or isinstance(self.parse(line[1]), Matrix))
+        return not (self._is_zero_vector(line) or isinstance(self.parse(line[1]), Matrix))
 
-    def _is_zero_vector(self, name: str, line: AnswerLine) -> bool:
+    def _is_zero_vector(self, line: AnswerLine) -> bool:
         """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
         node = self.parse(line[1])
-        return isinstance(node, Number) and not node.value and self.may_be_vector(name, node)
+        return (
+            isinstance(node, Number) and not node.value and self.may_be_vector(line.subject, node)
+        )
 
     def may_be_vector(self, name: str, node: Number) -> bool:
         """Whether one number may be a vector: 0 of one that vanishes, or where other lines give the
@@ -246,21 +348,12 @@ class OwnDefinitions(SolvedQuantities):
             x.kind.of == "bodies" and x.polynomial().is_zero for (x,) in table
         )
 
-    def _is_own_h(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
+    def _is_own_h(self, line: AnswerLine) -> bool:
         """Whether a line defines a velocity coefficient that other lines are written with."""
-        if (
-            self.targets.single.get(name) is None
-            or not self.targets.single[name].kind.is_coefficient
-        ):
-            return False
-        return self._is_used(name, line, lines)
+        target = self.targets.single.get(line.subject)
+        return target is not None and target.kind.is_coefficient and self._is_used(line)
 
-    def _is_used(self, name: str, line: AnswerLine, lines: Sequence[AnswerLine]) -> bool:
-        """Whether another line is written with a name, not merely about it."""
-        return any(
-            t.kind == "name" and t.text == name
-            for other in lines
-            if other != line
-            for side in (other if len(other[0]) > 1 else other[1:])
-            for t in side
-        )
+    def _is_used(self, line: AnswerLine) -> bool:
+        """Whether another line is written with a line's subject, not merely about it."""
+        others = (x for x in self.lines if x != line)
+        return any(token.text == line.subject for x in others for token in x.written_with)

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.atoms import atom, numbered
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, numbered, spellings
 from freebody.expressions.grammar.lexer import tokens
 from freebody.expressions.nodes import Matrix, Span
 from freebody.expressions.notations.lettering import Lettering
@@ -22,13 +21,13 @@ from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS, Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import entry_label
 from freebody_textbook.check.link_symbols import LINK_SYMBOLS
-from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import FUNCTIONS, Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
 
 _NUMBERED = (*(x.letter for x in LINK_SYMBOLS), "q")
-"""What names of one's own may stand for, for all links or joints."""
+"""The letters that a name of one's own may stand for on all links or joints."""
 
 
 def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
@@ -77,7 +76,8 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
 
 
 def as_texts(names: object) -> dict[str, str]:
-    """Names and their meanings, of which a number is one too; raises AnswerError."""
+    """The names and meanings that a user gives, of which a number is one too; raises
+    AnswerError."""
     if not isinstance(names, Mapping):
         raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
     for name, meaning in names.items():
@@ -138,7 +138,7 @@ def _define(
     reader = PolynomialReader(meaning, vocabulary.setting.ring)
     vocabulary.told |= {plain} if given else set()
     if isinstance(node, Matrix):
-        vocabulary.define_matrix(plain, node, given)
+        vocabulary.define(plain, node, given)
         for k, row in enumerate(node.rows if len(node.rows[0]) == 1 else (), 1):
             own = tuple(use.target for use in uses(row[0], targets.single, vocabulary))
             vocabulary.define(f"{plain}{k}", reader.quotient(row[0]), own)

@@ -26,8 +26,7 @@ from freebody_textbook.check.algebra.quotients import (
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody_textbook.check.reading.answer_lines import AnswerLine
-from freebody_textbook.check.reading.circular_answers import uses
-from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.reasons import undriven_joints
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
@@ -39,28 +38,27 @@ _MOST_COORDINATES = 2
 
 
 class UnnamedEquations(FormulaReader):
-    """Reads what such an equation states."""
+    """Reads the statements of equations no side of which is a quantity."""
 
     def unnamed(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
         """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
         joint, or an equation between other quantities."""
-        span = (line[0][0].start, line[-1][-1].end)
         if len(line) > 2:  # 0 = a = b
-            pairs = ((line[0], side) for side in line[1:])
+            pairs = (AnswerLine((line[0], side)) for side in line[1:])
             return [claim for pair in pairs for claim in self.unnamed(pair, before)]
         if any(functions_of(self.parse(side)) for side in line):
             return self._identities(line)
         if self._says_nothing(line):
             self.source.fail(
                 "both sides are the same, whatever its quantities are: there is nothing to check",
-                span,
+                line.span,
             )
         if self.setting.is_free_body:
             return self._identities(line)
         return self._of_joints(line, before)
 
     def _of_joints(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """What an equation with two sides says of a robot with joints."""
+        """The claims of an equation with two sides about a robot with joints."""
         asked = self._asked(line)
         torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
         told = frozenset(asked.values()) | self._behind_own_names(line)
@@ -76,13 +74,13 @@ class UnnamedEquations(FormulaReader):
     def _asked(self, line: AnswerLine) -> dict[str, AskedQuantity]:
         """The quantities in a line, by name."""
         taken = {*self.vocabulary.symbols, *self.vocabulary.waves}
-        names = sorted({t.text for side in line for t in side if t.kind == "name"} - taken)
+        names = sorted({x.text for x in line.names} - taken)
         return {x: self.targets.single[x] for x in names if x in self.targets.single}
 
     def _behind_own_names(self, line: AnswerLine) -> frozenset[AskedQuantity]:
         """The quantities by which names of the user's own in a line are given."""
-        names = {t.text for side in line for t in side if t.kind == "name"}
-        return frozenset(x for name in names for x in self.vocabulary.uses.get(name, ()))
+        uses = self.vocabulary.uses
+        return frozenset(x for name in line.names for x in uses.get(name.text, ()))
 
     def _is_between(
         self, line: AnswerLine, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
@@ -91,7 +89,7 @@ class UnnamedEquations(FormulaReader):
         several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
         if len(torques) > 1 and asked > torques:
             return True
-        named = [token.text for token in sum(line, ()) if self._is_vector(token)]
+        named = [token.text for token in line.names if self._is_vector(token)]
         vectors = self.setting.system is None and bool(named)
         vectors = vectors and (
             not self.targets.alone.isdisjoint(named)  # q̇ᵀ (Ṁ - 2 C) q̇ = 0
@@ -100,14 +98,14 @@ class UnnamedEquations(FormulaReader):
         return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
 
     def _by_loops(self, line: AnswerLine, between: bool, asked: bool) -> list[Claim]:
-        """What a line without torques says of a closed chain, if that is of its loops or between
-        quantities."""
+        """The claims of a line without torques about a closed chain, if it is of its loops or
+        between quantities."""
         if self.setting.system is None:
             return []
         if along := self._along_legs(line):
             return along
         waves = self.vocabulary.waves
-        vectors = any(self._is_vector(t) and t.text not in waves for t in sum(line, ()))
+        vectors = any(self._is_vector(t) and t.text not in waves for t in line.names)
         if between or vectors or (asked and self._is_reduced(line)):
             return self._identities(line)
         closing = self._closing(line)
@@ -115,11 +113,10 @@ class UnnamedEquations(FormulaReader):
 
     def _of_torque(self, line: AnswerLine, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
         """An equation solved for the one torque in it."""
-        span = (line[0][0].start, line[-1][-1].end)
         if len(set(torques.values())) != 1:
             self.source.fail(
                 "neither side is one of the quantities that are checked",
-                span,
+                line.span,
                 "These are tau1, H12 or M12, c1, g1 or G1, J11, T, V, x and y.",
             )
         name, target = next(iter(torques.items()))
@@ -127,15 +124,15 @@ class UnnamedEquations(FormulaReader):
             return self._identities(line)
         value = self._solved(line, target)
         if value is None:
-            self.source.fail(f"this equation cannot be solved for {name}", span)
-        node = self._others(line, name) or Named(name, value, span=span)
+            self.source.fail(f"this equation cannot be solved for {name}", line.span)
+        node = self._others(line, name) or Named(name, value, span=line.span)
         sides = map(self.parse, line)
         used = [use for side in sides for use in uses(side, self.targets.single, self.vocabulary)]
         used = [use for use in used if use.target != target]
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
 
     def _of_passive(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """What a line between quantities says, if that is the equation of a passive joint."""
+        """The claim of a line between quantities, if that is the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
         value, single = self._difference(line)[1], self.targets.single
@@ -144,7 +141,7 @@ class UnnamedEquations(FormulaReader):
         return [self._unpowered(line, before)] if any(same) else []
 
     def _others(self, line: AnswerLine, name: str) -> Expression | None:
-        """What stands beside a torque in a sum of both sides, with the signs that it has when the
+        """The terms beside a torque in a sum of both sides, with the signs that they have when the
         torque alone stands on the left; None where it has a factor."""
         left, right = map(self.parse, line)
         terms = [*_terms(left), *_terms(Negative(right, span=right.span))]
@@ -200,14 +197,12 @@ class UnnamedEquations(FormulaReader):
         table = self.targets.tables.get(token.text)
         if table is None or token.text in self.vocabulary.symbols:
             return False
-        return token.kind == "name" and not table[0][0].kind.is_coordinate
+        return not table[0][0].kind.is_coordinate
 
     def _tells_of_motion(self, line: AnswerLine) -> bool:
         """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
         motion."""
-        values = [
-            self.vocabulary.symbols.get(t.text) for side in line for t in side if t.kind == "name"
-        ]
+        values = [self.vocabulary.symbols.get(x.text) for x in line.names]
         names = generators_in(*(x for x in values if isinstance(x, Trig)))
         return any(atom(x).dots == 2 or is_multiplier(x) for x in names)
 
@@ -245,7 +240,7 @@ class UnnamedEquations(FormulaReader):
         """A relation of the tip that holds along one of the legs, such as
         (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
         single = self.targets.single
-        inside = {t.text for side in line for t in side if t.text in single}
+        inside = {x.text for x in line.names if x.text in single}
         tip = sorted(name for name in inside if single[name].kind.has_legs)[:_MOST_COORDINATES]
         legs = [[single[name], *self.along_legs(single[name])] for name in tip]
         ways = [[x.polynomial() for x in way] for way in product(*legs)]
@@ -265,7 +260,7 @@ class UnnamedEquations(FormulaReader):
         return self._difference(line)[1].is_zero
 
     def _difference(self, line: AnswerLine) -> tuple[Expression, Value]:
-        """Left less right; where one is 0 the other, with its own sign."""
+        """The left side less the right; where one is 0 the other, with its own sign."""
         left, right = map(self.parse, line)
         values = self.quotient(left), self.quotient(right)
         node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
@@ -275,24 +270,23 @@ class UnnamedEquations(FormulaReader):
         return node, self.quotient(node)
 
     def _of_bodies(self, line: AnswerLine) -> list[Claim]:
-        """What a line says of bodies, if it is between vectors or holds in any motion."""
+        """The claims of a line about bodies, if it is between vectors or holds in any motion."""
         stated = self._identities(line) if self.of_bodies else []
         return stated if all_right(stated) or len(stated) > 1 else []
 
     def _identities(self, line: AnswerLine) -> list[Claim]:
         """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
-        whole = [token for side in line for token in side]
-        return self.in_some_axes(whole, lambda: self._between(line))
+        return self.in_some_axes(line.tokens, lambda: self._between(line))
 
     def _between(self, line: AnswerLine) -> list[Claim]:
         """The claims of an equation between quantities of bodies, with components in given axes."""
-        left, right = self.parse(line[0]), self.parse(line[1])
+        left, right = map(self.parse, line[:2])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
             table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
             assert isinstance(table, Matrix)
             fitting = self.parse(line[k], (len(table.rows), len(table.rows[0])))
             left, right = (left, fitting) if k else (fitting, right)
-        span = (line[0][0].start, line[-1][-1].end)
+        span = line.span
         if len(line) != 2 or self.source[left.span] == self.source[right.span]:
             self.source.fail("this must be an equation between two different sides", span)
         pairs = zip(entries_of(left), entries_of(right), strict=False)
@@ -310,12 +304,12 @@ class UnnamedEquations(FormulaReader):
             kinds.IDENTITY, (), lambda: value, words="an identity of angles",
             note="It claims nothing of the robot.",
         )  # fmt: skip
-        label = self.source[line[0][0].start, line[-1][-1].end]
+        label = self.source[line.span]
         whole = Sum((left, Negative(right, span=right.span)), span=around(left, right))
         return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
 
     def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
-        """One entry: the side that says more is compared with the other."""
+        """The claim of one entry: the side that says more is compared with the other."""
         is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
         if isinstance(right, Number) and not is_result:
             left, right = right, left

@@ -9,7 +9,7 @@ FORMS: dict[str, DocumentForm] = {
     form.name: form
     for form in (plain.FORM, markdown.FORM, latex.FORM, notebook.FORM, python_code.FORM)
 }
-"""By name."""
+"""The forms by name."""
 
 
 def form_of(file_name: str) -> DocumentForm:

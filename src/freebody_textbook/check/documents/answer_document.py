@@ -13,7 +13,7 @@ from freebody_textbook.check.documents.macros import expanded
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
 
 LARGEST = 400_000
-"""Characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
+"""The most characters of a document; of its formulas fewer are read, see `AnswerText.longest`."""
 
 
 @dataclass(frozen=True)
@@ -37,10 +37,10 @@ class AnswerDocument:
     prose: tuple[Span, ...] = ()
     """Lines in which formulas may stand between words."""
     parts: tuple[tuple[str, int], ...] = ()
-    """Of a notebook the cells: what they are called and where they begin."""
+    """The cells of a notebook: what each is called and where it begins."""
     said: str = ""
-    """What it says to its readers, formula or not, every character at its place: without comments,
-    headings and declarations."""
+    """The text that speaks to readers, formula or not, every character at its place: without
+    comments, headings and declarations."""
     assigns: bool = False
     """Whether each equals sign gives a name a value of its own, as in code: where that is not read,
     nothing is taken for it."""
@@ -93,14 +93,15 @@ _NUMBER = re.compile(
     r"(?:\\q?quad|\\hfill|\t|(?<=[ ]) )[ ]?\((?:\d{1,3}[.-]\d{1,3}[a-z]?|[A-Z]\.\d{1,3})\)"
     r"(?=[ ]?(?:\\\\|\$|\\\]|\n|$))"
 )
-"""Of an equation, at the end of its line and apart from it: (3.2), (A.4)."""
+"""The number of an equation at the end of its line and apart from it: (3.2), (A.4)."""
 _LABEL = re.compile(
     r"^[ \t]{0,12}(?:\(?(?:[a-z]|[ivx]{1,4}|\d{1,2}[a-z]?)\)|(?:\d{1,2}\.|[*•‣])(?=[ \t])"
     r"|[^\W\d_]{1,12}\.?[ \t]?\(?\d{1,3}(?:\.\d{1,3})?[a-z]?\)?[ \t]?:)"
     r"(?=[ \t]{1,4}(?:[^\W\d_]|\\[a-zA-Z])[^\s=+*/()]{0,30}(?:\([^()=\n]{0,30}\))?[ \t]?=)",
     re.MULTILINE,
 )
-"""Of a question or an equation in front of it: 1) H22 = …, (a), ii), Eq. (3):, and bullets."""
+"""The label of a question or an equation in front of it: 1) H22 = …, (a), ii), Eq. (3):, and
+bullets."""
 
 
 @dataclass
@@ -123,21 +124,33 @@ class Blanks:
                 self.characters[k] = " "
         self.characters[start : start + len(new)] = new
 
-    def only(self, kept: list[Span]) -> None:
-        """Blanks everywhere else; `kept` in order."""
-        at = 0
-        for start, end in [*kept, (len(self.characters), len(self.characters))]:
+    def only(self, kept: list[Span], span: Span | None = None) -> None:
+        """Blanks everywhere else in a stretch; `kept` in order."""
+        at, stop = span or (0, len(self.characters))
+        for start, end in [*kept, (stop, stop)]:
             self.put(at, max(at, start))
             at = max(at, end)
 
-    def replaced(self, pattern: re.Pattern[str], new: str = "") -> None:
-        """Put `new` in place of every match."""
-        for match in pattern.finditer(str(self)):
-            self.put(*match.span(), new)
+    def inside(self, span: Span) -> str:
+        """The text of a stretch."""
+        return "".join(self.characters[slice(*span)])
+
+    def replace(
+        self,
+        pattern: re.Pattern[str],
+        new: str | Callable[[re.Match[str]], str] = "",
+        span: Span | None = None,
+        group: int = 0,
+    ) -> None:
+        """Put something in place of a group of every match in a stretch, which is read alone."""
+        start, end = span or (0, len(self.characters))
+        for match in pattern.finditer(self.inside((start, end))):
+            first, behind = match.span(group)
+            self.put(start + first, start + behind, new(match) if callable(new) else new)
 
 
 def between(text: str, opening: str, closing: str) -> list[Span]:
-    """What stands between pairs of two marks, without them, in time proportional to the text."""
+    """The stretches between pairs of two marks, without these, in time proportional to the text."""
     found, at = [], 0
     while (start := text.find(opening, at)) >= 0:
         end = text.find(closing, start + len(opening))

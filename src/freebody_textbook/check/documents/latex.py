@@ -25,7 +25,7 @@ _DISPLAYS = (
 )  # fmt: skip
 _WITH_COLUMNS = ("alignat", "IEEEeqnarray")
 _COLUMNS = re.compile(r"\s{0,9}\{[^{}]{0,40}\}")
-"""What stands behind the begin of some displays: how many columns, or how they are set."""
+"""The columns behind the begin of some displays: how many, or how they are set."""
 _COMMENT = re.compile(r"(?<!\\)(?:\\\\)*(%[^\n]*)")
 _CONTINUED = re.compile(r"\n(?=[^\n=]*[^\s=][^\n=]*(?:\n|$))")
 """The end of a line that goes on in one without an equals sign."""
@@ -42,7 +42,7 @@ _NOTHING = re.compile(
 _THEREFORE = re.compile(
     r"\\(?:therefore|Rightarrow|implies|Longrightarrow|rightarrow|iff|Leftrightarrow)(?![A-Za-z])"
 )
-"""Commands between equations."""
+"""The commands that stand between equations."""
 _AROUND = re.compile(
     r"\\(?:boxed|fbox|underline|overline|ensuremath|displaystyle|underbrace|overbrace)(?![A-Za-z])\s*"
     rf"|\\(?:textcolor|colorbox)\s*{_GROUP}\s*"
@@ -63,8 +63,7 @@ def read(text: str) -> AnswerDocument:
     text."""
     written = plain_characters(text)
     whole = Blanks(written)
-    for match in _COMMENT.finditer(written):
-        whole.put(*match.span(1))
+    whole.replace(_COMMENT, group=1)
     start = str(whole).find(_DOCUMENT)
     if start >= 0:
         whole.put(0, start + len(_DOCUMENT))
@@ -82,7 +81,7 @@ def read(text: str) -> AnswerDocument:
 
 
 def formulas(text: str) -> list[Span]:
-    """What stands in displays and between dollar signs, in order, none inside another."""
+    """The stretches in displays and between dollar signs, in order, none inside another."""
     found: list[Span] = []
     for name in _DISPLAYS:
         for star in ("", "*"):
@@ -121,9 +120,9 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
         for k in range(start, end):  # in a formula the end of a line is none
             if whole.characters[k] == "\n":
                 whole.characters[k] = " "
-    whole.replaced(_NOTHING)
-    whole.replaced(_HALF_BRACE)
-    whole.replaced(_THEREFORE, ",")
+    whole.replace(_NOTHING)
+    whole.replace(_HALF_BRACE)
+    whole.replace(_THEREFORE, ",")
     _take_words(whole)
     _open_boxes(whole)
     _open_arrays(whole)
@@ -191,8 +190,8 @@ def _join_rows(whole: Blanks, text: str, span: Span) -> None:
 
 
 def _take_words(whole: Blanks) -> None:
-    """Words set as text become what a line's end is: a comma; but not between operators, where
-    they stand for a term."""
+    """Put a comma, which ends a line, in place of words set as text; but not between operators,
+    where they stand for a term."""
     text = str(whole)
     for match in _TEXT.finditer(text):
         words = match[1][1:-1].strip()

@@ -11,9 +11,9 @@ from freebody_textbook.check.spelling.answer_text import AnswerError
 
 MOST_USES = 20_000
 LARGEST = 400_000
-"""Characters of a text with its commands put in."""
+"""The most characters of a text with its commands put in."""
 _DEEPEST = 30
-"""Commands that stand for others."""
+"""The most commands inside one another."""
 _LONGEST_LINE = 2000
 
 _DEFINITION = re.compile(
@@ -31,7 +31,7 @@ _PLACE = re.compile(r"#([1-9])")
 
 @dataclass(frozen=True)
 class _Macro:
-    """What a command stands for; #1 is its first argument, which may have a default."""
+    """The text that a command stands for; #1 is its first argument, which may have a default."""
 
     body: str
     arguments: int = 0
@@ -90,7 +90,7 @@ class _Expansion:
     def _used(
         self, text: str, command: re.Match[str], braces: Mapping[int, int], depth: int
     ) -> tuple[str, int]:
-        """What a command stands for there, and where its arguments end."""
+        """The text that a command stands for at a place, and where its arguments end."""
         macro, at = self.macros[command[1]], command.end()
         given: list[str] = []
         if macro.default is not None:
@@ -125,7 +125,7 @@ def _argument(text: str, at: int, braces: Mapping[int, int]) -> tuple[str, int]:
 
 
 def closing_braces(text: str) -> dict[int, int]:
-    """Where each brace that opens is closed."""
+    """The place at which each brace is closed, by the place at which it opens."""
     found, opened = dict[int, int](), list[int]()
     for match in _BRACE.finditer(text):
         if match[0] == "{":

@@ -1,11 +1,11 @@
-"""Markdown: formulas between dollar signs, in fences and on lines of their own."""
+"""Markdown: formulas between dollar signs, in fences, in tables and on lines of their own."""
 
 from __future__ import annotations
 
 import re
 
 from freebody.expressions.grammar.source import Span
-from freebody_textbook.check.documents import latex, plain, python_code, tables
+from freebody_textbook.check.documents import latex, plain, python_code
 from freebody_textbook.check.documents.answer_document import (
     AnswerDocument,
     Blanks,
@@ -20,7 +20,7 @@ _HEADING = re.compile(
     r"^[ \t]*#{1,6}[ \t]+(?!(?:[^=:\n]{1,40}:[ \t]*)?(?:\$|[^\s=]{1,20}[ \t]?=))[^\n]*",
     re.MULTILINE,
 )
-"""Of words; one that is an equation states it."""
+"""A heading of words; one that is an equation states it."""
 _MARKS = re.compile(
     rf"{_HEADING.pattern}|^[ \t]*(?:#{{1,6}}[ \t]|\|[ \t:|-]+$)"
     r"|^[ \t]*(?:>[ \t]?|[-*+][ \t]+(?:\[[ xX]\][ \t])?|\d{1,3}[.)][ \t]+|\|)"
@@ -29,13 +29,23 @@ _MARKS = re.compile(
 )
 """Marks of headings, lists, quotations, tables and emphasis; a heading with its words. A power
 lc2**2 is no emphasis."""
+_TABLE_ROW = re.compile(r"[ \t]{0,3}\|(?P<cells>[^\n]{1,400})\|[ \t]*$")
+_TABLE_RULE = re.compile(r"[ \t]{0,3}\|?(?:[ \t]*:?-+:?[ \t]*\|)+(?:[ \t]*:?-+:?)?[ \t]*")
+_CELL_NAME = re.compile(
+    r"\s*\$?\s?(?P<name>(?=[^\s=]*[\d₀-₉\\Α-ω])(?:\\[A-Za-z]+|[A-Za-zΑ-ω])[^\s=\[\]()|$,]{0,24})"
+    r"\s?\$?\s*(?:[\[(/]\s?\$?(?P<unit>[^\[\]()|=$]{1,20})\$?\s?[\])]?)?\s*$"
+)
+"""A symbol, perhaps with a unit."""
+_CELL_NUMBER = re.compile(
+    r"\s*\$?(?P<number>[-+−]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20}))\s?(?P<unit>[^|=]{0,20}?)\$?\s*$"
+)
 _ROW = re.compile(r"[ \t]*\|")
 """The begin of a table's row, whose cells are separate."""
 
 
 def read(text: str) -> AnswerDocument:
     """Formulas are LaTeX; fences called python are code, other fences and lines are plain text."""
-    written = plain_characters(tables.in_lines(text))
+    written = plain_characters(_with_tables(text))
     whole, said, pieces, prose = parted(written)
     return AnswerDocument(
         written, str(whole), tuple(pieces), tuple(prose), said=str(said), told=True
@@ -50,7 +60,7 @@ def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]
         whole.put(start - 4, end + 3)
     text = str(whole)
     said = Blanks(text)
-    said.replaced(_HEADING)
+    said.replace(_HEADING)
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []
     displays: list[Span] = []
@@ -73,7 +83,7 @@ def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]
 
 
 def _fences(text: str) -> list[tuple[int, int, str, Span]]:
-    """Start, end, language and inner span of each fenced block."""
+    """The start, end, language and inner span of each fenced block."""
     found, opened = [], None
     for match in _FENCE.finditer(text):
         if opened is None:
@@ -127,6 +137,48 @@ def _keep(whole: Blanks, line: Span, formulas: list[Span], k: int) -> int:
         k += 1
     whole.put(at, max(at, line[1]))
     return k
+
+
+def _with_tables(text: str) -> str:
+    """A text with its tables of numbers as equations, a row a line: below θ1 [°] | G2 [N m] the row
+    30 | 3.05 is θ1 = 30 °, G2 = 3.05 N m; G2 | 3.05 N m is G2 = 3.05 N m."""
+    lines = text.split("\n")
+    for k in range(1, len(lines)):
+        if _TABLE_RULE.fullmatch(lines[k]) and (head := _cells(lines[k - 1])):
+            _read_table(lines, k, head)
+    return "\n".join(lines)
+
+
+def _read_table(lines: list[str], rule: int, head: list[str]) -> None:
+    """Put equations in place of the rows below a rule."""
+    names = [_CELL_NAME.match(cell) for cell in head]
+    found: dict[int, str] = {}
+    for k in range(rule + 1, len(lines)):
+        cells = _cells(lines[k])
+        if not cells or _TABLE_RULE.fullmatch(lines[k]):
+            break
+        pairs = list(zip(names, cells, strict=False))
+        own = _CELL_NAME.match(cells[0])
+        if not any(names) and own and len(cells) == 2:
+            pairs = [(own, cells[1])]
+        told = [(name, _CELL_NUMBER.match(cell)) for name, cell in pairs if name]
+        if told and all(number for _, number in told):
+            found[k] = ", ".join(_cell_equation(*pair) for pair in told)
+    for k, line in found.items():
+        lines[k] = line
+    if found:
+        lines[rule - 1] = lines[rule] = ""
+
+
+def _cells(line: str) -> list[str]:
+    row = _TABLE_ROW.fullmatch(line)
+    return row["cells"].split("|") if row else []
+
+
+def _cell_equation(name: re.Match[str], number: re.Match[str] | None) -> str:
+    assert number is not None
+    unit = number["unit"] or name["unit"] or ""
+    return f"{name['name']} = {number['number']} {unit}".rstrip()
 
 
 FORM = DocumentForm(

@@ -18,7 +18,7 @@ from freebody_textbook.check.spelling.answer_text import AnswerError
 
 
 def read(text: str) -> AnswerDocument:
-    """Its cells, one after the other; outputs are not read."""
+    """The document of a notebook's cells, one after the other; outputs are not read."""
     written, formulas, said = "", "", ""
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []

@@ -22,6 +22,7 @@ _DECLARED = re.compile(
     r"\b(?:symbols|Symbol|dynamicsymbols|Function|var|lambdify|import|ReferenceFrame|Point)\b"
 )
 _EQUATION = re.compile(r"(?<![\w.])(?:\w{1,9}\.)?Eq\(\s*([A-Za-z_]\w{0,60})\s*(,)")
+_QUESTION = re.compile("==")
 _STRINGS = re.compile(r"\"[^\"\n]*\"|'[^'\n]*'")
 _MODULES = re.compile(r"(?<![\w.])(?:sp|sympy|sm|smp|np|numpy|math|mp|me)\.(?=[A-Za-z])")
 _WRAPPERS = re.compile(
@@ -43,7 +44,7 @@ _SAME = (
     r"(?:\w+\.)?(?:simplify|trigsimp|expand|factor|expand_trig)\({0}\)"
     r"|{0}\.(?:simplify|expand|doit|trigsimp)\(\)"
 )
-"""What does not change a value."""
+"""The calls that do not change a value."""
 _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
@@ -52,17 +53,14 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
     `said` all is left that states something."""
     pieces = []
     kept: list[Span] = []
-    for match in _ENTRY.finditer("".join(whole.characters[slice(*span)])):
-        name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
-        for text in (whole, said):
-            start, end = span[0] + match.start(), span[0] + match.end()
-            text.put(start, end, name.ljust(end - start, FILL))
-    for match in _FUNCTION.finditer("".join(whole.characters[slice(*span)])):
+    for text in (whole, said):
+        text.replace(_ENTRY, _counted_from_one, span)
+    for match in _FUNCTION.finditer(whole.inside(span)):
         (head, behind), (start, end) = match.span(2), match.span(4)
         for text in (whole, said):
             text.put(span[0] + head, span[0] + behind)
             text.put(span[0] + start, span[0] + end + 1, match[3].ljust(end - start, FILL) + "=")
-    code = "".join(whole.characters[slice(*span)])
+    code = whole.inside(span)
     stated: list[Span] = []
     for a, b in _statements(code):
         text, start, end = code[a:b], span[0] + a, span[0] + b
@@ -78,11 +76,8 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
         kept.append((start, end))
         pieces.append(FormulaPiece(start, end, lenient=True))
         whole.put(start + assigned.end(1), start + assigned.start(2))
-    for text, spans in ((whole, kept), (said, stated)):
-        at = span[0]
-        for start, end in [*spans, (span[1], span[1])]:
-            text.put(at, start)
-            at = end
+    whole.only(kept, span)
+    said.only(stated, span)
     for start, end in stated:
         _statement_alone(said, start, end)
     for start, end in kept:
@@ -90,13 +85,18 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
     return pieces
 
 
+def _counted_from_one(match: re.Match[str]) -> str:
+    """The name of an entry whose indices are counted from 0."""
+    name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
+    return name.ljust(len(match[0]), FILL)
+
+
 def _statement_alone(said: Blanks, start: int, end: int) -> None:
     """A statement without what stands in brackets and strings, the arguments of functions, and
     without questions, a == b; Eq(a, b) states that a = b."""
-    text = "".join(said.characters[start:end])
+    text = said.inside((start, end))
     equations = list(_EQUATION.finditer(text))
-    for match in equations:
-        said.put(start + match.start(2), start + match.end(2), "=")
+    said.replace(_EQUATION, "=", (start, end), group=2)
     apart = {at for match in equations for at in range(*match.span())}
     depth = 0
     for at, c in enumerate(text):
@@ -106,28 +106,18 @@ def _statement_alone(said: Blanks, start: int, end: int) -> None:
         if inside:
             said.put(start + at, start + at + 1)
     if not text.lstrip().startswith("assert"):
-        for match in re.finditer("==", text):
-            said.put(start + match.start(), start + match.end())
+        said.replace(_QUESTION, "", (start, end))
     for match in _STRINGS.finditer(text):
         said.put(start + match.start(), start + match.end())
 
 
 def _plain(whole: Blanks, start: int, end: int) -> None:
-    """What SymPy's functions mean in a formula."""
-    inside = "".join(whole.characters[start:end])
-    for match in _MODULES.finditer(inside):
-        whole.put(start + match.start(), start + match.end())
-    inside = "".join(whole.characters[start:end])
-    for pattern in (_WRAPPERS, _METHODS):
-        for match in pattern.finditer(inside):
-            whole.put(start + match.start(), start + match.end())
-    for match in _RATIONAL.finditer(inside):
-        new = f"({match[1]}/{match[2]})" if match[2] else match[1]
-        whole.put(start + match.start(), start + match.end(), new)
-    for match in _RATE.finditer(inside):
-        twice = "," in match[0] and match[2] != "1"
-        new = "d" * (1 + twice) + match[1]
-        whole.put(start + match.start(), start + match.end(), new)
+    """Put formulas in place of SymPy's functions."""
+    span = (start, end)
+    for pattern in (_MODULES, _WRAPPERS, _METHODS):
+        whole.replace(pattern, "", span)
+    whole.replace(_RATIONAL, lambda x: f"({x[1]}/{x[2]})" if x[2] else x[1], span)
+    whole.replace(_RATE, lambda x: "d" * (1 + ("," in x[0] and x[2] != "1")) + x[1], span)
     _functions_for_methods(whole, start, end)
 
 
@@ -135,7 +125,7 @@ def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
     """diff(x, y) for each x.diff(y), and jacobian likewise."""
     for method in _OF_METHODS:
         while True:
-            inside = "".join(whole.characters[start:end])
+            inside = whole.inside((start, end))
             at = inside.find(method)
             if at < 0:
                 break
@@ -144,7 +134,7 @@ def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
 
 
 def _begun(text: str, end: int) -> int:
-    """Where the name or the call begins that ends there."""
+    """The place at which the name or the call begins that ends at a place."""
     at = end
     while at and text[at - 1] == FILL:
         at -= 1
@@ -161,7 +151,7 @@ def _begun(text: str, end: int) -> int:
 
 
 def _statements(code: str) -> Iterator[Span]:
-    """Lines, those inside brackets joined; without comments at their ends."""
+    """The statements of code: lines without comments, those inside brackets joined."""
     depth, start, at = 0, 0, 0
     while at < len(code):
         c = code[at]
@@ -187,7 +177,7 @@ def _statements(code: str) -> Iterator[Span]:
 
 
 def read(text: str) -> AnswerDocument:
-    """All of it is code."""
+    """The document of a text that is all code."""
     written = plain_characters(text)
     whole, said = Blanks(written), Blanks(written)
     pieces = clean(whole, said, (0, len(written)))

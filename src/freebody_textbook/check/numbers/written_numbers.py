@@ -11,6 +11,7 @@ from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern, Match
 from freebody.expressions.grammar.source import Span
 from freebody.expressions.grammar.tables.characters import FILL
+from freebody.lazy import cached_property
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
 from freebody_textbook.check.numbers.results import StandingState, WrittenNumber, WrittenNumbers
@@ -50,6 +51,8 @@ _COLON = LexemePattern("%line? :")
 _INTRODUCES = LexemePattern("< , | ; | . > < %apart | %last > | %last | then | we | one | it")
 """Behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""
 _SENTENCE_END = LexemePattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
+_BEHIND_CONDITION = LexemePattern("< . | , | ; | * | %strong | _ | } >{0,60}")
+_BLANK_LINE = LexemePattern("%line %line")
 _LONE = LexemePattern(
     "= < & | [ | ( | { >{0,6} %sign? @result_number }* < . | , | ; | ] | & | ) | %row | %last >"
 )
@@ -190,10 +193,14 @@ class _NumberSearch:
     def _paragraph_end(self, k: int) -> int:
         """Where the paragraph ends in which a condition stands that ends before a lexeme; of a
         condition on a paragraph of its own the end of the document."""
-        text = self.document.written
-        rest = text[self._end(k) :].lstrip(" \t.,;*_$}")
-        blank = len(text) - len(rest) + rest.find("\n\n") if "\n\n" in rest else len(text)
-        return len(text) if rest.startswith("\n\n") else blank
+        begun = _BEHIND_CONDITION.end(self._written, self._written.at(self._end(k)))
+        blank = next(_BLANK_LINE.all(self._written, begun), None)
+        return len(self.text) if blank is None or blank.start == begun else blank.span[0]
+
+    @cached_property
+    def _written(self) -> Lexemes:
+        """The lexemes of the document as it was written."""
+        return Lexemes.of(self.document.written)
 
     def _is_result(self, values: GivenState) -> bool:
         """Whether a value is that of an acceleration of a body that nothing holds, which forces

@@ -1,1 +1,1 @@
-"""What a name, a line and a formula of an answer mean."""
+"""The meaning of names, lines and formulas of an answer."""

@@ -7,14 +7,15 @@ from contextlib import contextmanager
 
 from freebody.errors import FreebodyError
 from freebody.expressions.grammar import words
+from freebody.expressions.grammar.lexemes import Lexemes, plain
 from freebody.expressions.grammar.lexer import Token
+from freebody.expressions.grammar.lexer import sides as sides_of
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source, Span
-from freebody.identifiers import word_set
 from freebody.lazy import cached_property
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks, FormulaPiece
 from freebody_textbook.check.documents.plain import lines as plain_lines
-from freebody_textbook.check.documents.prose import sentences
+from freebody_textbook.check.documents.plain import sentences
 from freebody_textbook.check.reading.sums import sums, tokens_with_sums
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
@@ -23,24 +24,52 @@ from freebody_textbook.check.verdict import UnreadEquation
 
 MOST_SIDES = 6
 MOST_OUTSIDE = 20
-"""Lines outside of formulas that are told."""
+"""The most lines outside of formulas that are told."""
 _SHOWN = 60
 _AXES = ["x"], ["y"], ["z"]
-"""What a direction in a sentence is made of, $-y$."""
+"""The names that are directions where a sign stands before them, $-y$."""
 _WHERE = LexemePattern(
     "--%term_end %apart < where | with | and > &< %apart < %letter | %command > ~%in_name{0,12} = >"
 )
-"""Between an equation and one that says what a letter in it stands for."""
+"""The words between an equation and one that says what a letter in it stands for."""
+_EQUALS = LexemePattern("< = | == >")
+_CONTINUES = LexemePattern("+ | - | * | %strong | / | &")
 _TABLE = LexemePattern("= &? < [ | %begin | Matrix | array >")
-
-_ALIGNING = word_set(
-    "begin end equation align aligned split gather gathered multline displaymath math flalign "
-    "eqnarray alignat alignedat quad qquad nonumber notag left right label eq tag displaystyle"
+_INTRODUCED = LexemePattern("< %first | --; | --, > word:@word &< = | == | := >")
+_BETWEEN = LexemePattern(
+    "% %any{0,999} | said:< %word !@aligning %letter | !@aligning %command | %begin | %end >"
 )
-"""Words of LaTeX between the lines of one equation."""
+"""A comment of LaTeX, or something said between the lines of one equation."""
 
-AnswerLine = tuple[tuple[Token, ...], ...]
-"""The sides of an equation."""
+
+class AnswerLine(tuple[tuple[Token, ...], ...]):
+    """An equation by its sides."""
+
+    @property
+    def tokens(self) -> list[Token]:
+        """The tokens of all its sides."""
+        return [token for side in self for token in side]
+
+    @property
+    def names(self) -> list[Token]:
+        """The names in the equation."""
+        return [token for token in self.tokens if token.kind == "name"]
+
+    @property
+    def subject(self) -> str:
+        """The name that is its whole left side, "" where more stands there."""
+        first = self[0]
+        return first[0].text if len(first) == 1 and first[0].kind == "name" else ""
+
+    @property
+    def written_with(self) -> list[Token]:
+        """The names that it is written with, not about."""
+        return AnswerLine(self if len(self[0]) > 1 else self[1:]).names
+
+    @property
+    def span(self) -> Span:
+        """The equation's place in the text."""
+        return self[0][0].start, self[-1][-1].end
 
 
 class DocumentReader:
@@ -53,7 +82,7 @@ class DocumentReader:
         self.unread: list[UnreadEquation] = []
         self.failed: list[AnswerLine] = []
         self.unread_names: set[str] = set()
-        """Names to which code gives something that is not read."""
+        """The names to which code gives something that is not read."""
         self.source, self.pieces = self._without_words()
         self._tell_what_no_formula_holds()
 
@@ -62,36 +91,36 @@ class DocumentReader:
         """The formulas, and the pieces that they are read in."""
         document = self.document
         blanks, apart = Blanks(document.formulas), list[Span]()
-        plain = AnswerText(document.formulas, document.written, document.parts)
-        for match in _WHERE.all(plain.lexemes):
+        source = AnswerText(document.formulas, document.written, document.parts)
+        for match in _WHERE.all(source.lexemes):
             blanks.put(*match.span, ";")
-        plain = AnswerText(str(blanks), document.written, document.parts)
+        source = AnswerText(str(blanks), document.written, document.parts)
 
-        in_sums = _in_sums(plain, self._bodies)
+        in_sums = _in_sums(source, self._bodies)
 
         def is_name(word: range) -> bool:
-            return word.start in in_sums or self._is_name(plain, word)
+            return word.start in in_sums or self._is_name(source, word)
 
         for line in document.prose:
-            for sentence in sentences(plain.text, plain.lexemes, line, is_name):
+            for sentence in sentences(source.lexemes, line, is_name):
                 span = (sentence.kept, sentence.end)
-                if sentence.words_behind and not self._is_asked(plain, span):
-                    self._pass_over(plain, span, "it stands among words")
+                if sentence.words_behind and not self._is_asked(source, span):
+                    self._pass_over(source, span, "it stands among words")
                     span = (span[1], span[1])
                 elif not sentence.is_empty and sentence.words_before:
                     apart.append(span)
                 blanks.put(sentence.start, span[0])
-        text = AnswerText.of_formulas(str(blanks), document.written, document.parts)
-        return text, [part for piece in document.pieces for part in _parted(piece, apart)]
+        read = AnswerText.of_formulas(str(blanks), document.written, document.parts)
+        return read, [part for piece in document.pieces for part in _parted(piece, apart)]
 
     def _tell_what_no_formula_holds(self) -> None:
         """Note what a document says of the robot's quantities outside of its formulas."""
         said = self.document.said
-        plain = AnswerText(said, self.document.written, self.document.parts)
+        source = AnswerText(said, self.document.written, self.document.parts)
         for line in plain_lines(said, 0, len(said)):
-            for x in asked_marks(plain, plain.lexemes.between(*line), self._is_quantity):
+            for x in asked_marks(source, source.lexemes.between(*line), self._is_quantity):
                 if self.document.formulas[x.at] != said[x.at]:
-                    self._pass_over(plain, (x.start, line[1]), "it stands outside of the formulas")
+                    self._pass_over(source, (x.start, line[1]), "it stands outside of the formulas")
                     break
             if len(self.unread) >= MOST_OUTSIDE:
                 break
@@ -99,15 +128,18 @@ class DocumentReader:
     def _asks(self, source: Source, span: Span) -> bool:
         """Whether one of the robot's quantities stands before a sign of equality there, as it is
         written or as it is read."""
-        own = (source, source.lexemes.between(*span))
-        begun = self.document.written.rfind("\n", 0, span[0]) + 1
-        stretch = self.document.written[begun : span[1]]
-        texts = [own]
-        if stretch != source.text[begun : span[1]]:
-            written = AnswerText(stretch)
+        texts = [(source, source.lexemes.between(*span))]
+        begun, written = self._written(span)
+        if written.text != source.text[begun : span[1]]:
             within = written.lexemes.between(span[0] - begun, len(written.text))
             texts.append((written, within))
         return any(True for x in texts for _ in asked_marks(*x, self._is_quantity))
+
+    def _written(self, span: Span) -> tuple[int, AnswerText]:
+        """The start of the line that a span begins in, and the text from there to the span's end as
+        it is written."""
+        begun = self.document.written.rfind("\n", 0, span[0]) + 1
+        return begun, AnswerText(self.document.written[begun : span[1]])
 
     def _is_quantity(self, name: str) -> bool:
         """Whether a name is that of one of the robot's quantities, and no symbol too."""
@@ -117,7 +149,7 @@ class DocumentReader:
         """Whether a word may be made of names of the robot's."""
         if not words.begins(source.lexemes[word.start]):
             return False
-        if self._text_of(source, word) in self._introduced:
+        if plain(source.lexemes[word.start : word.stop]) in self._introduced:
             return True
         try:
             spelt = words.spell(source, word.start)
@@ -136,30 +168,18 @@ class DocumentReader:
         """How many bodies sums go over."""
         return len(self.vocabulary.setting.equations.symbols.model.bodies)
 
-    @staticmethod
-    def _text_of(source: Source, word: range) -> str:
-        return source.text[source.lexemes[word.start].start : source.lexemes[word.stop - 1].end]
-
     @cached_property
     def _introduced(self) -> frozenset[str]:
-        """Words that are the whole left side of an equation."""
-        stretches = self.document.formulas.replace(";", "\n").replace(",", "\n").split("\n")
-        return frozenset(
-            left.strip() for x in stretches for left, sign, _ in [x.partition("=")] if sign
-        )
+        """The words that are the whole left side of an equation."""
+        return frozenset(match["word"] for match in _INTRODUCED.all(self.document.lexemes))
 
     def _is_asked(self, source: Source, span: Span) -> bool:
         """Whether the left side of what stands there names one of the robot's quantities. A symbol
         of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
-        within = source.lexemes.between(*span)
-        end = next((k for k in within if source.lexemes[k].text in ("=", "==")), None)
-        if end is None:
-            return False
-        is_table = _TABLE.at(source.lexemes, end) is not None
-        for plain in _names(source, range(within.start, end)):
-            if plain in self.quantities and (is_table or plain not in self.vocabulary.symbols):
-                return True
-        return False
+        left = _left_side(source, source.lexemes.between(*span))
+        is_table = _TABLE.at(source.lexemes, left.stop) is not None
+        asked = (name for name in _names(source, left) if name in self.quantities)
+        return any(is_table or name not in self.vocabulary.symbols for name in asked)
 
     # ------------------------------------------------------------ equations
     def lines(self) -> list[AnswerLine]:
@@ -180,15 +200,16 @@ class DocumentReader:
             if lenient and line[0].kind == "operator" and [x.text for x in line[1:]] in _AXES:
                 continue  # a direction, +z
             with self._lenient(lenient, span):
-                lines.append(_sides(self.source, line))
+                lines.append(_answer_line(self.source, line))
         return lines
 
     def _says_something(self, piece: FormulaPiece) -> bool:
         """Whether a piece holds an equation, or may continue one; of plain text all does."""
         span = (piece.start, piece.end)
-        text = self.source.text[slice(*span)].strip()
-        may = not piece.lenient or "=" in text or text[:1] in [*"+-*/&"]
-        return bool(text) and (may or self._asks(self.source, span))
+        lexemes, inside = self.source.lexemes, self.source.lexemes.between(*span)
+        may = not piece.lenient or _EQUALS.found_in(lexemes, inside.start, inside.stop)
+        may = may or _CONTINUES.at(lexemes, inside.start) is not None
+        return bool(inside) and (may or self._asks(self.source, span))
 
     def _is_lenient(self, at: int) -> bool:
         return any(piece.lenient for piece in self.pieces if piece.start <= at < piece.end)
@@ -196,9 +217,8 @@ class DocumentReader:
     @contextmanager
     def passing_over(self, line: AnswerLine) -> Iterator[None]:
         """Note an equation of a document that cannot be understood, and go on."""
-        span = (line[0][0].start, line[-1][-1].end)
         count = len(self.unread)
-        with self._lenient(self._is_lenient(span[0]), span):
+        with self._lenient(self._is_lenient(line.span[0]), line.span):
             yield
         if len(self.unread) > count:
             self.failed.append(line)
@@ -210,7 +230,7 @@ class DocumentReader:
         except AnswerError as problem:
             if not lenient or (self.document.strict and self._is_asked(self.source, span)):
                 raise
-            if self.source.text[slice(*span)].strip():
+            if self.source.lexemes.between(*span):
                 self._pass_over(self.source, span, problem.bare)
 
     def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:
@@ -222,14 +242,13 @@ class DocumentReader:
     ) -> None:
         text = source[span]
         text = text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
-        first = span[0] + len(source.text[slice(*span)]) - len(source.text[slice(*span)].lstrip())
+        inside = source.lexemes.between(*span)
+        first = source.lexemes[inside.start].start if inside else span[0]
         asked = is_asked or self._is_asked(source, span) or self._asks(source, span)
         if self.document.assigns:
-            begun = self.document.written.rfind("\n", 0, span[0]) + 1
-            left, sign, _ = self.document.written[begun : span[1]].partition("=")
-            written = AnswerText(left)
-            within = written.lexemes.between(0, len(left))
-            self.unread_names.update(_names(written, within) if sign else ())
+            _, written = self._written(span)
+            left = _left_side(written, range(len(written.lexemes)))
+            self.unread_names.update(_names(written, left))
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
@@ -241,17 +260,19 @@ def _in_sums(source: Source, count: int) -> frozenset[int]:
     return frozenset(k for one in found for k in one.whole)
 
 
+def _left_side(source: Source, within: range) -> range:
+    """The lexemes in front of the first sign of equality in a stretch; none where there is none."""
+    equals = next(_EQUALS.all(source.lexemes, within.start, within.stop), None)
+    return range(within.start, equals.start if equals else within.start)
+
+
 def _names(source: Source, within: range) -> Iterator[str]:
     """The plain spellings of the words in a stretch."""
     k = within.start
     while k < within.stop:
-        word = None
-        if words.begins(source.lexemes[k]):
-            try:
-                word = words.spell(source, k)
-                yield word.plain
-            except FreebodyError:  # it begins as a name does and is none
-                pass
+        word = words.word_at(source, k)
+        if word is not None:
+            yield word.plain
         k = max(word.at if word else 0, k + 1)
 
 
@@ -276,15 +297,15 @@ def _without_time(found: Sequence[Token]) -> Iterator[Token]:
 
 
 def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
-    """Tokens by equation: a line that begins with an operator, or stands behind one, continues the
-    one before, unless words stand between.
+    """The tokens of each equation: a line that begins with an operator, or stands behind one,
+    continues the one before, unless words stand between.
 
     A minus may begin an equation of its own, -a = b.
     """
     pieces: list[list[Token]] = [[]]
     depth = 0
     for token in found:
-        depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
+        depth += token.deepens
         if token.kind in ("line", "row", "stop", "comma") and depth <= 0:
             pieces.append([])
         elif not (token.kind in ("amp", "line") and (depth <= 0 or not _in_matrix(token))):
@@ -306,9 +327,7 @@ def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
 
 def _goes_on(between: str) -> bool:
     """Whether nothing but white space, alignment and signs of formulas stands in a text."""
-    lines = [line.partition("#")[0].partition("%")[0] for line in between.split("\n")]
-    letters = "".join(x if x.isalpha() else " " for x in " ".join(lines))
-    return set(letters.split()) <= _ALIGNING
+    return not any("said" in match for match in _BETWEEN.all(Lexemes.of(between)))
 
 
 def _in_matrix(token: Token) -> bool:
@@ -322,13 +341,10 @@ def _is_open(line: list[Token]) -> bool:
     return line[-1].kind in ("operator", "equals")
 
 
-def _sides(source: Source, line: list[Token]) -> AnswerLine:
-    sides: list[list[Token]] = [[]]
-    for token in line:
-        if token.kind == "equals":
-            sides.append([])
-        else:
-            sides[-1].append(token)
+def _answer_line(source: Source, line: list[Token]) -> AnswerLine:
+    """The tokens of an equation by its sides; refused where it has too few or too many, or an empty
+    one."""
+    sides = sides_of(line)
     if len(sides) == 1:
         source.fail(
             "this line has no equals sign; write, for example, tau1 = … or H12 = …",
@@ -343,4 +359,4 @@ def _sides(source: Source, line: list[Token]) -> AnswerLine:
         if not side:
             equals = [token for token in line if token.kind == "equals"][max(0, k - 1)]
             source.fail("one side of this = is empty", equals.span)
-    return tuple(map(tuple, sides))
+    return AnswerLine(map(tuple, sides))

@@ -1,19 +1,32 @@
-"""What a line of an answer states."""
+"""Claims, the statements of an answer's lines, and the quantities that they are given by, which
+stand for their right values. A claim that is given by itself says nothing."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
-from freebody.expressions.nodes import Expression
+from freebody.expressions.grammar.source import Source, Span
+from freebody.expressions.nodes import Expression, nodes
+from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import AskedQuantity
-from freebody_textbook.check.reading.circular_answers import GivenQuantity
+from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.spelling.answer_text import AnswerText
 
 
 @dataclass(frozen=True)
+class GivenQuantity:
+    """A quantity that a piece of an answer stands for, and where."""
+
+    target: AskedQuantity
+    span: Span
+
+
+@dataclass(frozen=True)
 class Claim:
-    """label = what the user says it is."""
+    """The statement that a quantity has a value."""
 
     label: str
     target: AskedQuantity
@@ -21,6 +34,72 @@ class Claim:
     value: Value
     source: AnswerText
     uses: tuple[GivenQuantity, ...] = ()
-    """Quantities that it is given by."""
+    """The quantities that it is given by."""
     whole: Expression | None = None
-    """Of an equation between two sides their difference."""
+    """The difference of the sides, where it is an equation between two of them."""
+
+
+def uses(
+    node: Expression, quantities: Mapping[str, AskedQuantity], vocabulary: Vocabulary
+) -> Iterator[GivenQuantity]:
+    """The quantities in a tree, also those inside names of the user's own."""
+    for part in nodes(node):
+        if not isinstance(part, Named):
+            continue
+        if part.name in vocabulary.uses:
+            yield from (GivenQuantity(target, part.span) for target in vocabulary.uses[part.name])
+        elif part.name in quantities and part.name not in vocabulary.symbols:
+            yield GivenQuantity(quantities[part.name], part.span)
+
+
+def refuse_circles(
+    source: Source, claims: Sequence[Claim], last: Sequence[Claim] | None = None
+) -> None:
+    """Refuse a quantity that is given by itself, at once or by way of other lines; last: those of
+    the claims that may be, where the others are known not to."""
+    given: dict[AskedQuantity, list[AskedQuantity]] = {}
+    label: dict[AskedQuantity, str] = {}
+    for claim in claims:
+        given.setdefault(claim.target, []).extend(use.target for use in claim.uses)
+        label.setdefault(claim.target, claim.label)
+    for claim in claims if last is None else last:
+        for use in claim.uses:
+            way = _way(use.target, claim.target, given)
+            if way is None:
+                continue
+            through = [label[target] for target in way if target != claim.target]
+            by = f" by way of {', '.join(through)}" if through else ""
+            refuse_itself(source, claim.label, use.span, by)
+
+
+def refuse_itself(source: Source, label: str, span: Span, by: str = "") -> NoReturn:
+    """Refuse what is given by itself."""
+    source.fail(
+        f"{label} is defined by itself{by}: the equation holds for any value, so there is nothing "
+        f"to check",
+        span,
+        "Write it in the model's symbols.",
+    )
+
+
+def _way(
+    start: AskedQuantity,
+    goal: AskedQuantity,
+    given: Mapping[AskedQuantity, Iterable[AskedQuantity]],
+) -> list[AskedQuantity] | None:
+    """The quantities by which one leads to another; None where it does not."""
+    before: dict[AskedQuantity, AskedQuantity | None] = {start: None}
+    waiting = [start]
+    for target in waiting:
+        if target == goal:
+            way: list[AskedQuantity] = []
+            step: AskedQuantity | None = target
+            while step is not None:
+                way.insert(0, step)
+                step = before[step]
+            return way
+        for other in given.get(target, ()):
+            if other not in before:
+                before[other] = target
+                waiting.append(other)
+    return None

@@ -20,7 +20,7 @@ from freebody_textbook.check.algebra.quotients import (
 )
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.quantity import AskedQuantity
-from freebody_textbook.check.reading.circular_answers import uses
+from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 
 _HIGHEST = 2
@@ -28,7 +28,7 @@ _HIGHEST = 2
 
 
 class DerivativeParser(Parser):
-    """Reads derivatives."""
+    """A parser of derivatives."""
 
     vocabulary: Vocabulary
     reader: PolynomialReader
@@ -38,7 +38,7 @@ class DerivativeParser(Parser):
     """The vectors and matrices that names of scalars also stand for."""
 
     def differentiated(self, first: Token) -> Expression:
-        """What stands behind ∂, or the d of a derivative by a coordinate."""
+        """The derivative whose ∂, or d of a derivative by a coordinate, was read."""
         of = None if self.is_operator("/") else self._operand()
         if not self.is_operator("/"):
             self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
@@ -72,7 +72,7 @@ class DerivativeParser(Parser):
         return Matrix(tuple(table), span=span)
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
-        """One derivative."""
+        """The derivative of an expression without entries."""
         value = self.reader.read(of)
         rates = self.vocabulary.setting.symbols.rates
         slope = value.along(rates) if by == "t" else value.derivative(by)
@@ -93,7 +93,7 @@ class DerivativeParser(Parser):
         return Named(self.source[span], slope, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:
-        """What is differentiated: a bracket, a derivative or a name."""
+        """The operand of a derivative: a bracket, another derivative or a name."""
         if self.token.kind not in ("open", "partial", "name"):
             self.fail_here("what is differentiated")
         return self.primary()
@@ -134,7 +134,7 @@ class DerivativeParser(Parser):
         return Named(self.source[span], value, is_derivative=not own, span=span)
 
     def jacobian(self, token: Token) -> Expression:
-        """jacobian([x; y], [q1; q2])."""
+        """The matrix that is written jacobian([x; y], [q1; q2])."""
         self.expect("open", "'('")
         of = self._vector(self.expression())
         self.expect("comma", "the comma of jacobian(what, by what)")
@@ -147,7 +147,7 @@ class DerivativeParser(Parser):
         return self._slopes(of, names, span)
 
     def _vector(self, node: Expression) -> Expression:
-        """What a node is, the vector or matrix if it may be one."""
+        """The vector or matrix that a node is, if it may be one, else the node."""
         return self.others.get(node) or worked_out(node, self.others)
 
     def _differentiated_by(self) -> tuple[str, int]:

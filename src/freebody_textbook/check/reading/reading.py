@@ -32,14 +32,13 @@ from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
-from freebody_textbook.check.reading.behind_names import power_behind, turn_behind
 from freebody_textbook.check.reading.derivatives import DerivativeParser
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 
 _TURNING = ("omega", "w", "alpha", "theta", "q")
 """Letters of angular velocities and accelerations, and of rates."""
 INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
-"""Functions by which coordinates are told."""
+"""The functions by which coordinates are told."""
 
 
 class AnswerParser(DerivativeParser):
@@ -47,7 +46,6 @@ class AnswerParser(DerivativeParser):
     stands for it; `quantities` are what these names stand for, `tables` the vectors and
     matrices."""
 
-    tables_anywhere = True
     largest_exponent = LARGEST_EXPONENT
 
     def __init__(
@@ -67,39 +65,25 @@ class AnswerParser(DerivativeParser):
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def primary(self) -> Expression:
-        """Also ∂L/∂θ̇1, d/dt in front of a bracket, name or derivative, and vectors and matrices."""
-        if self.token.kind == "begin" or self._is_list():
-            return self.table()
+        """A number, name, function, fraction or bracket, or a derivative: ∂L/∂θ̇1, or d/dt in front
+        of a bracket, name or derivative."""
         if self.token.kind != "partial":
-            return self.bracket() if self.token.kind == "open" else super().primary()
+            return super().primary()
         first = self.take()
         self._deeper(first)
         node = self.differentiated(first)
         self.depth -= 1
         return node
 
-    def _is_list(self) -> bool:
-        """Whether a bracket [ holds entries, [a, b] or [[a, b], [c, d]]."""
-        if self.token.text != "[":
-            return False
-        depth, rows = 0, 2 if self.ahead(1).text == "[" else 1
-        for k in range(len(self.tokens) - self.at):
-            token = self.ahead(k)
-            depth += {"open": 1, "begin": 1, "close": -1, "end": -1}.get(token.kind, 0)
-            if depth == 0:
-                return False
-            if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
-                return True
-        return False
+    def opens_table(self) -> bool:
+        """Whether a vector or matrix comes next; [m1] is a bracket."""
+        return self.at < len(self.tokens) and opens_table(self.tokens, self.at)
 
     def transposed(self, node: Expression) -> Expression:
         """A vector or matrix only, where the mark is MATLAB's, that of derivatives elsewhere."""
         if self.token.text == PRIME and not self._may_be_table(node):
             self.source.fail("a prime stands behind what is no vector or matrix", self.token.span)
         return super().transposed(node)
-
-    def makes_table(self, function: Token) -> bool:
-        return self._function(function) == "Matrix"
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
         """A fraction; of two numbers one number."""
@@ -184,7 +168,7 @@ class AnswerParser(DerivativeParser):
         return [Cross(left, factor, span=around(left, factor))]
 
     def following(self, factors: list[Expression], sign: Token) -> Expression:
-        """What stands behind a sign; behind the × of a cross product with all its factors."""
+        """The factor behind a sign; behind the × of a cross product all that it turns."""
         first, left = super().following(factors, sign), product_of(factors)
         if sign.written in ("×", "\\times"):
             turns = self._may_be_table(left)
@@ -253,7 +237,7 @@ class AnswerParser(DerivativeParser):
         return node if exponent == 1 else Power(node, exponent, span=span)
 
     def _inverse_function(self, token: Token, function: str) -> Expression:
-        """arccos(x), atan2(y, x), √x."""
+        """An inverse function or root: arccos(x), atan2(y, x), √x."""
         bare = ("fraction", "function", *["number", "name"] * (function == "sqrt"))
         if self.token.kind in bare and function != "atan2":  # \arctan\sqrt{x}, √2
             return Function(function, self.primary(), span=self.since(token.start))
@@ -326,12 +310,13 @@ class AnswerParser(DerivativeParser):
         return (
             isinstance(argument, Number)
             and argument.span[0] == function.end
-            and self.source[argument.span].isdigit()
+            and not argument.decimal
+            and argument.value.denominator == 1
             and self.token.kind not in ("degree", "name")
         )
 
     def _cross(self, token: Token) -> Expression:
-        """cross(a, b)."""
+        """The cross product that is written cross(a, b)."""
         self.expect("open", "'('")
         left = self.expression()
         self.expect("comma", "','")
@@ -343,3 +328,44 @@ class AnswerParser(DerivativeParser):
             return self.reader.read(argument).sign()
         except FreebodyError:
             self.source.fail("sgn needs a single rate here", argument.span)
+
+
+def opens_table(tokens: Sequence[Token], at: int = 0) -> bool:
+    """Whether a matrix begins with a token, or a bracket [ with entries, [a, b] or [[a, b], [c,
+    d]]."""
+    first, *second = tokens[at : at + 2]
+    if first.text != "[":
+        return first.kind == "begin"
+    depth, rows = 0, 1 + any(x.text == "[" for x in second)
+    for token in tokens[at:]:
+        depth += token.deepens
+        if depth == 0:
+            return False
+        if depth <= rows and (token.kind in ("comma", "row") or token.text == ";"):
+            return True
+    return False
+
+
+def power_behind(tokens: Sequence[Token], power: int) -> int:
+    """How many tokens are the power with which they begin: ⁻¹, ^-1, ^{-1}; 0 if it is another."""
+    if tokens and tokens[0].kind == "power":
+        return int(tokens[0].value == power)
+    texts, figures = [token.text for token in tokens], [*"-" * (power < 0), str(abs(power))]
+    for written in (["^", *figures], ["^", "{", *figures, "}"], ["^", "(", *figures, ")"]):
+        if texts[: len(written)] == written:
+            return len(written)
+    return 0
+
+
+def turn_behind(name: str, tokens: Sequence[Token]) -> tuple[str, int]:
+    """The name of R_1^2, which turns components from body 1 to body 2, of R_1 and the ² or ^2
+    behind it, and how many tokens these are; of anything else "" and 0."""
+    if atom(name).letter != "R" or not atom(name).is_numbered or not tokens:
+        return "", 0
+    if tokens[0].kind == "power":
+        return f"R{tokens[0].value}{name[1:]}", 1
+    braced = [token.text for token in tokens[1:2]] == ["{"]
+    end = 2 + 2 * braced
+    if tokens[0].text != "^" or len(tokens) < end or tokens[1 + braced].kind != "number":
+        return "", 0
+    return f"R{tokens[1 + braced].text}{name[1:]}", end

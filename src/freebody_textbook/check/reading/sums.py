@@ -16,11 +16,11 @@ from freebody.expressions.grammar.tables.characters import LOW
 from freebody_textbook.check.spelling.answer_text import AnswerText
 
 MOST_SUMS = 200
-"""In one text."""
+"""The most sums of one text that are read."""
 MOST_TOKENS, DEEPEST = 10_000, 3
-"""Of a sum that is written out, and sums inside one another."""
+"""The most tokens of a sum that is written out, and the most sums inside one another."""
 _LONGEST = 600
-"""Lexemes of what is summed."""
+"""The most lexemes of a summand."""
 _HEAD = LexemePattern("@sum_sign < below:@sum_below above:@sum_above? | above:@sum_above? >")
 _CALL = LexemePattern("@sum_sign ~(")
 _ARGUMENTS = LexemePattern("@sum_arguments )")
@@ -29,7 +29,7 @@ _NUMBER = LexemePattern("^ {? last:%digit{1,2}")
 _INDICES = ("i", "j", "k")
 _LOW_OF = {letter: low for low, letter in LOW.items() if letter.isalpha()}
 _ENDS = frozenset(("=", "==", ",", ";", "&"))
-_OPENING, _CLOSING = frozenset("([{"), frozenset(")]}")
+_SIGNS = frozenset(("+", "-", "−"))
 
 
 @dataclass(frozen=True)
@@ -127,26 +127,23 @@ def _values(first: str, last: str, count: int) -> range:
 
 def _closing(lexemes: Lexemes, k: int, end: int) -> int:
     """The bracket that closes the one at k, or the last lexeme."""
-    depth = 0
-    for j in range(k, end):
-        depth += (lexemes[j].text in _OPENING) - (lexemes[j].text in _CLOSING)
-        if depth == 0:
-            return j
-    return end - 1
+    depths = lexemes.depths
+    return next((j for j in range(k, end) if depths[j + 1] <= depths[k]), end - 1)
 
 
 def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
-    """Where the terms end that have the index: behind + and - too, up to another sum."""
-    term, stop, depth = k, end, 0
-    for j in range(k, end):
-        x = lexemes[j]
-        depth += (x.text in _OPENING) - (x.text in _CLOSING)
-        if depth < 0 or (depth == 0 and (x.text in _ENDS or x.kind in ("line", "row", "end"))):
-            stop = j
-            break
-    for j in [j for j in _operators(lexemes, k, stop) if j > k] + [stop]:
+    """The lexeme at which the terms end that have the index: behind + and - too, up to another
+    sum."""
+    term, depths = k, lexemes.depths
+
+    def ends(j: int) -> bool:
+        x, depth = lexemes[j], depths[j + 1] - depths[k]
+        return depth < 0 or (depth == 0 and (x.text in _ENDS or x.kind in ("line", "row", "end")))
+
+    stop = next(filter(ends, range(k, end)), end)
+    for j in [*_operators(lexemes, k, stop), stop]:
         has_index = any(True for _ in _places_of(lexemes, range(term, j), index))
-        begun = term + (lexemes[term].text in ("+", "-", "−")) if term < j else term
+        begun = term + (lexemes[term].text in _SIGNS) if term < j else term
         if term > k and (not has_index or _HEAD.at(lexemes, begun, stop)):
             return term
         term = j
@@ -154,17 +151,15 @@ def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
 
 
 def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
-    """Where + and - stand outside of brackets and powers."""
-    depth = 0
-    for j in range(k, stop):
-        x = lexemes[j].text
-        depth += (x in _OPENING) - (x in _CLOSING)
-        if depth == 0 and x in ("+", "-", "−") and lexemes[j - 1].text != "^":
+    """The signs + and - behind a lexeme, outside of brackets and powers."""
+    for j in range(k + 1, stop):
+        outside = lexemes.depths[j] == lexemes.depths[k]
+        if outside and lexemes[j].text in _SIGNS and lexemes[j - 1].text != "^":
             yield j
 
 
 def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
-    """Where the index stands: in a subscript, or as a factor of its own."""
+    """The lexemes that are the index: in a subscript, or as a factor of its own."""
     inside, depth = False, 0
     for k in within:
         x, before = lexemes[k], lexemes[k - 1] if k > within.start else None

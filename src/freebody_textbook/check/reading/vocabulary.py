@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from freebody.errors import likely
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.lexemes import Lexeme
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.grammar.tables.characters import DOT, PRIME, PRIMES, RECIPROCALS
@@ -45,7 +44,8 @@ FUNCTIONS = {
 _NOT_POLYNOMIAL = word_set("exp log ln")
 VARIATION = "delta"
 _MOST_IN_SUM, _FEW = 6, 3
-"""Angles of which sums of any number have names, θ123456; of more angles those of a few."""
+"""The most angles of which all sums have names, θ123456, and of how many the sums of more angles
+are."""
 _BARE = str.maketrans("", "", "_{}\\")
 GLUED = frozenset("MHCDBJ").union(
     *(spellings(letter, "", dots) for letter in ("q", "theta", "th") for dots in (1, 2)),
@@ -62,7 +62,7 @@ class Vocabulary:
     quantities: frozenset[str] = frozenset()
     """Names of what can be asked: tau1, H12, …"""
     alone: frozenset[str] = frozenset()
-    """Those of them that are no part of a longer word."""
+    """The names of what can be asked that are no part of a longer word."""
     symbols: dict[str, Value] = field(default_factory=dict)
     waves: dict[str, tuple[str, Angle]] = field(default_factory=dict)
     """c12, s12: the function and the angle."""
@@ -82,10 +82,10 @@ class Vocabulary:
     given: set[str] = field(default_factory=set)
     """Letters of vectors that lines give: they may be numbers, and so stand side by side, 4AC."""
     variations: set[int] = field(default_factory=set)
-    """Where virtual displacements stand."""
+    """The places at which virtual displacements begin."""
     _known: frozenset[str] | None = None
     _inside_words: frozenset[str] = frozenset()
-    """Those that may be a part of a longer word."""
+    """The names that may be a part of a longer word."""
     _glued: frozenset[str] = frozenset()
     """Matrices and rates that may stand side by side, Mq̈."""
 
@@ -98,7 +98,7 @@ class Vocabulary:
 
     @property
     def known(self) -> frozenset[str]:
-        """All names but functions."""
+        """All names that are known, functions apart."""
         if self._known is None:
             own = (*self.aliases, *self.matrices, *self.trees)
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
@@ -110,35 +110,26 @@ class Vocabulary:
     def copy(self) -> Vocabulary:
         """A vocabulary of the same names, apart from what is defined later."""
         kept = copy(self)
-        kept.symbols, kept.waves = dict(self.symbols), dict(self.waves)
-        kept.functions, kept.uses = dict(self.functions), dict(self.uses)
-        kept.aliases, kept.matrices = dict(self.aliases), dict(self.matrices)
-        kept.trees, kept.told = dict(self.trees), set(self.told)
+        tables = ((name, x) for name, x in vars(self).items() if isinstance(x, dict | set))
+        kept.__dict__.update((name, copy(x)) for name, x in tables)
         return kept
 
-    def define(self, plain: str, value: Value, uses: tuple[AskedQuantity, ...] = ()) -> None:
-        """A name of the user's own, and the quantities that it is given by; it goes before all
-        others."""
-        self.symbols[plain], self.uses[plain] = value, uses
+    def define(
+        self, plain: str, meaning: Value | Expression, uses: tuple[AskedQuantity, ...] = ()
+    ) -> None:
+        """A name of the user's own for a value, a vector or matrix, or an expression that is
+        compared in numbers, and the quantities that it is given by; it goes before all others."""
+        self.uses[plain], self._known = uses, None
+        if isinstance(meaning, Expression):
+            self.symbols.pop(plain, None)
+            if isinstance(meaning, Matrix):
+                self.matrices[plain] = meaning
+            else:
+                self.trees[plain] = meaning
+            return
+        self.symbols[plain] = meaning
         self.waves.pop(plain, None)
         self.functions.pop(plain, None)
-        self._known = None
-
-    def define_matrix(
-        self, plain: str, matrix: Matrix, uses: tuple[AskedQuantity, ...] = ()
-    ) -> None:
-        """A vector or matrix of the user's own."""
-        self.matrices[plain], self.uses[plain] = matrix, uses
-        self.symbols.pop(plain, None)
-        self._known = None
-
-    def define_tree(
-        self, plain: str, tree: Expression, uses: tuple[AskedQuantity, ...] = ()
-    ) -> None:
-        """A name of the user's own for an expression that is compared in numbers."""
-        self.trees[plain], self.uses[plain] = tree, uses
-        self.symbols.pop(plain, None)
-        self._known = None
 
     def define_alias(self, plain: str, name: str) -> None:
         """A name of the user's own for a vector or matrix."""

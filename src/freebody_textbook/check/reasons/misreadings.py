@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.expressions.polynomials.symbols import RATE, SECOND

@@ -25,9 +25,9 @@ class AnswerText(Source):
     """An answer's text, every character at its place; what says nothing to check is blank."""
 
     written: str = ""
-    """As the user wrote it, character by character; "" where that is `text`."""
+    """The text as the user wrote it, character by character; "" where that is `text`."""
     parts: tuple[tuple[str, int], ...] = ()
-    """Of a notebook the cells, and where they begin."""
+    """The cells of a notebook, and where each begins."""
 
     what, error = "answer", AnswerError
 
@@ -50,7 +50,7 @@ class AnswerText(Source):
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """Its letters, figures, commands and signs, in one spelling."""
+        """The answer's letters, figures, commands and signs, in one spelling."""
         return in_one_spelling(self.text)
 
     def __getitem__(self, span: Span) -> str:

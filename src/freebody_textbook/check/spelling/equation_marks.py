@@ -1,13 +1,11 @@
-"""Where a text says that one of the robot's quantities is equal to something, whether the reader of
-answers understands the rest or not."""
+"""Signs of equality behind one of the robot's quantities, whether the reader of answers understands
+the rest or not."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 
-from freebody.errors import FreebodyError
 from freebody.expressions.grammar import words
 from freebody.expressions.grammar.patterns import LexemePattern
 from freebody.expressions.grammar.source import Source
@@ -19,7 +17,8 @@ _BEHIND_NAME = LexemePattern(
     "< %beside_equality | ( %not_bracket{0,40} ) | [ %not_bracket{0,40} ]"
     " | < %over_equality { %not_brace{0,40} } | \\mathrel >? { > %last"
 )
-"""What may stand between a quantity and the mark: alignment, arguments, a unit, +=, \\overset."""
+"""The things that may stand between a quantity and a sign of equality: alignment, arguments, a
+unit, +=, \\overset."""
 _LONGEST_LEFT = 60
 
 
@@ -29,17 +28,17 @@ class AskedMark:
 
     name: str
     start: int
-    """Where the name begins in the text."""
+    """The place at which the name begins in the text."""
     at: int
-    """Where the sign stands."""
+    """The place of the sign in the text."""
     lexeme: int
-    """Which lexeme it is."""
+    """The number of the sign's lexeme."""
 
 
 def asked_marks(
     source: Source, within: range, is_quantity: Callable[[str], bool]
 ) -> Iterator[AskedMark]:
-    """In a stretch of lexemes the signs of equality with a quantity left of them."""
+    """The signs of equality in a stretch of lexemes that have a quantity left of them."""
     lexemes = source.lexemes
     for match in _MARK.all(lexemes, within.start, within.stop):
         k = match.start
@@ -89,19 +88,9 @@ def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
     if last.kind in ("sign", "line", "row") and last.text not in _LAST:
         return
     for k in range(first, end):
-        word = _spelt(source, k)
+        word = words.word_at(source, k) if _FRESH.at(lexemes, k) else None
         if word is not None and word.at == end:
             yield word
-
-
-def _spelt(source: Source, k: int) -> words.Word | None:
-    """The word that begins there, which several marks may ask for."""
-    if k not in source.words:
-        x, source.words[k] = source.lexemes[k], None
-        if (words.begins(x) or x.kind == "command") and _FRESH.at(source.lexemes, k):
-            with suppress(FreebodyError):  # it begins as a name does and is none
-                source.words[k] = words.spell(source, k)
-    return source.words[k]
 
 
 _LAST = frozenset((*PRIMES, *STARS, "}", "_"))

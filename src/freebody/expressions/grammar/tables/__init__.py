@@ -1,2 +1,2 @@
-"""What the language of formulas consists of, as plain literals: characters, commands, and the
-spellings that mean the same."""
+"""The language of formulas as plain literals: characters, commands, and the spellings that mean the
+same."""

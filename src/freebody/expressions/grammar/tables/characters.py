@@ -87,11 +87,11 @@ SILENT_COMMANDS = (
 )  # fmt: skip
 """Commands that say nothing about the matter."""
 SILENT = "$~\u200b\u2061\u2062"
-"""The same of characters."""
+"""Characters that say nothing about the matter."""
 FILL = "\x1f"
 """A blank that is shown with what stands before it, where a text was made shorter."""
 SIGNS = ("**", "==", "<=", ">=", "!=", ":=")
-"""Signs of two characters."""
+"""The signs of two characters."""
 TOTAL = "\ue01b"
 """The d of a derivative by a coordinate, as spellings have it."""
 KINDS_OF_SIGNS = {
@@ -99,6 +99,6 @@ KINDS_OF_SIGNS = {
     "'": "transpose", "=": "equals", "==": "equals", ",": "comma", "&": "amp", "°": "degree",
     ";": "line", "\n": "line",
 }  # fmt: skip
-"""What further signs are among tokens."""
+"""The kinds of tokens that further signs are."""
 ANY_MARK = "\u0300-\u036f\u20d7˙¨"
 """Characters that belong to the letter before them, as in a class of a regular expression."""

@@ -97,8 +97,8 @@ CLASSES = {
     "raised": ("²", "³", "¹"),
     "raised_word": ("\\squared", "\\cubed"),
 }  # fmt: skip
-"""By their texts, and by kinds and other classes behind a %. %any is every lexeme but the end of a
-line, %not_x one that is not x; %bare_letter has no marks, and %dotted_letter has dots."""
+"""Classes by their texts, and by kinds and other classes behind a %. %any is every lexeme but the
+end of a line, %not_x one that is not x; %bare_letter has no marks, and %dotted_letter has dots."""
 
 PATTERNS = {
     "group": "{ %not_brace{0,30} }",
@@ -111,13 +111,15 @@ PATTERNS = {
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
     "typed": "%letter ~%letter{0,6} ~_? < ~%digit | ~%low_digit | ~P >{0,2}",
+    "aligning": "< \\notag | \\label | \\tag | eq >",
     "name_of_sympy": "%letter < ~%name | ~_ >{0,24}",
     "of_time": "( t )",
     "below": "< ~_ ~{? >? ~%digit{1,2} ~}?",
     "by_time": "{ @d t @squared? }",
     "asterisk": "^ < { %star } | %star >",
-    "number": "< %digit ~%digit{0,60} < ~. ~%digit{0,60} >? | . ~%digit{1,60} >"
-    " < < ~e | ~E > < ~+ | ~- >? ~%digit{1,60} >?",
+    "number": "mantissa:< %digit ~%digit{0,60} < ~. decimals:~%digit{0,60} >?"
+    " | . decimals:~%digit{1,60} >"
+    " < < ~e | ~E > exponent:< < ~+ | ~- >? ~%digit{1,60} > >?",
     "word": "%bare_letter ~%bare_letter{1,40}",
     "words": "!-%no_word_before !-_ @word < ~%hyphen ~%bare_letter{1,40} >{0,9} !~%no_word_behind",
     "decimal": "< %digit ~%digit{0,30} < ~. ~%digit{1,30} >? | . ~%digit{1,30} >"
