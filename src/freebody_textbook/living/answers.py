@@ -54,7 +54,7 @@ _MOST_ALIKE = 40
 
 _SentenceAndValue = tuple[str, Any]
 """A sentence, and what the right answer would be."""
-_MOST_TOLD = [1, *(most for _, most in TABLES)]
+_MOST_TOLD = [1, *(table.most for table in TABLES)]
 """How many thoughts of each table are told."""
 
 ValueSum = list[str | int]

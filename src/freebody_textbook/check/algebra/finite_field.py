@@ -77,7 +77,7 @@ class Point:
     def of(self, x: Value) -> int:
         """The value of a polynomial or a quotient of two."""
         if isinstance(x, Ratio):
-            return self.of(x.above) * pow(self.of(x.below), -1, PRIME) % PRIME
+            return self.of(x.above) * raised(self.of(x.below), -1) % PRIME
         return sum(self.term(powers, c) for powers, c in x.terms()) % PRIME
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> int:

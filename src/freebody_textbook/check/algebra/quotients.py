@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
@@ -66,6 +66,23 @@ def difference(a: Value, b: Value) -> Trig:
     """The numerator of a - b: 0 where they are equal."""
     (p, q), (r, s) = pair(a), pair(b)
     return p - r if q == s else _multiplied(p, s) - _multiplied(r, q)
+
+
+def put(x: Trig, images: Mapping[str, Value]) -> Value:
+    """A polynomial with values in the place of some generators."""
+    by_below: dict[Trig, Trig] = {}
+    for powers, coefficient in x.terms():
+        rest = {name: k for name, k in powers.items() if name not in images}
+        term: Value = x.ring.polynomial([(rest, coefficient)])
+        for name in powers.keys() & images.keys():
+            for _ in range(powers[name]):
+                term = times(term, images[name])
+        above, below = pair(term)
+        by_below[below] = by_below.get(below, x - x) + above
+    total: Value = x - x
+    for below, above in by_below.items():
+        total = plus(total, over(above, below))
+    return total
 
 
 def _one(x: Trig) -> Trig:

@@ -109,6 +109,11 @@ def _letters(monomial: SymbolPowers) -> list[str]:
 def printed(
     layout: Layout, setting: RightEquations, key: ProductKey, value: Fraction
 ) -> Expression:
+    """A term with its number, as it prints."""
+    return mul(layout.form(polynomial(setting, key, value)))
+
+
+def polynomial(setting: RightEquations, key: ProductKey, value: Fraction) -> Trig:
     """A term with its number."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])
@@ -117,4 +122,4 @@ def printed(
         factor = angle.sin() if function == "sin" else angle.cos()
         for _ in range(exponent):
             x = x * factor
-    return mul(layout.form(x))
+    return x

@@ -4,24 +4,36 @@ a length, an index, a power. Each has a cost, small for what people get wrong of
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
 from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.nodes import Expression, Negative, Number, Power, Product, Sum
+from freebody.expressions.nodes import (
+    Arguments,
+    Expression,
+    Function,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Sum,
+)
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
 from freebody_textbook.check.algebra.finite_field import PRIME, rational
 from freebody_textbook.check.algebra.finite_field_tree import Workspace
-from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.algebra.quotients import Value, generator
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
 
-RelatedNames = Callable[[str], Mapping[str, Trig]]
+_TAKEN_FOR = {"arccos": "arcsin", "arcsin": "arccos"}
+"""Inverse functions that are often mixed up."""
+
+RelatedNames = Callable[[str], Mapping[str, Value]]
 """Quantities that one may mix up with one: the other entries of its family."""
 
 
@@ -78,6 +90,8 @@ class SmallChanges:
                     yield from self._symbols(node)
                 case Power():
                     yield from _powers(node)
+                case Function():
+                    yield from _functions(node)
             yield from self._inserted(node)
 
     @cached_property
@@ -205,6 +219,15 @@ def _powers(node: Power) -> Iterator[Repair]:
         new = node.base if exponent == 1 else Power(node.base, exponent, span=node.span)
         if exponent > 0:  # of x⁰ none is lower
             yield Repair("exponent", 1.8, node, new)
+
+
+def _functions(node: Function) -> Iterator[Repair]:
+    """Another inverse function, and the arguments of one in the other order."""
+    if isinstance(node.argument, Arguments):
+        turned = replace(node.argument, entries=node.argument.entries[::-1])
+        yield Repair("arguments", 0.8, node, replace(node, argument=turned))
+    if node.name in _TAKEN_FOR:
+        yield Repair("inverse", 0.9, node, replace(node, name=_TAKEN_FOR[node.name]))
 
 
 def _is_chain(angle: Angle) -> bool:

@@ -108,6 +108,15 @@ class StateSampler:
         parts = [x for x in drawn if x is not None and x.count]
         return _together(parts) if parts else None
 
+    def at_values(
+        self, states: AdmissibleStates, values: Mapping[str, float]
+    ) -> AdmissibleStates | None:
+        """The same positions and rates with other masses or weights, and the accelerations and
+        multipliers that follow."""
+        others = {name: np.full(states.count, x) for name, x in values.items()}
+        changed = replace(states, values={**states.values, **others})
+        return self._pressed(np.random.default_rng(28), changed)
+
     def _of_one_set(self, chance: np.random.Generator, k: int) -> AdmissibleStates | None:
         """States with one set of parameters."""
         count = 1 + _GUESSES

@@ -32,7 +32,7 @@ from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import explaining
 from freebody_textbook.check.reasons.misreadings import doubt_about, readings
-from freebody_textbook.check.reasons.thoughts import Subject
+from freebody_textbook.check.reasons.thoughts import FreeSides, Subject
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.agreement import StatesOfModel
 from freebody_textbook.check.states.state_values import functions_of
@@ -355,20 +355,23 @@ class Judge:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
         doubt = doubt_about(self.setting, self.targets, claim, work)
-        causes = self._thoughts(claim, right, work.value)
+        causes = self.thoughts(claim, right, work)
         findings = Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
 
-    def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
-        """What may have been thought; thoughts are told of the model's own coordinates only."""
+    def thoughts(self, claim: Claim, right: Value, work: Workspace) -> list[str]:
+        """Sentences on what may have been thought, of the model's own coordinates only."""
         if self.setting.turned is not None:
             return []
-        terms = None
+        terms, point = None, work.point
         if claim.whole is not None:
             named = (x for x in nodes(claim.whole) if isinstance(x, Named))
-            terms = frozenset(self.point.of(x.value) for x in named)
-        subject = Subject(self.bodies, self.targets, claim.target, right, terms)
-        return explaining(subject, value)
+            terms = frozenset(point.of(x.value) for x in named)
+        bodies = self.bodies if point is self.point else BodiesAtPoint(self.setting, point)
+        free = self.free_body and FreeSides(self.free_body, claim.value, claim.target.compute())
+        return explaining(
+            Subject(bodies, self.targets, claim.target, right, terms, free), work.value
+        )
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""

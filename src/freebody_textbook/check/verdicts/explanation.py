@@ -19,6 +19,7 @@ from freebody_textbook.check.reasons.differences import (
     Difference,
     differences,
     is_too_long,
+    polynomial,
     printed,
     terms,
 )
@@ -116,7 +117,7 @@ class Explanation:
         """Changes of the answer."""
         return Repairs(self.setting, self.work, self.value, self._related)
 
-    def _related(self, name: str) -> dict[str, Trig]:
+    def _related(self, name: str) -> dict[str, Value]:
         """The other entries of the family of a quantity that stands in the answer, such as H11."""
         single = self.judge.targets.single
         others = related(self.judge.targets, single[name]) if name in single else {}
@@ -178,12 +179,7 @@ class Explanation:
         return [self._said(repair) for repair in found]
 
     def _term(self, row: Difference) -> Trig:
-        x = self.setting.ring.polynomial([(dict(row.key[0]), row.right)])
-        for function, argument, exponent in row.key[1]:
-            angle = sum((self.setting.ring[name] * k for name, k in argument), self.setting.zero)
-            for _ in range(exponent):
-                x = x * (angle.sin() if function == "sin" else angle.cos())
-        return x
+        return polynomial(self.setting, row.key, row.right)
 
     def _said(self, repair: Repair) -> Mistake:
         if repair.kind == "missing" and repair.node is self.work.root:

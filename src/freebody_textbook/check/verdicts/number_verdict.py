@@ -19,7 +19,7 @@ from freebody.scalars.generators import symbol_of, symbols_in, waves_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.quotients import Value, pair, put
 from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.right_equations import RightEquations
@@ -27,7 +27,6 @@ from freebody_textbook.check.numbers.results import WrittenNumber, WrittenNumber
 from freebody_textbook.check.numbers.states import GivenState, GivenValue, in_words
 from freebody_textbook.check.numbers.units import unit_of_quantity
 from freebody_textbook.check.reading.claim import Claim
-from freebody_textbook.check.reasons.free_motion import put
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
 from freebody_textbook.check.verdicts.number_at_state import EXACT, NumberAtState
 from freebody_textbook.check.verdicts.number_reasons import reasons

@@ -12,8 +12,7 @@ from freebody_textbook.check.algebra.finite_field_tree import Workspace
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.differences import Difference
-from freebody_textbook.check.reasons.free_body_thoughts import THOUGHTS
-from freebody_textbook.check.reasons.free_motion import FreeMotion
+from freebody_textbook.check.reasons.free_bodies import FreeMotion
 from freebody_textbook.check.reasons.misreadings import doubt_about
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
 from freebody_textbook.check.verdicts import numeric_example
@@ -50,28 +49,13 @@ def _explained(
     """The changes that make it right, and what may have been thought."""
     work = Workspace(claim.node, point)
     doubt = doubt_about(judge.setting, judge.targets, claim, work)
-    thoughts = [doubt] * bool(doubt)
-    thoughts += [x for x, thought in claim.target.thoughts if point.of(thought()) == work.value]
-    thoughts += _of_free_body(judge, claim)
+    thoughts = [*[doubt] * bool(doubt), *judge.thoughts(claim, right, work)]
     found = _Changes(judge, claim, right, work, point.of(right)).simplest(bool(thoughts))
     if claim.whole is not None and [x.kind for x in found] != ["sign"]:
         whole = Workspace(claim.whole, point)
         other = _Changes(judge, claim, judge.setting.zero, whole, 0).simplest(bool(thoughts))
         found = other if not found or [x.kind for x in other] == ["sign"] else found
     return found, thoughts
-
-
-def _of_free_body(judge: Judge, claim: Claim) -> list[str]:
-    """What may have been thought of the forces on a free body: the first thought under which the
-    claim is right."""
-    if judge.free_body is None:
-        return []
-    sides = (claim.value, claim.target.compute())
-    for physics in THOUGHTS:
-        point = judge.free_body.motion(sides, physics).at(judge.point)
-        if point.of(sides[0]) == point.of(sides[1]):
-            return [physics.thought]
-    return []
 
 
 class _Changes(Explanation):

@@ -15,13 +15,12 @@ from freebody.expressions.quantities import kinds
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Value, put
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.reasons.free_motion import put
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.verdict import EquationVerdict
 

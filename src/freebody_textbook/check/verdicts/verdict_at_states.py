@@ -20,8 +20,8 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
 from freebody_textbook.check.numbers.units import in_other_units
 from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reasons.misconceptions import left_out
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
-from freebody_textbook.check.reasons.swapped_functions import swapped
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
 from freebody_textbook.check.states.running import Running
@@ -208,6 +208,8 @@ class _AtStates:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
+        if explain and not by_functions and (cause := self._left_out(states)):
+            return self._wrong(found, (), (cause,))
         return self._wrong_only_here(found, explain, by_functions)
 
     def _wrong_only_here(
@@ -221,11 +223,24 @@ class _AtStates:
         unexplained = not only_here or self.claim.target.kind.is_equation
         if mistake is None and unexplained and not by_functions:
             return None
-        findings = (mistake,) if isinstance(mistake, Mistake) else ()
-        compared = f"Compared in numbers at {found.states.count} states"
-        told = f"{compared}{', on every branch' * by_functions}."
-        causes = (*([mistake] if isinstance(mistake, str) else []), *[told] * by_functions)
-        return self._wrong(found, findings, causes)
+        told = f"Compared in numbers at {found.states.count} states, on every branch."
+        return self._wrong(found, (mistake,) if mistake else (), (told,) if by_functions else ())
+
+    def _left_out(self, states: AdmissibleStates) -> str:
+        """A sentence on what may have been left out: where it is 0, the claim is right."""
+        setting = self.judge.setting
+        if self.claim.value.is_zero or not _has_conditions(setting):
+            return ""
+        named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        written = symbols_in(*(part for value in named for part in pair(value)))
+        sampler = StateSampler(setting, acting=self.claim.target.acting)
+        for text, names in left_out(setting):
+            there = None
+            if names.isdisjoint(written):
+                there = sampler.at_values(states, dict.fromkeys(names, 0.0))
+            if there is not None and self._note(self._agreement(there)):
+                return text
+        return ""
 
     @property
     def _is_by_loops(self) -> bool:
@@ -319,14 +334,10 @@ class _AtStates:
         )
 
     # ------------------------------------------------------------ mistakes
-    def _mistakes(self, found: Agreement) -> Iterator[Mistake | str]:
+    def _mistakes(self, found: Agreement) -> Iterator[Mistake]:
         """What makes it right, the likeliest first."""
         tree = self._tree
-        fits = self._fitting(found)
-        for text, node, new in swapped(tree):
-            if fits(replaced(tree, {node: new})):
-                yield text
-        work = without_values(tree)
+        fits, work = self._fitting(found), without_values(tree)
         if len(work.values) > _MOST_NODES:
             return
         changes = SmallChanges(self.judge.setting, work, 0, lambda name: {})
@@ -364,5 +375,5 @@ def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
 
 
 def _can_be_said(repair: Repair) -> bool:
-    """Whether a change prints: of what holds functions only a sign does."""
-    return repair.kind == "sign" or not functions_of(repair.node)
+    """Whether a change prints: of what holds functions only a sign and another function do."""
+    return repair.kind in ("sign", "arguments", "inverse") or not functions_of(repair.node)

@@ -9,7 +9,7 @@ from freebody.expressions import expression as ex
 from freebody.expressions.grammar.atoms import atom, numbered
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Function, Number, Power, Product, Sum, nodes
-from freebody.expressions.printed_names import sym
+from freebody.expressions.printed_names import sym, with_letter
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
@@ -31,6 +31,8 @@ _OF_REPAIR = {
     "missing factor": "{written} lacks the factor {factor}.",
     "extra factor": "The factor {written} should not be there{inside}.",
     "exponent": "{written} has the wrong power{inside}: it must be {should}.",
+    "arguments": "atan2 takes the sine's part first: {should}.",
+    "inverse": "It is the {should} of that.",
 }
 _OTHER_REPAIR = "{written} must be {should}{inside}{reason}."
 """What is said of a change of the answer, by its kind."""
@@ -45,6 +47,9 @@ _OF_REVERSE = {
 }
 _OTHER_REVERSE = "In place of {should}{inside} you have {has}{reason}."
 """The same of a change of the right answer that makes it the user's, by what the user's has."""
+
+_OF_FUNCTIONS = {"arcsin": "arcsine", "arccos": "arccosine", "atan2": "atan2(y, x)"}
+"""What is said of inverse functions, whose values no polynomial prints."""
 
 _OPPOSITE = {
     "extra": "missing",
@@ -209,7 +214,7 @@ class Wording:
             case Named() if node.name in self.setting.ring.index:
                 return str(sym(node.name))
             case Named() if _is_usual(node.name):
-                return node.name.replace("tau", "τ")
+                return with_letter(node.name)
             case Wave():
                 angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
                 text = str(ex.Function(node.function, angle))
@@ -218,6 +223,8 @@ class Wording:
                 return str(ex.power(sym("x"), node.exponent)).replace("x", self.node(node.base), 1)
             case Number():
                 return str(ex.num(node.value))
+            case Function() if node.name in _OF_FUNCTIONS:
+                return _OF_FUNCTIONS[node.name]
         return self._form(node)
 
     def _form(self, node: Expression) -> str:
