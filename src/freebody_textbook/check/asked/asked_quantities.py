@@ -29,9 +29,6 @@ from freebody_textbook.check.asked.tip import TipQuantities
 from freebody_textbook.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody_textbook.methods.body_quantities import soft_names
 
-AMBIGUOUS = frozenset(("B", "D", "E", "b", "d", "f", "k", "phi", "v"))
-"""Letters that some books have for these quantities, and others for something else."""
-
 _GROUPS: tuple[type[QuantityGroup], ...] = (
     LoopQuantities,
     JointQuantities,

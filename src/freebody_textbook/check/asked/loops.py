@@ -11,6 +11,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
+from freebody_textbook.check.asked.right_equations import loop_equation
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
 
@@ -52,7 +53,9 @@ class LoopQuantities(QuantityGroup):
         if self.setting.system is None:
             return {}
         loops, rates = self.setting.system.loops, self.setting.symbols.rates
-        signs = [1 - 2 * (f"Phi{i}" in self.setting.opposed) for i in range(1, len(loops.c) + 1)]
+        signs = [
+            1 - 2 * (loop_equation(i) in self.setting.opposed) for i in range(1, len(loops.c) + 1)
+        ]
         rows = [
             [self.setting.element(x) * sign for x in self.setting.forces(row)]
             for sign, row in zip(signs, loops.Phi_q, strict=True)

@@ -22,6 +22,7 @@ from freebody.expressions.polynomials.symbols import (
     symbols,
 )
 from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.quantities.kinds import LOOP
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.number_names import catalogue
@@ -245,6 +246,11 @@ class RightEquations:
     def form(self, x: Value) -> str:
         """A polynomial, or a quotient of two, as one prints it."""
         return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
+
+
+def loop_equation(i: int) -> str:
+    """The name of a loop's equation, counted from 1."""
+    return f"{LOOP.name}{i}"
 
 
 def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:

@@ -8,11 +8,11 @@ from contextlib import suppress
 from freebody.expressions.grammar.atoms import numbered
 from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Matrix, Number
+from freebody.expressions.quantities.kinds import SHARED_LETTERS
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, pair
-from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.solved_quantities import SolvedQuantities
 from freebody_textbook.check.numbers.units import is_of_another_kind
@@ -171,7 +171,7 @@ class OwnDefinitions(SolvedQuantities):
         letter, _ = numbered(name)
         table = self.targets.tables.get(name)
         is_matrix = name not in self.targets.single and table and table[0][0].kind.is_matrix
-        soft = letter in AMBIGUOUS or name in self.targets.soft or bool(is_matrix)
+        soft = letter in SHARED_LETTERS or name in self.targets.soft or bool(is_matrix)
         soft = soft or self.setting.is_free_body
         target = self.targets.single.get(name)
         soft = soft or (target is not None and target.soft)
@@ -180,7 +180,7 @@ class OwnDefinitions(SolvedQuantities):
         if target is not None and target.kind.is_given:
             return False
         if target is None:
-            return name in AMBIGUOUS or (
+            return name in SHARED_LETTERS or (
                 self._is_used(name, line, lines)
                 and (bool(is_matrix) or self._is_still(self._given(line[1])))
                 and not self._is_zero_vector(name, line)
