@@ -2,32 +2,66 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import USUAL_LETTERS
 from freebody.lazy import cached_property
-from freebody_textbook.check.asked import load_names
-from freebody_textbook.check.asked.at_rest import BodiesAtRest
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked import loads
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.centre_jacobians import CentreJacobians
-from freebody_textbook.check.asked.energies import EnergyQuantities
-from freebody_textbook.check.asked.formula_parameters import FormulaParameters
-from freebody_textbook.check.asked.frames import QuantitiesInFrames
+from freebody_textbook.check.asked.energies import AngularMomenta, EnergyQuantities
 from freebody_textbook.check.asked.free_body import FreeBodyQuantities
-from freebody_textbook.check.asked.group import QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.joints import JointQuantities, VelocityCoefficients
-from freebody_textbook.check.asked.kane import KaneQuantities
-from freebody_textbook.check.asked.loops import LoopQuantities
-from freebody_textbook.check.asked.momenta import AngularMomenta
+from freebody_textbook.check.asked.loops import (
+    BodiesOfTrees,
+    LoopForceSystem,
+    LoopQuantities,
+    ReducedMass,
+    ReducedQuantities,
+)
+from freebody_textbook.check.asked.more_of_bodies import (
+    BodiesAtRest,
+    CentreJacobians,
+    KaneQuantities,
+    QuantitiesInFrames,
+)
 from freebody_textbook.check.asked.parallel import ParallelQuantities
-from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
-from freebody_textbook.check.asked.reduced import ReducedMass, ReducedQuantities
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.asked.tip import TipQuantities
-from freebody_textbook.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody_textbook.methods.body_quantities import soft_names
+
+_ABOUT_THE_JOINT = (
+    "That is the moment of inertia about the joint, {} + {} {}²; {} is about the centre of mass."
+)
+
+
+class FormulaParameters(QuantityGroup):
+    """lc1, I1, … where formulas give them."""
+
+    def single(self) -> Iterator[NamedTarget]:
+        for name, value in self.setting.given.items():
+            thoughts = self._thoughts(name)
+            yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)
+
+    def _thoughts(self, name: str) -> tuple[Mistaken, ...]:
+        """Of a link's moment of inertia: that about its joint."""
+        lc, m = (letter + name[1:] for letter in ("lc", "m"))
+        if name[0] != "I" or not {lc, m} <= self.setting.ring.index.keys():
+            return ()
+        words = _ABOUT_THE_JOINT.format(*map(sym, (name, m, lc, name)))
+        return ((words, partial(self._about_the_joint, name, lc, m)),)
+
+    def _about_the_joint(self, name: str, lc: str, m: str) -> Trig:
+        I_c, arm, mass = (self.setting.given.get(x, self.setting.ring[x]) for x in (name, lc, m))
+        return I_c + mass * arm * arm
+
 
 _GROUPS: tuple[type[QuantityGroup], ...] = (
     LoopQuantities,
@@ -132,4 +166,4 @@ class Targets:
     @cached_property
     def soft(self) -> frozenset[str]:
         """Names of vectors of bodies that users often give to things of their own."""
-        return soft_names(len(self.setting.symbols.model.bodies)) | {*load_names.VECTORS, "W", "r"}
+        return soft_names(len(self.setting.symbols.model.bodies)) | {*loads.VECTORS, "W", "r"}

@@ -15,8 +15,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
-from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.group import MOST_ROWS, NamedTarget, QuantityGroup, inverse
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 

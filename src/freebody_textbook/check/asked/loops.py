@@ -1,18 +1,36 @@
-"""Closed chains: the equations of their loops."""
+"""Closed chains and trees: the equations of loops, independent coordinates, and the forces in
+joints and loops by the multipliers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
+from freebody.expressions.expression import Expression
 from freebody.expressions.grammar.dotted_names import spellings
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.words import spelt
+from freebody.expressions.polynomials.arithmetic import determinant
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import vec
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+from freebody.spatial import neg
+from freebody_textbook.check.algebra.quotients import Value, negative, over
 from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
-from freebody_textbook.check.asked.right_equations import loop_equation
-from freebody_textbook.closed_chains.first_kind import multiplier_names
+from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
+from freebody_textbook.closed_chains.first_kind import Reduction, multiplier_names
+from freebody_textbook.methods.body_quantities import BY_NAME
+from freebody_textbook.methods.body_values import BodyValues
+from freebody_textbook.methods.cut_loops import Loops
+from freebody_textbook.methods.loop_forces import LoopForces, LoopReactions, needs_of
+from freebody_textbook.methods.reactions import SolvedReactions
+from freebody_textbook.methods.setting import Setting
+from freebody_textbook.relations.quantities import branches
 
 
 class LoopQuantities(QuantityGroup):
@@ -109,3 +127,237 @@ def _in_words(name: str) -> str:
     if part in ("m", "tension"):
         return f"{loop!r} for its {'angle' if part == 'm' else 'length'}"
     return f"{loop!r} {'along' if part[0] == 'f' else 'about'} {part[1:]}"
+
+
+_N = LexemePattern("!-%latin N !~%latin")
+_H, _M = (LexemePattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") for letter in "HM")
+
+
+class ReducedQuantities(QuantityGroup):
+    """n, N, γ and u of a closed chain in the plane or in space."""
+
+    def single(self) -> Iterator[NamedTarget]:
+        if self.setting.system is None:
+            return
+        for i in self.numbers:
+            yield (f"n{i}",), self._applied(i)
+        for k, of_loop in enumerate(self.setting.system.loops.c, 1):
+            also = (("It is read as c of Φ_q q̈ = c.", self.element(lambda x=of_loop: x)),)
+            asked = AskedQuantity(
+                kinds.LOOP_REST, (k,), also[0][1], words=f"what row {k} of Φ_q q̈ must be"
+            )
+            yield (
+                (f"gamma{k}",),
+                replace(self._drift[k - 1][0], also=also) if self._drift else asked,
+            )
+        for (x,) in self._drift:
+            yield (f"gamma{x.index[0]}",), x
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
+        if self.setting.system is None:
+            return {}
+        found: dict[str, QuantityTable] = {"n": [[self._applied(i)] for i in self.numbers]}
+        if self._reduction is None:
+            return found
+        own = [k + 1 for k in self._reduction.independent]
+        N = [[self._entry(k, j) for j in range(1, len(own) + 1)] for k in self.numbers]
+        found |= {"N": N, **({"gamma": self._drift} if _N.found_in(self.formulas) else {})}
+        for dots, ending in enumerate(("", RATE, SECOND)):
+            names = [self.setting.symbols.coordinates[k - 1] + ending for k in own]
+            column = [
+                [AskedQuantity(kinds.COORDINATE, (k,), lambda x=x: self.setting.ring[x])]
+                for k, x in zip(own, names, strict=True)
+            ]
+            found |= dict.fromkeys(spellings("u", "", dots), column)
+        return found
+
+    @property
+    def _reduction(self) -> Reduction | None:
+        return reduction_of(self.setting)
+
+    def _applied(self, i: int) -> AskedQuantity:
+        """n_i: the drive, less what the velocities, the weights, springs and friction need."""
+
+        def value() -> Trig:
+            tau, rest = self.entry("tau", i), [self.entry(x, i)() for x in ("c", "g", "drives")]
+            idle = i in self.passive
+            return (self.setting.zero if idle else tau()) - sum(rest, self.setting.zero)
+
+        words = f"the generalized force of joint {i} without what accelerations and loops need"
+        return AskedQuantity(kinds.APPLIED, (i,), value, words=words)
+
+    def _entry(self, k: int, j: int) -> AskedQuantity:
+        def value(k: int = k, j: int = j) -> Value:
+            assert self._reduction is not None
+            above = self._reduction.scaled[k - 1][j - 1]
+            return over(self.setting.element(above), self.setting.element(self._reduction.delta))
+
+        return AskedQuantity(
+            kinds.OF_INDEPENDENT, (k, j), value, words=f"entry {k}, {j} of N, q̇ = N u̇"
+        )
+
+    @cached_property
+    def _drift(self) -> QuantityTable:
+        """γ: what q̈ is where ü = 0."""
+        return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
+
+    def _drift_of(self, k: int) -> AskedQuantity:
+        def value() -> Value:
+            assert self._reduction is not None
+            above, below = self._reduction.scaled_drift[k - 1], self._reduction.delta
+            return over(self.setting.element(above), self.setting.element(below))
+
+        return AskedQuantity(
+            kinds.DRIFT, (k,), value, words=f"entry {k} of γ, q̈ = N ü + γ",
+            thoughts=(("It has the wrong sign: Φ_q γ = c = −Φ̇_q q̇.", lambda: negative(value())),),
+        )  # fmt: skip
+
+
+class ReducedMass(QuantityGroup):
+    """H_ij of NᵀM N, in answers that call it H and that of the cut chain M."""
+
+    @classmethod
+    def is_told(cls, formulas: Lexemes) -> bool:
+        """Whether both are in it."""
+        first = next(_H.all(formulas), None)
+        return first is not None and _M.found_in(formulas, first.stop)
+
+    def single(self) -> Iterator[NamedTarget]:
+        reduction = reduction_of(self.setting)
+        n = range(len(reduction.independent) if reduction else 0)
+        for i in n:
+            for j in n:
+                yield (f"H{i + 1}{j + 1}",), self._entry(i, j)
+
+    def _entry(self, i: int, j: int) -> AskedQuantity:
+        def value() -> Value:
+            reduction = reduction_of(self.setting)
+            assert reduction is not None
+            below = self.setting.element(reduction.delta)
+            return over(self.setting.element(reduction.mass[i][j]), below * below)
+
+        words = f"entry {i + 1}, {j + 1} of the mass matrix in independent coordinates, NᵀM N"
+        return AskedQuantity(kinds.OF_INDEPENDENT, (i + 1, j + 1), value, words=words)
+
+
+def reduction_of(setting: RightEquations) -> Reduction | None:
+    """A closed chain in independent coordinates."""
+    system = setting.system if setting.turned is None else None
+    return system and system.reduction
+
+
+_SYSTEM = LexemePattern("!-%latin A < λ | \\lambda | %font { < \\lambda | λ > >")
+_OF_CENTRE = (BY_NAME["sc{n}"], BY_NAME["fc{n}"])
+_BodyRow = tuple[Expression, Iterable[Any], int, str]
+"""Name, components, body and words."""
+
+
+class BodiesOfTrees(QuantityGroup):
+    """f_24, s_c3 and the like where the bodies do not form one chain: named as derivations name
+    them."""
+
+    def single(self) -> Iterator[NamedTarget]:
+        for name, table in self._vectors.items():
+            for (entry,) in table:
+                if entry.axis or len(table) == 1:
+                    yield (name + entry.axis,), entry
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
+        return self._vectors
+
+    @cached_property
+    def _vectors(self) -> dict[str, QuantityTable]:
+        s = Setting(self.setting.equations.symbols)
+        if not (branches(s.tree) or self.setting.system) or self.setting.turned is not None:
+            return {}
+        if any(len(body.masses) > 1 for body in s.tree.bodies):  # its centre has no symbol
+            return {}
+        found: dict[str, QuantityTable] = {}
+        for name, vector, n, words in self._told(s):
+            plain = spelt(str(name))
+            if plain and plain not in found:
+                found[plain] = self._table(list(vector), n, words)
+        return found
+
+    def _told(self, s: Setting) -> Iterator[_BodyRow]:
+        loops = Loops(s) if self.setting.system else None
+        reactions = LoopReactions(s, loops) if loops else SolvedReactions(s)
+        for i in s.order if loops else ():
+            assert loops is not None
+            for arm, vector in LoopForces(s, loops).ways(i):
+                yield arm, vector, s.numbers[i], f"the way on body {s.numbers[i]} to a loop's force"
+        for i in s.order:
+            b, parent = BodyValues(s, i, reactions), s.tree.bodies[i].parent
+            n = b.n
+            h = s.numbers[parent] if parent >= 0 else 0
+            for k in s.tree.children(i):
+                yield s.naming.reach(n, s.numbers[k]), s.to_child(i, k), n, f"a way along body {n}"
+            if s.ends_in_tip(i):
+                yield s.naming.to_tip(n), s.to_tip(i), n, BY_NAME["s{n}"].told(n)
+            if i in s.weighted:
+                for record in _OF_CENTRE:
+                    yield vec(record.known.format(n=n)), record.value(b), n, record.told(n)
+            yield s.naming.force(h, n), b.force, n, BY_NAME["f{h}{n}"].told(n, h)
+            yield s.naming.moment(h, n), b.moment, n, BY_NAME["n{n}"].told(n, h)
+            yield s.naming.force(n, h), neg(b.force), n, BY_NAME["f{n}{h}"].told(n, h)
+            yield s.naming.moment(n, h), neg(b.moment), n, BY_NAME["n{n}{h}"].told(n, h)
+        for loop in s.tree.loops if loops else ():
+            assert loops is not None
+            force, moment = loops.wrench(loop)
+            n = s.numbers[loops.ends(loop)[1]]
+            yield loops.force_name(loop), force, n, f"the force of the loop on body {n}"
+            yield loops.moment_name(loop), moment, n, f"the moment of the loop on body {n}"
+            on, by = s.naming.loop_bodies(s.symbols.tree.loops.index(loop))[::-1]
+            words = f"the force of body {on} on body {by} in the loop"
+            yield s.naming.force(on, by), neg(force), n, words
+
+    def _table(self, vector: list[Any], n: int, words: str) -> QuantityTable:
+        axes = "xyz" if len(vector) > 1 else ("",)
+        element = self.setting.equations.symbols.element
+        asked = AskedQuantity(kinds.OF_BODY, (n,), lambda: self.setting.zero, words=words)
+        return [
+            [replace(asked, compute=self.element(lambda x=x: element(x)), axis=k)]
+            for x, k in zip(vector, axes, strict=False)
+        ]
+
+
+class LoopForceSystem(QuantityGroup):
+    """A λ = k, the equations of the passive joints for the multipliers."""
+
+    @classmethod
+    def is_told(cls, formulas: Lexemes) -> bool:
+        """Whether an answer has A λ."""
+        return _SYSTEM.found_in(formulas)
+
+    def single(self) -> Iterator[NamedTarget]:
+        for i, (x,) in enumerate(self._tables.get("k", []), 1):
+            yield (f"k{i}",), x
+        if self._tables and len(self._tables["A"]) == len(self._tables["A"][0]):
+            rows = [[x.polynomial() for x in row] for row in self._tables["A"]]
+            words = "the determinant of A, A λ = k"
+            det = AskedQuantity(
+                kinds.DETERMINANT, (), lambda: determinant(rows, self.setting.symbols), words=words
+            )
+            yield ("detA",), det
+
+    def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
+        return self._tables
+
+    @cached_property
+    def _tables(self) -> dict[str, QuantityTable]:
+        if self.setting.system is None or self.setting.turned is not None:
+            return {}
+        s = Setting(self.setting.equations.symbols)
+        loops = Loops(s)
+        system = needs_of(LoopReactions(s, loops), loops)
+        if not system.A:
+            return {}
+        A = [
+            [self._entry(x, "A", i, j) for j, x in enumerate(row, 1)]
+            for i, row in enumerate(system.A, 1)
+        ]
+        return {"A": A, "k": [[self._entry(x, "k", i)] for i, x in enumerate(system.right, 1)]}
+
+    def _entry(self, x: Trig, name: str, *at: int) -> AskedQuantity:
+        words = f"entry {', '.join(map(str, at))} of {name}, A λ = k"
+        return AskedQuantity(kinds.OF_INDEPENDENT, at, self.element(lambda: x), words=words)

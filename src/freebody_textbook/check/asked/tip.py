@@ -17,8 +17,7 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import sub, times, transposed
 from freebody_textbook.check.algebra.quotients import Value, plus
 from freebody_textbook.check.algebra.quotients import times as multiplied
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
-from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.group import MOST_ROWS, NamedTarget, QuantityGroup, inverse
 from freebody_textbook.check.asked.loads import vectors
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 

@@ -13,13 +13,15 @@ from freebody.expressions.grammar.source import Span
 from freebody.expressions.grammar.tables.characters import FILL
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
-from freebody_textbook.check.numbers.results import StandingState, WrittenNumber, WrittenNumbers
 from freebody_textbook.check.numbers.states import (
     AT_REST,
     NO_STATE,
     GivenState,
     GivenValue,
+    StandingState,
     StateReader,
+    WrittenNumber,
+    WrittenNumbers,
 )
 from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at

@@ -1,10 +1,10 @@
-"""Two polynomials term by term, in sines and cosines of sums of angles, where every difference
-shows once."""
+"""A polynomial by what moves in it, and two polynomials term by term, in sines and cosines of sums
+of angles, where every difference shows once."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,10 +16,36 @@ from freebody.expressions.polynomials.angle_sums import (
     gathered,
     raw,
 )
+from freebody.expressions.polynomials.arithmetic import collected
 from freebody.expressions.polynomials.textbook_form import Layout
-from freebody.scalars.generators import WAVES, function_of
+from freebody.scalars.generators import WAVES, function_of, waves_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
+
+Parts = dict[SymbolPowers, Trig]
+"""What stands with each: a polynomial in the parameters."""
+
+
+def moving(setting: RightEquations) -> frozenset[str]:
+    """Generators that change in time."""
+    names = setting.symbols.coordinates
+    waves = (wave for name in names for wave in waves_of(name))
+    return frozenset([*setting.order.moving, *names, *waves])
+
+
+def parts(setting: RightEquations, x: Trig, names: Collection[str] | None = None) -> Parts:
+    """A polynomial by its products of the generators named, by default of all that move."""
+    return collected(x, moving(setting) if names is None else names)
+
+
+def whole(setting: RightEquations, rows: Parts) -> Trig:
+    """The polynomial that has these parts."""
+    return setting.ring.polynomial(
+        ({**powers, **dict(key)}, coefficient)
+        for key, part in rows.items()
+        for powers, coefficient in part.terms()
+    )
+
 
 MOST_TERMS = 20_000
 

@@ -12,9 +12,14 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.spatial import Vector, times, transposed
-from freebody_textbook.check.algebra.finite_field import PRIME, Point, SineAndCosine, random_point
+from freebody_textbook.check.algebra.finite_field import (
+    PRIME,
+    Point,
+    RealPoint,
+    SineAndCosine,
+    random_point,
+)
 from freebody_textbook.check.algebra.quotients import Value, over, pair
-from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations

@@ -16,8 +16,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.states.running import AnyArray
-from freebody_textbook.check.states.state_values import Polynomials, StateValues
+from freebody_textbook.check.states.state_values import AnyArray, Polynomials, StateValues
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
 PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3

@@ -14,8 +14,13 @@ from freebody.lazy import cached_property
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody_textbook.check.states.running import AnyArray, Running
-from freebody_textbook.check.states.state_values import Known, choices, second_values
+from freebody_textbook.check.states.state_values import (
+    AnyArray,
+    Known,
+    Running,
+    choices,
+    second_values,
+)
 
 _LARGEST = 1e5
 """How many times larger than what is compared its terms may be."""

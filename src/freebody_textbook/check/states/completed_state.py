@@ -12,8 +12,7 @@ from freebody.scalars.generators import SIGN, function_of, generators_in, symbol
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import Rows, StateSampler
-from freebody_textbook.check.states.running import AnyArray
-from freebody_textbook.check.states.state_values import StateValues
+from freebody_textbook.check.states.state_values import AnyArray, StateValues
 
 _STRIDE, _STEPS = 0.05, 30
 """Radians or metres of a step from the home to the state, and Newton's steps at each."""

@@ -15,11 +15,10 @@ from freebody.outputs.number_text import shortest
 from freebody.scalars.generators import SIGN, function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.results import WrittenNumber
-from freebody_textbook.check.numbers.states import GivenState
+from freebody_textbook.check.numbers.states import GivenState, WrittenNumber
 from freebody_textbook.check.numbers.units import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim

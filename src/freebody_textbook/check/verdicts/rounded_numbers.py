@@ -21,13 +21,15 @@ from freebody.scalars.rational import exactly, rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.asked.terms_by_motion import Parts, parts, whole
 from freebody_textbook.check.reasons.differences import (
     Difference,
+    Parts,
     ProductKey,
     differences,
     is_too_long,
+    parts,
     terms,
+    whole,
 )
 
 MEASURED = Fraction(1, 1000)

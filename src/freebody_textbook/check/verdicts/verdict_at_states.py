@@ -14,7 +14,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.finite_field_tree import without_values
+from freebody_textbook.check.algebra.finite_field import without_values
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
@@ -24,15 +24,19 @@ from freebody_textbook.check.reasons.misconceptions import left_out
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
-from freebody_textbook.check.states.running import Running
 from freebody_textbook.check.states.state_values import (
     MOST_BRANCHES,
+    Running,
     functions_of,
     of_several_values,
 )
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
-from freebody_textbook.check.verdicts.numeric_example import example_at, sentence
-from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.check.verdicts.verdict_sentences import (
+    Wording,
+    example_at,
+    right_verdict,
+    wrong_verdict,
+)
 from freebody_textbook.closed_chains.linear import Ratio
 
 if TYPE_CHECKING:
@@ -193,17 +197,15 @@ class _AtStates:
         if note := self._note(found):
             if by_functions and not self._shares_a_posture(found):
                 return self._wrong(found, (), (_OTHER_POSTURE,))
-            note = f"{note} {self.claim.target.note}".strip()
-            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+            return right_verdict(self.claim, f"{note} {self.claim.target.note}".strip())
         if held is not None and self._agreement(held).is_everywhere:
             note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
-            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+            return right_verdict(self.claim, note)
         there, where = self._there()
         if there is not None:
             found = self._agreement(there)
             if note := self._note(found):
-                label, title = self.claim.label, self.claim.target.title
-                return EquationVerdict(label, title, True, note=f"At {where}. {note}")
+                return right_verdict(self.claim, f"At {where}. {note}")
         if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
@@ -328,10 +330,7 @@ class _AtStates:
             shown = example_at(
                 self.judge.setting, found.states, found.worst, claim.node, self.right
             )
-        text = sentence(shown) if shown else ""
-        return EquationVerdict(
-            claim.label, claim.target.title, False, findings, causes, shown, text
-        )
+        return wrong_verdict(claim, findings, causes, shown)
 
     # ------------------------------------------------------------ mistakes
     def _mistakes(self, found: Agreement) -> Iterator[Mistake]:
