@@ -19,7 +19,6 @@ from freebody.spatial import Vector, sub
 from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.methods.energies import Energies
-from freebody_textbook.methods.setting import Setting
 
 _OF_BODIES = (
     (kinds.KINETIC, kinds.BODY_KINETIC, Energies.kinetic),
@@ -40,18 +39,10 @@ class EnergyQuantities(QuantityGroup):
             for i in range(1, bodies + 1):
                 names = tuple(f"{x}{i}" for x in (*letters, *of_body.letters))
                 yield names, AskedQuantity(of_body, (i,), self._of_body(energy, i - 1))
-        sum_of_both = ("L = T − V, not T + V.", lambda: self.setting.element(eq.T + eq.V))
-        yield (
-            self.letters["L"],
-            AskedQuantity(
-                kinds.LAGRANGIAN,
-                (),
-                lambda: self.setting.element(eq.T - eq.V),
-                thoughts=(sum_of_both,),
-            ),
-        )
-
-        yield ("E",), AskedQuantity(kinds.ENERGY, (), lambda: self.setting.element(eq.T + eq.V))
+        total, lagrangian = (self.element(lambda x=x: x) for x in (eq.T + eq.V, eq.T - eq.V))
+        thoughts = (("L = T − V, not T + V.", total),)
+        yield self.letters["L"], AskedQuantity(kinds.LAGRANGIAN, (), lagrangian, thoughts=thoughts)
+        yield ("E",), AskedQuantity(kinds.ENERGY, (), total)
         for kind, value in (
             (kinds.KINETIC, eq.T), (kinds.POTENTIAL, eq.V),
             (kinds.LAGRANGIAN, eq.T - eq.V), (kinds.ENERGY, eq.T + eq.V),
@@ -112,15 +103,8 @@ class EnergyQuantities(QuantityGroup):
     def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:
         """An energy of a body with all that is fixed to it."""
 
-        def value() -> Trig:
-            s = self._setting
-            return self.setting.element(energy(Energies(s, s.motion), s.tree.body_of[body]))
-
-        return value
-
-    @cached_property
-    def _setting(self) -> Setting:
-        return Setting(self.setting.equations.symbols)
+        s = self._setting
+        return self.element(lambda: energy(Energies(s, s.motion), s.tree.body_of[body]))
 
 
 _NAMED = LexemePattern(
@@ -199,10 +183,6 @@ class AngularMomenta(QuantityGroup):
         return AskedQuantity(
             kinds.ANGULAR_MOMENTUM, (), centre, words=words, note=_CENTRE, soft=True, also=also
         )
-
-    @cached_property
-    def _setting(self) -> Setting:
-        return Setting(self.setting.equations.symbols)
 
     @cached_property
     def _bodies(self) -> dict[str, int]:

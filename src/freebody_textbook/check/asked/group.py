@@ -10,15 +10,32 @@ from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
 from freebody.expressions.polynomials.arithmetic import PolynomialRows
 from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import SUMS
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, over
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.closed_chains.linear import solved
+from freebody_textbook.methods.setting import Setting
 
 NamedTarget = tuple[tuple[str, ...], AskedQuantity]
 """A quantity with its names, in plain spelling."""
+
+
+def entries(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
+    """The entries of matrices, each by the matrix's name and its indices: M12."""
+    for name, table in tables.items():
+        for row in table:
+            yield from (((name + "".join(map(str, x.index)),), x) for x in row)
+
+
+def components(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
+    """The components of vectors, each by the vector's name and its axis, vc1x; and what is one
+    number."""
+    for name, table in tables.items():
+        for row in table:
+            yield from (((name + x.axis,), x) for x in row if x.axis or len(table) == 1)
 
 
 class QuantityGroup:
@@ -76,9 +93,22 @@ class QuantityGroup:
         own = [n for n, body in bodies if body.joint.mimic is None]
         return f"joint {own[i - 1]}"
 
-    def element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
-        """A value in the ring of answers."""
-        return lambda: self.setting.element(value())
+    @cached_property
+    def _setting(self) -> Setting:
+        """The mechanism as it is derived."""
+        return Setting(self.setting.equations.symbols)
+
+    def element(self, value: Callable[[], Any]) -> Callable[[], Trig]:
+        """A number or polynomial of the equations in the ring of answers."""
+        return lambda: self.setting.element(self.setting.equations.symbols.element(value()))
+
+    def quotient(self, sides: Callable[[], tuple[Trig, Trig]]) -> Callable[[], Value]:
+        """A quotient of two polynomials of the equations in the ring of answers."""
+        return lambda: over(*map(self.setting.element, sides()))
+
+    def coordinate(self, name: str, k: int) -> AskedQuantity:
+        """An entry of q, q̇ or q̈."""
+        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def entry(self, name: str, *index: int) -> Callable[[], Trig]:
         """An entry of what the equations have by that name."""

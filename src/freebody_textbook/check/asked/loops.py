@@ -3,6 +3,7 @@ joints and loops by the multipliers."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
@@ -19,8 +20,8 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import neg
-from freebody_textbook.check.algebra.quotients import Value, negative, over
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody_textbook.check.algebra.quotients import negative
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, components, entries
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
 from freebody_textbook.closed_chains.first_kind import Reduction, multiplier_names
@@ -84,7 +85,7 @@ class LoopQuantities(QuantityGroup):
         }
         for i, (name, lam) in enumerate(zip(loops.names, multiplier_names(loops), strict=True), 1):
             sign, row = signs[i - 1], rows[i - 1]
-            phi, c = (self._element(x[i - 1]) * sign for x in (loops.Phi, loops.c))
+            phi, c = (self.setting.element(x[i - 1]) * sign for x in (loops.Phi, loops.c))
             told = _in_words(name)
             columns = {
                 "Phi": (kinds.LOOP, phi, f"the loop equation of {told}"),
@@ -116,9 +117,6 @@ class LoopQuantities(QuantityGroup):
                     ]
                 )  # fmt: skip
         return found
-
-    def _element(self, x: Trig) -> Trig:
-        return self.setting.element(x)
 
 
 def _in_words(name: str) -> str:
@@ -163,11 +161,8 @@ class ReducedQuantities(QuantityGroup):
         N = [[self._entry(k, j) for j in range(1, len(own) + 1)] for k in self.numbers]
         found |= {"N": N, **({"gamma": self._drift} if _N.found_in(self.formulas) else {})}
         for dots, ending in enumerate(("", RATE, SECOND)):
-            names = [self.setting.symbols.coordinates[k - 1] + ending for k in own]
-            column = [
-                [AskedQuantity(kinds.COORDINATE, (k,), lambda x=x: self.setting.ring[x])]
-                for k, x in zip(own, names, strict=True)
-            ]
+            names = self.setting.symbols.coordinates
+            column = [[self.coordinate(names[k - 1] + ending, k)] for k in own]
             found |= dict.fromkeys(spellings("u", "", dots), column)
         return found
 
@@ -187,14 +182,11 @@ class ReducedQuantities(QuantityGroup):
         return AskedQuantity(kinds.APPLIED, (i,), value, words=words)
 
     def _entry(self, k: int, j: int) -> AskedQuantity:
-        def value(k: int = k, j: int = j) -> Value:
-            assert self._reduction is not None
-            above = self._reduction.scaled[k - 1][j - 1]
-            return over(self.setting.element(above), self.setting.element(self._reduction.delta))
-
-        return AskedQuantity(
-            kinds.OF_INDEPENDENT, (k, j), value, words=f"entry {k}, {j} of N, q̇ = N u̇"
-        )
+        reduction = self._reduction
+        assert reduction is not None
+        value = self.quotient(lambda: (reduction.scaled[k - 1][j - 1], reduction.delta))
+        words = f"entry {k}, {j} of N, q̇ = N u̇"
+        return AskedQuantity(kinds.OF_INDEPENDENT, (k, j), value, words=words)
 
     @cached_property
     def _drift(self) -> QuantityTable:
@@ -202,11 +194,9 @@ class ReducedQuantities(QuantityGroup):
         return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
 
     def _drift_of(self, k: int) -> AskedQuantity:
-        def value() -> Value:
-            assert self._reduction is not None
-            above, below = self._reduction.scaled_drift[k - 1], self._reduction.delta
-            return over(self.setting.element(above), self.setting.element(below))
-
+        reduction = self._reduction
+        assert reduction is not None
+        value = self.quotient(lambda: (reduction.scaled_drift[k - 1], reduction.delta))
         return AskedQuantity(
             kinds.DRIFT, (k,), value, words=f"entry {k} of γ, q̈ = N ü + γ",
             thoughts=(("It has the wrong sign: Φ_q γ = c = −Φ̇_q q̇.", lambda: negative(value())),),
@@ -224,20 +214,13 @@ class ReducedMass(QuantityGroup):
 
     def single(self) -> Iterator[NamedTarget]:
         reduction = reduction_of(self.setting)
-        n = range(len(reduction.independent) if reduction else 0)
-        for i in n:
-            for j in n:
-                yield (f"H{i + 1}{j + 1}",), self._entry(i, j)
-
-    def _entry(self, i: int, j: int) -> AskedQuantity:
-        def value() -> Value:
-            reduction = reduction_of(self.setting)
-            assert reduction is not None
-            below = self.setting.element(reduction.delta)
-            return over(self.setting.element(reduction.mass[i][j]), below * below)
-
-        words = f"entry {i + 1}, {j + 1} of the mass matrix in independent coordinates, NᵀM N"
-        return AskedQuantity(kinds.OF_INDEPENDENT, (i + 1, j + 1), value, words=words)
+        if reduction is None:
+            return
+        for i, j in itertools.product(range(len(reduction.independent)), repeat=2):
+            words = f"entry {i + 1}, {j + 1} of the mass matrix in independent coordinates, NᵀM N"
+            value = self.quotient(lambda i=i, j=j: (reduction.mass[i][j], reduction.delta**2))
+            asked = AskedQuantity(kinds.OF_INDEPENDENT, (i + 1, j + 1), value, words=words)
+            yield (f"H{i + 1}{j + 1}",), asked
 
 
 def reduction_of(setting: RightEquations) -> Reduction | None:
@@ -257,17 +240,14 @@ class BodiesOfTrees(QuantityGroup):
     them."""
 
     def single(self) -> Iterator[NamedTarget]:
-        for name, table in self._vectors.items():
-            for (entry,) in table:
-                if entry.axis or len(table) == 1:
-                    yield (name + entry.axis,), entry
+        yield from components(self._vectors)
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._vectors
 
     @cached_property
     def _vectors(self) -> dict[str, QuantityTable]:
-        s = Setting(self.setting.equations.symbols)
+        s = self._setting
         if not (branches(s.tree) or self.setting.system) or self.setting.turned is not None:
             return {}
         if any(len(body.masses) > 1 for body in s.tree.bodies):  # its centre has no symbol
@@ -313,10 +293,8 @@ class BodiesOfTrees(QuantityGroup):
 
     def _table(self, vector: list[Any], n: int, words: str) -> QuantityTable:
         axes = "xyz" if len(vector) > 1 else ("",)
-        element = self.setting.equations.symbols.element
-        asked = AskedQuantity(kinds.OF_BODY, (n,), lambda: self.setting.zero, words=words)
         return [
-            [replace(asked, compute=self.element(lambda x=x: element(x)), axis=k)]
+            [AskedQuantity(kinds.OF_BODY, (n,), self.element(lambda x=x: x), axis=k, words=words)]
             for x, k in zip(vector, axes, strict=False)
         ]
 
@@ -330,8 +308,7 @@ class LoopForceSystem(QuantityGroup):
         return _SYSTEM.found_in(formulas)
 
     def single(self) -> Iterator[NamedTarget]:
-        for i, (x,) in enumerate(self._tables.get("k", []), 1):
-            yield (f"k{i}",), x
+        yield from entries({"k": self._tables.get("k", [])})
         if self._tables and len(self._tables["A"]) == len(self._tables["A"][0]):
             rows = [[x.polynomial() for x in row] for row in self._tables["A"]]
             words = "the determinant of A, A λ = k"
@@ -347,7 +324,7 @@ class LoopForceSystem(QuantityGroup):
     def _tables(self) -> dict[str, QuantityTable]:
         if self.setting.system is None or self.setting.turned is not None:
             return {}
-        s = Setting(self.setting.equations.symbols)
+        s = self._setting
         loops = Loops(s)
         system = needs_of(LoopReactions(s, loops), loops)
         if not system.A:

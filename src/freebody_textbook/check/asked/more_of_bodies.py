@@ -16,7 +16,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import NamedTarget
+from freebody_textbook.check.asked.group import NamedTarget, components, entries
 from freebody_textbook.check.asked.loads import JOINT_FORCE, MOMENT, VECTORS
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
@@ -32,9 +32,8 @@ class QuantitiesInFrames(QuantitiesOfBodies):
 
     def single(self) -> Iterator[NamedTarget]:
         for name, table in self._framed.items():
-            for (entry,) in table:
-                if entry.axis or len(table) == 1:
-                    yield (name[:-1] + entry.axis + name[-1],), entry
+            for (own,), x in components({name[:-1]: table}):
+                yield (own + name[-1],), x
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._framed
@@ -89,11 +88,7 @@ class QuantitiesInFrames(QuantitiesOfBodies):
 
     def _axis_of(self, frame: int, k: int, i: int) -> Trig:
         """Component i, in the world, of the k-th axis of a body."""
-        if frame == 0:
-            return self.setting.zero + int(i == k)
-        s = self.setting.equations.symbols
-        x = self._setting.world[self._setting.order[frame - 1]][0][i][k]
-        return self.setting.element(s.element(x))
+        return self.element(lambda: self._world(frame)[i][k] if frame else float(i == k))()
 
 
 _TOLD = LexemePattern("< %fresh J | %around_letter { J } > ~_? ~{? < %letter | \\omega >")
@@ -106,10 +101,7 @@ class CentreJacobians(QuantitiesOfBodies):
     """J_ci or J_vi, with v_ci = J_vi q̇, and J_ωi, with ω_i = J_ωi q̇."""
 
     def single(self) -> Iterator[NamedTarget]:
-        for name, table in self._tables.items():
-            for row in table:
-                for entry in row:
-                    yield (name + "".join(map(str, entry.index)),), entry
+        yield from entries(self._tables)
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
         return self._tables
@@ -168,7 +160,7 @@ class KaneQuantities(QuantitiesOfBodies):
         return _PARTIALS.found_in(formulas)
 
     def single(self) -> Iterator[NamedTarget]:
-        yield from self.entries_of(self._partials)
+        yield from components(self._partials)
         if self.setting.system is None:
             for i in self.numbers:
                 yield (f"F{i}",), self._active(i)
@@ -285,7 +277,7 @@ class BodiesAtRest(QuantitiesOfBodies):
     def single(self) -> Iterator[NamedTarget]:
         if not self._is_known:
             return
-        yield from self.entries_of(self.vectors)
+        yield from components(self.vectors)
         reactions = SolvedReactions(self._setting)
         for i in self._setting.leaders:
             k = self._setting.index(i) + 1

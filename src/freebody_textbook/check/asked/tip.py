@@ -17,7 +17,13 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import sub, times, transposed
 from freebody_textbook.check.algebra.quotients import Value, plus
 from freebody_textbook.check.algebra.quotients import times as multiplied
-from freebody_textbook.check.asked.group import MOST_ROWS, NamedTarget, QuantityGroup, inverse
+from freebody_textbook.check.asked.group import (
+    MOST_ROWS,
+    NamedTarget,
+    QuantityGroup,
+    entries,
+    inverse,
+)
 from freebody_textbook.check.asked.loads import vectors
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 
@@ -167,9 +173,7 @@ class TipQuantities(QuantityGroup):
         for i in self._rows:
             for j in self.numbers:
                 yield (f"J{i}{j}",), AskedQuantity(kinds.JACOBIAN, (i, j), self._entry(i, j))
-        for row in self._inverse:
-            for x in row:
-                yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
+        yield from entries({f"J{INVERSE}": self._inverse})
         for k in range(self.setting.symbols.model.dim):
             own = self.setting.symbols.coordinates
             taken = {*own, *(f"{p}{x}" for p in "pP" for x in own)}  # x of a cart, and its momentum
