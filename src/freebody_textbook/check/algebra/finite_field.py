@@ -69,7 +69,7 @@ class Point:
         return (a - b) % PRIME == 0
 
     def number(self, value: Fraction | int) -> int:
-        """A rational number."""
+        """The residue of a rational number."""
         return residue(value)
 
     def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
@@ -203,7 +203,7 @@ class Workspace:
     def __init__(self, root: Expression, point: Point):
         self.root, self.point = root, point
         self.values: dict[Expression, int] = {}
-        """Of each node, those inside others first."""
+        """The value of each node, those inside others first."""
         for node in _inner_first(root):
             self.values[node] = point.at(node, self.values)
         self.value = self.values[root]
@@ -213,7 +213,7 @@ class Workspace:
 
     @cached_property
     def cofactors(self) -> dict[Expression, int]:
-        """Of each factor of a product, the product of the others."""
+        """The product of the other factors, for each factor of a product."""
         found: dict[Expression, int] = {}
         for node in self.values:
             if isinstance(node, Product):
@@ -229,7 +229,7 @@ class Workspace:
 
     @cached_property
     def slopes(self) -> dict[Expression, int | None]:
-        """Of each node what the whole changes by when it is 1 more; None below a power or a
+        """The change of the whole when a node is 1 more, for each node; None below a power or a
         fraction bar, where the whole is not linear in it."""
         found: dict[Expression, int | None] = {self.root: 1}
         for node in nodes(self.root):
@@ -243,7 +243,7 @@ class Workspace:
         return found
 
     def _slope(self, node: Expression, part: Expression) -> int | None:
-        """What a node changes by when one of its parts is 1 more."""
+        """The change of a node when one of its parts is 1 more."""
         match node:
             case Sum():
                 return 1

@@ -1,4 +1,4 @@
-"""What can be asked of a model: all groups of quantities together, by name."""
+"""The quantities of a model that answers may be about: all groups together, by name."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class FormulaParameters(QuantityGroup):
             yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)
 
     def _thoughts(self, name: str) -> tuple[Mistaken, ...]:
-        """Of a link's moment of inertia: that about its joint."""
+        """The mistake of taking a link's moment of inertia about its joint."""
         lc, m = (letter + name[1:] for letter in ("lc", "m"))
         if name[0] != "I" or not {lc, m} <= self.setting.ring.index.keys():
             return ()
@@ -74,8 +74,8 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     ReducedQuantities,
     FormulaParameters,
 )
-"""In this order: where two give a name to one number the first has it, of vectors and matrices the
-last."""
+"""The groups in their order: where two give a name to one number the first has it, of vectors and
+matrices the last."""
 
 _SPECIAL: tuple[type[QuantityGroup], ...] = (
     KaneQuantities,
@@ -101,11 +101,11 @@ class Targets:
     framed: bool = False
     """Whether vectors are told in the axes of any body, {}^1v_2."""
     formulas: Lexemes = NOTHING
-    """Those of the answer, which tell what it is about."""
+    """The formulas of the answer, which tell what it is about."""
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """All names, in plain spelling."""
+        """The names of all quantities, in plain spelling."""
         return frozenset([*self.single, *self.tables])
 
     @cached_property
@@ -146,7 +146,7 @@ class Targets:
 
     @cached_property
     def of_bodies(self) -> dict[str, str]:
-        """What names of vectors and matrices stand for in equations of bodies."""
+        """The vectors and matrices that names stand for in equations of bodies."""
         groups = (x.in_equations_of_bodies for x in self._groups)
         return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
 

@@ -41,7 +41,7 @@ class QuantitiesOfBodies(QuantityGroup):
 
     @cached_property
     def _bodies(self) -> list[dict[str, Any]]:
-        """What `fb.quantities` tells of each body, in the order of their numbers."""
+        """The values that `fb.quantities` tells of each body, in the order of their numbers."""
         values = QuantityValues(self._setting, "base" if self.based else "explicit")
         return [values.of_body(i) for i in self._setting.order]
 

@@ -81,7 +81,7 @@ class EnergyQuantities(QuantityGroup):
         return (*(f"{p}{x}" for p in "pP" for x in own), f"p{i}")
 
     def _momentum(self, i: int) -> Callable[[], Trig]:
-        """Σ M_ij q̇_j."""
+        """The momentum Σ M_ij q̇_j of a coordinate."""
         rates = [self.setting.ring[x + RATE] for x in self.setting.symbols.coordinates]
         row = [self.entry("M", i, j) for j in self.numbers]
         return lambda: sum((m() * v for m, v in zip(row, rates, strict=True)), self.setting.zero)
@@ -97,7 +97,7 @@ class EnergyQuantities(QuantityGroup):
         )
 
     def _rate(self, energy: Trig) -> Callable[[], Trig]:
-        """What an energy grows by."""
+        """The rate of an energy."""
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
     def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:
@@ -118,7 +118,7 @@ _CENTRE, _ORIGIN, _JOINT = (
 )
 
 _USUAL = {"H": kinds.MASS, "L": kinds.LAGRANGIAN}
-"""What its letters stand for elsewhere."""
+"""The kinds for which the letters of angular momenta stand elsewhere."""
 
 
 class AngularMomenta(QuantityGroup):
@@ -192,7 +192,7 @@ class AngularMomenta(QuantityGroup):
         return {str(s.numbers[i]): i for i in single}
 
     def _about_centre(self, i: int) -> Callable[[], Trig]:
-        """I ω."""
+        """The angular momentum I ω about the centre of mass."""
         return self.element(lambda: self._spin(i))
 
     def _about(self, i: int, point: Vector) -> Callable[[], Trig]:

@@ -47,7 +47,7 @@ def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:
 
 
 def _along(setting: RightEquations, k: int, axis: str) -> Iterator[tuple[str, Trig]]:
-    """Components of vectors."""
+    """Spellings of the components of vectors along an axis."""
     ring = setting.ring
     for vector, letters in _COMPONENTS.items():
         for dots, ending in enumerate(ENDINGS):

@@ -1,4 +1,4 @@
-"""What all groups of quantities have: the setting, the letters, values in the ring of answers."""
+"""The base of all groups of quantities: the setting, the letters, values in the ring of answers."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class QuantityGroup:
 
     @property
     def count(self) -> int:
-        """Number of coordinates."""
+        """The number of coordinates."""
         return len(self.setting.symbols.coordinates)
 
     @property
@@ -88,7 +88,7 @@ class QuantityGroup:
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
     def joint(self, i: int) -> str:
-        """That of coordinate i, in words: those that follow others have none of their own."""
+        """The joint of coordinate i, in words; those that follow others have no coordinate."""
         bodies = enumerate(self.setting.equations.symbols.model.bodies, 1)
         own = [n for n, body in bodies if body.joint.mimic is None]
         return f"joint {own[i - 1]}"
@@ -126,7 +126,7 @@ class QuantityGroup:
 
 
 MOST_ROWS = 3
-"""Of a matrix that is inverted."""
+"""The most rows of a matrix that is inverted."""
 _TRANSPOSED = "This is the entry of the inverse's transpose."
 _UNDIVIDED = "It is not divided by the determinant."
 

@@ -26,7 +26,7 @@ from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, Quant
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
-"""Of the terms of the equations of motion: where two have a letter the last has it."""
+"""Kinds of the terms of the equations of motion: where two have a letter the last has it."""
 _MATRICES = (kinds.CORIOLIS, kinds.MASS)
 _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
 
@@ -81,7 +81,7 @@ class JointQuantities(QuantityGroup):
         return inverse(self.setting, rows, "the mass matrix")
 
     def _determinant(self) -> Trig:
-        """det M."""
+        """The determinant of the mass matrix."""
         rows = [[self.entry("M", i, j)() for j in self.numbers] for i in self.numbers]
         return determinant(rows, self.setting.symbols)
 

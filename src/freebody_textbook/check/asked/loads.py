@@ -64,7 +64,8 @@ def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
 
 
 def _of_loops(model: Model, formulas: Lexemes) -> tuple[str, ...]:
-    """Of a mechanism in the plane: a force at its tip by components, or along its one slide."""
+    """Symbols of a force on a mechanism in the plane: at its tip by components, or along its one
+    slide."""
     taken = ALONG_SLIDE in model.parameters or _GIVEN.found_in(formulas)
     if model.dim != 2 or taken or "J" in formulas.places:
         return ()
@@ -100,7 +101,7 @@ _TIP = (
 
 
 def instead_of(model: Model, name: str) -> str:
-    """What to write instead of a name in plain spelling, or nothing."""
+    """A sentence on what to write instead of a name in plain spelling, or ""."""
     plain = name.strip(DOT).rstrip("'")
     shown = plain if len(plain) < 2 or plain[0] in "dJ" else f"{plain[0]}_{plain[1:]}"
     if model.loops and numbered(plain)[0] in _FORCES:

@@ -92,7 +92,7 @@ class QuantitiesInFrames(QuantitiesOfBodies):
 
 
 _TOLD = LexemePattern("< %fresh J | %around_letter { J } > ~_? ~{? < %letter | \\omega >")
-"""In answers without a J of a letter there is none."""
+"""A Jacobian with a letter; answers without one are not about these."""
 _OF_CENTRE = ("Jc{n}", "Jv{n}", "Jvc{n}", "JG{n}", "JL{n}")
 _ANGULAR = ("Jomega{n}", "Jw{n}", "JA{n}")
 
@@ -244,7 +244,7 @@ MOVES = LexemePattern(
     "%dotted_letter | %mark | \\dot | \\ddot | _ ~d | !-%small_letter d ~d? ~o ~t %ends"
     " | !-%latin d ~d? < ~q | ~t ~h < ~e ~t ~a >? > ~%digit | ω | \\omega"
 )
-"""What only lines about motions have."""
+"""Signs that only lines about motions have."""
 
 
 class BodiesAtRest(QuantitiesOfBodies):

@@ -163,5 +163,5 @@ class ParallelQuantities(QuantityGroup):
 
 
 def _shown(name: str) -> str:
-    """J_a."""
+    """The name of a matrix as it is printed, J_a."""
     return f"J_{name[1:]}" if len(name) > 1 else name

@@ -250,7 +250,7 @@ class StateReader:
 def _listed(
     source: Source, at: int, read: Callable[[int], tuple[_GivenItem, int] | None]
 ) -> tuple[list[_GivenItem], int] | None:
-    """What stands between brackets, piece by piece, and the lexeme behind it."""
+    """The pieces between brackets, and the lexeme behind them."""
     lexemes = source.lexemes
     opened = _OPENING.at(lexemes, at)
     if opened is None:
@@ -264,7 +264,7 @@ def _listed(
 
 
 def _span(source: Source, start: int, stop: int) -> Span:
-    """Where some lexemes stand in the text."""
+    """The place of some lexemes in the text."""
     lexemes = source.lexemes
     return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
 
@@ -280,14 +280,15 @@ def _join(found: dict[str, GivenValue], values: GivenState) -> None:
 
 @dataclass(frozen=True)
 class WrittenNumber:
-    """What is said behind a number of a document, or behind a vector."""
+    """A number of a document, or a vector, with the unit, tolerance and state that are said behind
+    it."""
 
     span: Span
-    """Where it stands."""
+    """The place of the number."""
     begun: int
-    """Where its equation begins, of which the sides before have no unit and the same state."""
+    """The begin of its equation, of which the sides before have no unit and the same state."""
     said: Span
-    """Where it is said."""
+    """The place where unit and state are said."""
     unit: WrittenUnit | None = None
     within: str = ""
     """A tolerance in the same unit, as it is written; "" where the digits tell it."""
@@ -299,18 +300,18 @@ class StandingState:
     """A state in front of what it holds for."""
 
     start: int
-    """From where it holds."""
+    """The place from which it holds."""
     state: GivenState
     is_condition: bool = False
     """Whether it is said of what follows, in symbols too."""
     end: int = 0
-    """Where the paragraph ends, behind which it is no condition of equations in symbols; of a robot
-    that is held still the whole document."""
+    """The end of the paragraph, behind which it is no condition of equations in symbols; the end of
+    the document for a robot that is held still."""
 
 
 @dataclass(frozen=True)
 class WrittenNumbers:
-    """All of a document, in order."""
+    """The numbers of a document and the states said of them, in order."""
 
     numbers: Sequence[WrittenNumber] = ()
     standing: Sequence[StandingState] = ()

@@ -1,5 +1,5 @@
-"""What becomes of the right answer: other factors of its terms, other values and angles in it, or
-other equations of the bodies."""
+"""Changes of the right answer under a thought: other factors of its terms, other values and angles
+in it, or other equations of the bodies."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
 VELOCITY = ("coriolis", "centrifugal")
 _ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
-"""Where angles are 0, by the right angles from the x axis."""
+"""Names of the direction where angles are 0, by the right angles from the x axis."""
 _QUARTERS: Mapping[int, SineAndCosine] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
 """Sines and cosines of right angles."""
 
 
 # ---------------------------------------------------------------- factors
 def part_of(powers: Mapping[str, int]) -> str:
-    """What a term of a torque is by its first rates: of second degree "coriolis" or "centrifugal",
-    of first degree, or with a rate's sign, "friction", else ""."""
+    """The part of a torque that a term belongs to by its first rates: "coriolis" or "centrifugal"
+    of second degree; "friction" of first degree, or with a rate's sign; else ""."""
     if any(function_of(x) == SIGN for x in powers):
         return "friction"
     rates = {x: k for x, k in powers.items() if atom(x).dots == 1}
@@ -159,7 +159,7 @@ def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], S
 
 
 def of_moments(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """All moments of inertia, as if masses were points."""
+    """The names of all moments of inertia, which points do not have."""
     yield {}, _moments(setting)
 
 
@@ -168,13 +168,13 @@ def _moments(setting: RightEquations) -> set[str]:
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """Each alone, and all together."""
+    """Groups of rows that a mistake may be about: each row alone, and all together."""
     yield from ([x] for x in rows)
     yield from [rows] * (len(rows) > 1)
 
 
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
-    """What stands for the length of a link and for the distance of its centre of mass: "l", "lc" or
+    """Other values of the length of a link and of the distance of its centre of mass: "l", "lc" or
     "half"."""
 
     def change(x: Subject) -> Iterator[Changed]:
@@ -214,7 +214,7 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
 
 
 def axes(factor: int) -> Change:
-    """Each moment of inertia with m c² added as often as `factor` says."""
+    """A change of moments of inertia: m c² is added to each as often as `factor` says."""
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
@@ -348,7 +348,7 @@ def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[
 
 
 def _names(x: Subject, i: int) -> dict[str, object]:
-    """What sentences about body i name."""
+    """Values for the places in sentences about body i."""
     s, n = x.bodies.s, x.bodies.s.numbers[i]
     h, behind = s.numbers[s.tree.bodies[i].parent], [s.numbers[k] for k in s.tree.children(i)]
     return {

@@ -23,7 +23,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 Parts = dict[SymbolPowers, Trig]
-"""What stands with each: a polynomial in the parameters."""
+"""Polynomials in the parameters, by the products of coordinates and rates with which they stand."""
 
 
 def moving(setting: RightEquations) -> frozenset[str]:
@@ -86,8 +86,8 @@ def is_too_long(x: Trig) -> bool:
 
 
 def differences(setting: RightEquations, yours: Trig, right: Trig) -> list[Difference]:
-    """All terms that differ; one too many and one missing that differ in one symbol or in the angle
-    are paired."""
+    """The terms in which two polynomials differ; one too many and one missing that differ in one
+    symbol or in the angle are paired."""
     a, b = terms(setting, yours), terms(setting, right)
     rows = [
         Difference(key, a.get(key, Fraction(0)), b.get(key, Fraction(0)))

@@ -27,7 +27,8 @@ _ANGLES = slice(3, 6)
 
 @dataclass(frozen=True)
 class FreeBelief:
-    """How the equations of a free body are taken; as it stands, rightly."""
+    """Factors and terms that the equations of a free body are taken to have; the defaults are
+    right."""
 
     gyroscopic: int = 1
     """The factor of ω × I ω."""
@@ -35,7 +36,7 @@ class FreeBelief:
     """The factor of ω × v."""
     weight: int = 1
     axes: Literal["body", "", "back"] = "body"
-    """How forces are turned: "body" as it must be, "" not at all, "back" by Rᵀ into the world."""
+    """The rotation of forces: "body" as it must be, "" none, "back" by Rᵀ into the world."""
     arms: tuple[int, int] = (1, 1)
     """Factors of the thrusts' moments about x and y."""
     angular: bool = True
@@ -44,7 +45,7 @@ class FreeBelief:
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """What some generators are where the equations hold, by the others."""
+    """Values of some generators where the equations of motion hold, by the others."""
 
     images: Mapping[str, Value]
 
@@ -94,7 +95,7 @@ class FreeBodyMotion:
     # ------------------------------------------------------------ thrusts
     @cached_property
     def thrusts(self) -> frozenset[str]:
-        """Their names."""
+        """The names of the thrusts on the body."""
         return frozenset(thrusts_of(self.body.given))
 
     def pushed(self, belief: FreeBelief) -> dict[str, Value]:
@@ -113,8 +114,8 @@ class FreeBodyMotion:
 
     # ------------------------------------------------------------ motion
     def motion(self, values: Iterable[Value], belief: FreeBelief = FreeBelief()) -> FreeMotion:
-        """What velocities and accelerations are by v, ω and f, n where values hold these, else by
-        the thrusts, if there are any."""
+        """Velocities and accelerations by v, ω and f, n where values hold these, else by the
+        thrusts, if there are any."""
         used = {name for x in values for part in pair(x) for row, _ in part.terms() for name in row}
         images = self._images(belief)
         if used & self.thrusts or (self.thrusts and not used & set(FORCES)):
@@ -213,7 +214,7 @@ class FreeBodyMotion:
 
 
 def crossed(a: Sequence[Trig], b: Sequence[Trig]) -> list[Trig]:
-    """a × b."""
+    """The cross product a × b of polynomials."""
     return [a[i] * b[j] - a[j] * b[i] for i, j in ((1, 2), (2, 0), (0, 1))]
 
 

@@ -1,5 +1,5 @@
-"""What a user may have thought: single misconceptions, each of which explains the whole
-difference. A new one is a row of a table: a sentence, and what the right answer becomes."""
+"""Misconceptions, each of which alone explains a whole difference. A new one is a row of a table: a
+sentence, and the function that changes the right answer."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _REST = "; everything else is right."
 
 
 def _told(x: Subject) -> Iterator[Changed]:
-    """What the quantity itself is often mistaken for."""
+    """Values for which the quantity itself is often mistaken."""
     yield from (({"text": text}, x.point.of(value())) for text, value in x.target.thoughts)
 
 
@@ -41,7 +41,7 @@ def _sum(a: Vector, b: Vector) -> Vector:
 
 
 def _along(a: Vector, b: Vector) -> Vector:
-    """a · b."""
+    """The scalar product a · b."""
     return (a[0] * b[0] + a[1] * b[1],)
 
 
@@ -193,7 +193,7 @@ class ThoughtTable:
 
     rows: Mapping[str, Change]
     most: int
-    """How many of them are told."""
+    """The greatest number of them that is told of one answer."""
     of_equations: bool = True
     """Whether they are also about a side of the user's own equation."""
 
@@ -219,8 +219,8 @@ def explaining(x: Subject, value: Any) -> list[str]:
 
 
 def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
-    """All thoughts about a quantity, by table and row: sentences, and what the right answer would
-    be."""
+    """Sentences on all thoughts about a quantity, each with the right answer under it, by table and
+    row."""
     yield from (_of(table, x) for table in TABLES)
 
 

@@ -32,7 +32,7 @@ class Misreading:
     is_doubtful: bool = True
     """Whether to say so also where it does not make the answer right."""
     target: AskedQuantity | None = None
-    """What the answer is then about, where that is another quantity."""
+    """Another quantity that the answer is then about."""
 
 
 TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
@@ -51,7 +51,7 @@ def readings(
 
 
 def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: Workspace) -> str:
-    """What is to be said about a symbol of a wrong answer that may stand for something else."""
+    """A sentence about a symbol of a wrong answer that may stand for something else, or ""."""
     found = readings(setting, targets, claim, work)
     return next((reading.text for reading in found if reading.is_doubtful), "")
 
@@ -109,7 +109,7 @@ def _of_links(
 
 
 def _kind(target: AskedQuantity) -> tuple[object, ...]:
-    """What tells a quantity from all others: its kind, indices, axis and words."""
+    """The key that tells a quantity from all others: its kind, indices, axis and words."""
     return target.kind, target.index, target.axis, target.words
 
 
@@ -209,7 +209,7 @@ _TOLD = re.compile(
     r"[^=:;]*)[:,][^:;]*=",
     re.IGNORECASE,
 )
-"""What stands in front of an equation, up to its sign of equality."""
+"""Words in front of an equation, up to its sign of equality, that may be a condition."""
 
 
 def unread_condition(claim: Claim) -> list[str]:

@@ -31,8 +31,7 @@ _COMPARED_WITH = (
 def coriolis_notes(
     setting: RightEquations, claims: Sequence[Claim]
 ) -> Mapping[tuple[int, ...], str]:
-    """What is to be said of entries that differ from Christoffel's, by their indices, where C q̇ =
-    c holds."""
+    """Notes on entries that differ from Christoffel's, by their indices, where C q̇ = c holds."""
     rows = _rows_of_C(setting, claims)
     right = {
         i
@@ -148,7 +147,7 @@ def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
 
 Same = Callable[[Value, Value], bool]
 _Pair = tuple[Value, Value]
-"""What an answer has, and the right entry."""
+"""An entry of the answer, and the right one."""
 _NOTE = "Row {} is that of J_a ẋ + J_b θ̇ = 0 times a factor, in all of its entries."
 
 
@@ -196,7 +195,7 @@ def _right(claim: Claim, sign: int) -> Value:
 
 
 def _most(pairs: Sequence[_Pair], same: Same) -> int:
-    """How many entries agree, up to one factor."""
+    """The number of entries that agree, up to one factor."""
     return max((_agreeing(x, pairs, same) for x in pairs), default=0)
 
 
@@ -207,7 +206,7 @@ def _of_most(pairs: Sequence[_Pair], same: Same) -> _Pair | None:
 
 
 def _agreeing(one: _Pair, pairs: Sequence[_Pair], same: Same) -> int:
-    """How many entries are right times the factor of one, which loops must not make 0."""
+    """The number of entries that are right times the factor of one, which loops must not make 0."""
     yours, right = one
     if same(yours, negative(yours)):
         return 0

@@ -56,7 +56,7 @@ class Repair:
 
 
 class SmallChanges:
-    """All small changes of a tree; `gap` is what must be added to its value."""
+    """The small changes of a tree; `gap` is what must be added to its value."""
 
     def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         self.setting, self.work, self.related = setting, work, related
@@ -71,7 +71,7 @@ class SmallChanges:
                 yield _scaling(node, factor, self._depth(node))
 
     def _depth(self, node: Expression) -> int:
-        """In how many brackets a term stands."""
+        """The number of brackets in which a term stands."""
         depth = 0
         while node is not self.work.root:
             node = self.work.parents[node]
@@ -85,7 +85,7 @@ class SmallChanges:
                 yield _scaling(node, Fraction(factor))
 
     def discrete(self) -> Iterator[Repair]:
-        """All changes that can be listed."""
+        """The changes that can be listed, all but those by a computed factor."""
         yield from self._factors()
         yield from self._lacking()
         for node in list(self.work.values):

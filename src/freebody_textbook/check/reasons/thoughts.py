@@ -1,5 +1,5 @@
-"""What a thought is: a sentence, and what the right answer would be; and what thoughts are made
-of."""
+"""Thoughts: a sentence, and the right answer under it; and the quantity, point and bodies of which
+they are made."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from freebody_textbook.check.reasons.free_bodies import FreeBelief, FreeBodyMoti
 PartOfIndex = Callable[[Mapping[str, int]], bool]
 """Which terms are meant, by their powers."""
 Changed = tuple[Mapping[str, object], Any]
-"""What a sentence names, and the right answer under the thought."""
+"""Values for the places of a sentence, and the right answer under the thought."""
 
 
 @dataclass(frozen=True)
@@ -68,18 +68,19 @@ class Subject:
     """The quantity that thoughts are about, at a point."""
 
     bodies: BodiesAtPoint
-    """Those of the mechanism, at the point."""
+    """The bodies of the mechanism, at the point."""
     targets: Targets
     target: AskedQuantity
     right: Value
     terms: frozenset[int] | None = None
-    """Of an equation between quantities, of which the right answer is one side, their values."""
+    """The values of the terms of an equation between quantities, of which the right answer is one
+    side."""
     free: FreeSides | None = None
     """Both sides of an equation of a body that nothing holds."""
 
     @property
     def setting(self) -> RightEquations:
-        """What an answer is compared with."""
+        """The equations with which an answer is compared."""
         return self.bodies.setting
 
     @property
@@ -141,8 +142,8 @@ class Subject:
 
     @cached_property
     def torque(self) -> tuple[str, State, int] | None:
-        """Of a torque, or a part of one: its name in the equations, the state that needs it,
-        and the body; None of other quantities."""
+        """The name of a torque, or of a part of one, in the equations, the state that needs it, and
+        its body; None of other quantities."""
         if self.is_equation or not self.bodies.is_told:
             return None
         b, value = self.reference

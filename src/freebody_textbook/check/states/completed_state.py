@@ -1,5 +1,5 @@
-"""What the loops of a closed chain tell of a state of which some coordinates, rates and
-accelerations are given."""
+"""A state of a closed chain, completed by its loops where some coordinates, rates and accelerations
+are given."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _CLOSED, _DETERMINED = 1e-11, 1e-8
 
 
 def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, float]:
-    """What follows for other names; nothing of what is not determined, or of loops that cannot be
-    closed. The assembly is that of the home: the given coordinates are led from there to their
-    values."""
+    """The values that follow for other names; none of what is not determined, or of loops that
+    cannot be closed. The assembly is that of the home: the given coordinates are led from there to
+    their values."""
     drawing = StateSampler(setting)
     names = setting.symbols.coordinates
     if setting.system is None or not any(x in given for x in names):
@@ -115,5 +115,5 @@ def _determined(rows: Rows, free: Sequence[str], values: Mapping[str, float]) ->
 
 
 def _one(values: Mapping[str, float]) -> StateValues:
-    """One state."""
+    """A single state with these values."""
     return StateValues({x: np.array([y]) for x, y in values.items()})

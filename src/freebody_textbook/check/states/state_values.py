@@ -73,13 +73,14 @@ class Running:
 
     @property
     def vanishes(self) -> AnyArray:
-        """Where they are 0 but for rounding; nowhere where they are no numbers."""
+        """Whether each number is 0 but for rounding; not where it is no number."""
         known = np.isfinite(self.value) & np.isfinite(self.size)
         return known & (np.abs(self.value) <= EQUAL * self.size)
 
     @property
     def worst(self) -> int:
-        """Where they are farthest from 0, by their size; not where they are no numbers."""
+        """The place of the number that is farthest from 0, by its size, of those that are
+        numbers."""
         with np.errstate(invalid="ignore"):
             share = np.abs(self.value) / np.maximum(self.size, 1e-300)
         return int(np.argmax(np.where(np.isfinite(share), share, -1.0)))
@@ -93,7 +94,7 @@ _AT_ONCE = 2000
 """Terms of a polynomial that are multiplied at once."""
 
 Choice = Mapping[Expression, int]
-"""Of the functions that have two values those whose second one is taken."""
+"""Functions that have two values, with 1 for those whose second one is taken."""
 Known = Mapping[Expression, Running]
 """Values that need not be worked out."""
 
@@ -149,7 +150,7 @@ class Polynomials:
 
     @cached_property
     def _factors(self) -> AnyArray:
-        """Of each term its powers by number, filled up with 0."""
+        """The powers of each term by number, filled up with 0."""
         at = np.zeros((len(self._terms), max((len(x[1]) for x in self._terms), default=0)), int)
         for row, (_, powers, _) in zip(at, self._terms, strict=True):
             row[: len(powers)] = [self._powers[x] for x in powers.items()]
@@ -185,7 +186,7 @@ class StateValues:
 
     @property
     def count(self) -> int:
-        """How many states there are."""
+        """The number of states."""
         return len(next(iter(self.values.values())))
 
     @cached_property
@@ -271,7 +272,7 @@ def of_several_values(node: Expression) -> list[Function]:
 
 
 def choices(node: Expression) -> Sequence[Choice]:
-    """All choices of values: that of the functions as they stand, then those with the fewest second
+    """The choices of values: that of the functions as they stand, then those with the fewest second
     ones."""
     several = of_several_values(node)
     every = itertools.product((0, 1), repeat=len(several))

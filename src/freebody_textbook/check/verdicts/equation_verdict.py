@@ -75,7 +75,7 @@ class Judge:
     setting: RightEquations
     targets: Targets
     claims: Sequence[Claim]
-    """All of the answer."""
+    """The claims of the whole answer."""
     numbers: NumberJudge
 
     @cached_property
@@ -85,12 +85,12 @@ class Judge:
 
     @cached_property
     def bodies(self) -> BodiesAtPoint:
-        """The bodies there."""
+        """The bodies at the judge's point."""
         return BodiesAtPoint(self.setting, self.point)
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:
-        """What is known of one body that nothing holds."""
+        """The motion of one body that nothing holds."""
         return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
 
     @cached_property
@@ -173,7 +173,8 @@ class Judge:
         return can_be_a_level(self.setting, yours - right, right)
 
     def _level(self, claim: Claim, right: Value) -> str:
-        """By which constant a claim about an energy differs; "" where by none that it may."""
+        """The constant by which a claim about an energy differs; "" where it may not differ by
+        one."""
         if not (isinstance(claim.value, Trig) and isinstance(right, Trig)):
             return ""
         gap = claim.value - right
@@ -196,8 +197,8 @@ class Judge:
         return states is not None and bool(states.polynomial(x).vanishes.all())
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
-        """Of a quantity that has two right values, such as a torque that holds a force of either
-        sense, the one that fits the answer."""
+        """The claim's quantity in the sense that fits the answer, where it has two right values, as
+        a torque that holds a force of either sense."""
         target = claim.target
         if not target.also:
             return target
@@ -219,7 +220,8 @@ class Judge:
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
 
     def _senses(self, kind: Kind) -> tuple[int, int]:
-        """How many claims about a kind are right in the first sense, and in the second."""
+        """The number of claims about a kind that are right in the first sense, and in the
+        second."""
         of = {kind} if kind.has_own_sense else {x.target.kind for x in self.claims}
         told = [x for x in self.claims if x.target.also and x.target.kind in of]
         first = sum(_is_right(claim, claim.target.compute) for claim in told)
@@ -295,7 +297,7 @@ class Judge:
 
     @cached_property
     def coriolis(self) -> Mapping[tuple[int, ...], str]:
-        """What is to be said of entries of another matrix C than Christoffel's."""
+        """Notes on entries of another matrix C than Christoffel's, by their indices."""
         return coriolis_notes(self.setting, self.claims)
 
     # ------------------------------------------------------------ numbers

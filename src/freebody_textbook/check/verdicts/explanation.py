@@ -63,7 +63,7 @@ class Explanation:
 
     @cached_property
     def rows(self) -> Sequence[Difference]:
-        """Terms that differ."""
+        """The terms in which the answer differs from the right one."""
         assert isinstance(self.claim.value, Trig)
         assert isinstance(self.right, Trig)
         return differences(self.setting, self.claim.value, self.right)

@@ -27,7 +27,7 @@ from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 
 EXACT = 1e-9
-"""How far numbers may be apart beyond their digits."""
+"""The share by which numbers may be apart beyond their digits."""
 _VAGUE = 0.05
 """The share by which a number may be off where a reason is sought: half a unit of two digits."""
 
@@ -50,7 +50,7 @@ class NumberAtState:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """All that is known, in SI units."""
+        """The values of all names that are known, in SI units."""
         model = self.setting.symbols.model.parameters
         known = {name: float(value) for name, value in model.items() if value is not None}
         for name, given in self.given.items():
@@ -98,12 +98,12 @@ class NumberAtState:
 
     @cached_property
     def _noise(self) -> float:
-        """What floating point leaves where terms cancel, as cos 90°."""
+        """The error that floating point leaves where terms cancel, as cos 90°."""
         return EXACT * (self._size + abs(self.yours))
 
     @cached_property
     def _size(self) -> float:
-        """How large the terms of the right number are together."""
+        """The sum of the sizes of the right number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
@@ -137,7 +137,7 @@ class NumberAtState:
         return self.factor * self._of_digits()
 
     def _of_digits(self) -> float:
-        """What half a unit of the last digit of each number makes of the answer."""
+        """The change of the answer by half a unit of the last digit of each of its numbers."""
         root, source = self.claim.node, self.claim.source
         total = 0.0
         for node in nodes(root):
@@ -155,7 +155,8 @@ class NumberAtState:
 
     @property
     def digits(self) -> int:
-        """How many the answer has; of one that is computed from several numbers four."""
+        """The number of digits that count in the answer; four of one that is computed from several
+        numbers."""
         mantissa, _, _ = self.claim.source.plain(self.claim.node.span).lower().partition("e")
         return len("".join(filter(str.isdigit, mantissa)).lstrip("0")) if self.is_lone else 4
 

@@ -48,7 +48,8 @@ Thought = tuple[str, Callable[[], float]]
 
 
 def reasons(number: NumberAtState, targets: Targets) -> list[str]:
-    """What may have been thought: at most two sentences, each of which alone makes it right."""
+    """At most two sentences on what may have been thought, each of which alone makes the number
+    right."""
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value
     if not found and number.yours and number.setting.turned is None and isinstance(right, Trig):
@@ -285,8 +286,8 @@ class NumberJudge:
         return found
 
     def unused(self, claims: Sequence[Claim], told: Sequence[Span]) -> Iterator[Span]:
-        """Where something is said of numbers that are no result of the robot's; told: values of
-        parameters."""
+        """Places where something is said of numbers that are no result of the robot's; told: values
+        of parameters."""
         spans = [*(claim.node.span for claim in claims), *told]
         for x in self.numbers.numbers:
             if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
@@ -300,7 +301,7 @@ class _NumberVerdict:
     number: NumberAtState
 
     def verdict(self, targets: Targets | None) -> EquationVerdict:
-        """With the reasons of a wrong number, where targets are given."""
+        """The verdict in words; with the reasons of a wrong number, where targets are given."""
         number, claim = self.number, self.number.claim
         if number.fits:
             self._refuse_missing()
@@ -341,7 +342,7 @@ class _NumberVerdict:
 
     # ------------------------------------------------------------ words
     def _where(self) -> str:
-        """At which state, and whose values."""
+        """The state and the robot whose values the right number needs, in words."""
         given, used = self.number.given, self.number.used
         here = in_words({name: x for name, x in given.items() if name in used})
         model = self.number.setting.symbols.model

@@ -33,7 +33,7 @@ from freebody_textbook.check.reasons.differences import (
 )
 
 MEASURED = Fraction(1, 1000)
-"""Of a term of a model whose numbers are measured ones: how far it may be off."""
+"""The share by which a term may be off where the model's numbers are measured ones."""
 MOST_NUMBERS = 60
 
 _EXACT = Fraction(1, 10**9)
@@ -68,8 +68,7 @@ class Rounded:
 
     @cached_property
     def _in_numbers(self) -> frozenset[SymbolPowers]:
-        """Of the products in the answer those with which no parameter stands that has a value, g
-        apart."""
+        """The products of the answer with which no parameter stands that has a value, g apart."""
         symbols = set(self._constants) - {self.setting.order.gravity}
         return frozenset(
             key
@@ -129,8 +128,8 @@ class Rounded:
         slack = self._slack()
 
         def within(row: Difference) -> Fraction:
-            """What the digits leave open; nothing where that is more than the right number, so that
-            nearly any would do."""
+            """The change that the digits leave open; none where that is more than the right number,
+            so that nearly any would do."""
             half = slack.get(row.key, Fraction(0))
             return half if half <= abs(row.right) else Fraction(0)
 

@@ -24,8 +24,8 @@ _MULTIPLIERS = "The multipliers have the opposite sign, τ = M q̈ + … − Φ_
 def others(
     setting: RightEquations, wrong: Sequence[Claim], written: str
 ) -> Iterator[frozenset[str]]:
-    """What an answer with wrong claims may have with the other sign: the loop equations that these
-    are about, with their multipliers, the sense of all multipliers, and that of a force from
+    """Sets of names that an answer with wrong claims may have with the other sign: the loop
+    equations that these are about, with their multipliers, all multipliers, and a force from
     outside."""
     if setting.system is None or not wrong:
         return
@@ -52,7 +52,7 @@ def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]
 
 
 def _signs(opposed: Set[str], claim: Claim) -> int:
-    """How many terms of a claim have the other sign, as they are written."""
+    """The number of terms of a claim that have the other sign, as they are written."""
     terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
     if claim.target.kind.is_of_loop_equation:
         return len(terms)

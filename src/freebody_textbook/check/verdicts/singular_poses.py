@@ -1,4 +1,4 @@
-"""What an answer says of singular poses, "singular at θ2 = 0 or π", put into det J (2.23)."""
+"""Singular poses of answers, "singular at θ2 = 0 or π", put into det J (2.23)."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
 def _images(
     at: tuple[Fraction, Trig], name: str, function: str | None, angles: tuple[str, ...]
 ) -> dict[str, Value]:
-    """What generators are where a coordinate, or its sine or cosine, is the sum of a number and
+    """Values of generators where a coordinate, or its sine or cosine, is the sum of a number and
     other angles."""
     number, rest = at
     if function:

@@ -158,7 +158,7 @@ class _AtStates:
 
     @cached_property
     def _equal(self) -> Equal:
-        """In which sense."""
+        """The sense in which both sides must be equal."""
         ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
         has_level = self.judge.up_to_a_constant(self.claim, self.right) and self._is_energy
@@ -284,7 +284,7 @@ class _AtStates:
         return found, in_words(given)
 
     def _note(self, found: Agreement) -> str:
-        """What is said of a claim that is right; "" of one that is not."""
+        """A note on a claim that is right; "" of one that is not."""
         closed = self.judge.setting.system is not None
         passive = self.judge.setting.symbols.model.passive
         of_loops = self.claim.target.kind.of_loops
@@ -334,7 +334,7 @@ class _AtStates:
 
     # ------------------------------------------------------------ mistakes
     def _mistakes(self, found: Agreement) -> Iterator[Mistake]:
-        """What makes it right, the likeliest first."""
+        """Mistakes that alone account for the difference, the likeliest first."""
         tree = self._tree
         fits, work = self._fitting(found), without_values(tree)
         if len(work.values) > _MOST_NODES:

@@ -44,7 +44,7 @@ _OF_REPAIR = {
     "inverse": "It is the {should} of that.",
 }
 _OTHER_REPAIR = "{written} must be {should}{inside}{reason}."
-"""What is said of a change of the answer, by its kind."""
+"""The sentence about any other change of the answer."""
 
 _OF_REVERSE = {
     "sign": "{should}{inside} has the wrong sign in your answer.",
@@ -55,10 +55,10 @@ _OF_REVERSE = {
     "extra factor": "{should} has an extra factor {factor} in your answer.",
 }
 _OTHER_REVERSE = "In place of {should}{inside} you have {has}{reason}."
-"""The same of a change of the right answer that makes it the user's, by what the user's has."""
+"""The sentence about any other change of the right answer that makes it the user's."""
 
 _OF_FUNCTIONS = {"arcsin": "arcsine", "arccos": "arccosine", "atan2": "atan2(y, x)"}
-"""What is said of inverse functions, whose values no polynomial prints."""
+"""Words for inverse functions, whose values no polynomial prints."""
 
 _OPPOSITE = {
     "extra": "missing",
@@ -94,7 +94,7 @@ class Wording:
 
     # ------------------------------------------------------------ repairs of the answer itself
     def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
-        """What is wrong at one place of the answer."""
+        """The mistake that a change mends, at its place in the answer."""
         written = self.written(repair.node.span)
         should = self._opposite(repair) or self.node(repair.new)
         if repair.node is work.root and isinstance(repair.node, Sum):
@@ -180,7 +180,8 @@ class Wording:
     # ------------------------------------------------------------ the same seen from the right
     # answer
     def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Mistake:
-        """What the answer has in place of a piece of the right one, whose text `right` knows."""
+        """The mistake that turns a piece of the right answer, whose text `right` knows, into the
+        user's."""
         should, has = right.written(repair.node.span), right.node(repair.new)
         kind = _OPPOSITE.get(repair.kind, repair.kind)
         addend = work.addend_of(repair.node)
@@ -231,7 +232,7 @@ class Wording:
 
     # ------------------------------------------------------------ pieces
     def written(self, span: tuple[int, int]) -> str:
-        """What stands in the text, in quotes, cut where it is long."""
+        """A piece of the text, in quotes, cut where it is long."""
         return quoted(self.source[span])
 
     def node(self, node: Expression) -> str:
@@ -264,7 +265,7 @@ def _is_usual(name: str) -> bool:
 
 
 def quoted(text: str) -> str:
-    """In quotes, cut in the middle where it is long."""
+    """A text in quotes, cut in the middle where it is long."""
     shown = text if len(text) <= _LONG else f"{text[: _LONG // 2]} … {text[-_LONG // 3 :]}"
     return f"‘{shown}’"
 
@@ -275,7 +276,7 @@ def _cut(text: str) -> str:
 
 
 def _times(factor: Fraction) -> str:
-    """What is wrong with a term that must be multiplied by a number."""
+    """Words for a term that must be multiplied by a number."""
     size = abs(factor)
     sign = "has the wrong sign and " if factor < 0 else ""
     if size == 1:
@@ -337,7 +338,7 @@ def example_at(
 
 
 def sentence(found: Example) -> str:
-    """For example, with θ₁ = 0.4, l₁ = 0.5: yours 1.2, right 1.3."""
+    """An example in words: For example, with θ₁ = 0.4, l₁ = 0.5: yours 1.2, right 1.3."""
     at = ", ".join(f"{sym(name)} = {shortest(value)}" for name, value in found.values.items())
     digits = next(
         (d for d in (4, 6, 9, 15) if f"{found.yours:.{d}g}" != f"{found.right:.{d}g}"), 17
