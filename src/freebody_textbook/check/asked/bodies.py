@@ -14,7 +14,7 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import Matrix, dot, identity, times, transposed
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, components
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, column, components
 from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody_textbook.relations.quantities import QuantityValues, branches
@@ -93,9 +93,8 @@ class QuantitiesOfBodies(QuantityGroup):
             return {}
         letter, does = ("z", "turns about") if s.turns(i) else ("u", "slides along")
         words = f"the axis that joint {n} {does}"
-        own = [self.element(lambda x=x: x) for x in s.axis(i)]
-        asked = AskedQuantity(kinds.OF_BODY, (n,), own[0], words=words)
-        table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
+        own = (self.element(lambda x=x: x) for x in s.axis(i))
+        table = column(kinds.OF_BODY, own, words, (n,))
         world = s.world[i][0]
         for R, row, (told,) in zip(world, table, found.get(f"z{n}", ()), strict=False):
             turned = self.element(lambda R=R: dot(R, s.axis(i)))
@@ -133,11 +132,7 @@ class QuantitiesOfBodies(QuantityGroup):
         ]  # fmt: skip
 
     def _constants(self, words: str, vector: Sequence[Any]) -> QuantityTable:
-        values = [self.element(lambda x=x: x) for x in vector]
-        return [
-            [AskedQuantity(kinds.OF_BODY, (), value, axis=axis, words=words)]
-            for axis, value in zip("xyz", values, strict=False)
-        ]
+        return column(kinds.OF_BODY, (self.element(lambda x=x: x) for x in vector), words)
 
     def _table_of(self, record: BodyQuantity, n: int, dim: int) -> QuantityTable:
         """The entries of one quantity of body n."""

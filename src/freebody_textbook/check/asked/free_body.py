@@ -3,8 +3,8 @@ components in its own axes, p and gravity in the world's, and its energies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any, ClassVar
+from collections.abc import Iterator, Mapping
+from typing import ClassVar
 
 from freebody.expressions.grammar.dotted_names import spellings
 from freebody.expressions.polynomials.symbols import RATE, SECOND
@@ -12,15 +12,27 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, inverse
+from freebody_textbook.check.asked.group import (
+    NamedTarget,
+    QuantityGroup,
+    column,
+    inverse,
+    matrix,
+    values,
+)
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.methods.free_body_steps import PLACES, XYZ, FreeBody
 from freebody_textbook.methods.setting import Setting
 
 ENDINGS = ("", RATE, SECOND)
-_COMPONENTS = {"omega": ("omega", "w"), "v": ("v",), "f": ("f", "F"), "n": ("n", "M", "tau", "N")}
-"""Letters of vectors, whose components have x, y, z behind."""
+_VECTORS = (
+    ("v", ("v",), "the velocity of the body's origin"),
+    ("omega", ("omega", "w"), "the angular velocity of the body"),
+    ("f", ("f", "F"), "the force on the body besides its weight"),
+    ("n", ("n", "M", "tau", "N"), "the moment on the body"),
+)
+"""Letter of the symbols, letters in answers, whose components have x, y, z behind, and words."""
 _ALONE = {"omega": "pqr", "v": "uvw"}
 """Letters of their components."""
 _ANGLES = ("psi", "theta", "phi")
@@ -49,7 +61,7 @@ def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:
 def _along(setting: RightEquations, k: int, axis: str) -> Iterator[tuple[str, Trig]]:
     """Spellings of the components of vectors along an axis."""
     ring = setting.ring
-    for vector, letters in _COMPONENTS.items():
+    for vector, letters, _ in _VECTORS:
         for dots, ending in enumerate(ENDINGS):
             name = f"{vector}_{axis}{ending}"
             if name not in ring.index:
@@ -70,15 +82,6 @@ def waves(setting: RightEquations) -> Iterator[tuple[str, tuple[str, Angle]]]:
     for name, letter in angles(setting):
         for x, function in (("c", "cos"), ("s", "sin")):
             yield x + letter, (function, ((name, 1),))
-
-
-_VECTORS = (
-    ("v", ("v",), "the velocity of the body's origin"),
-    ("omega", ("omega", "w"), "the angular velocity of the body"),
-    ("f", ("f", "F"), "the force on the body besides its weight"),
-    ("n", ("n", "M", "tau", "N"), "the moment on the body"),
-)
-"""Letter of the symbols, letters in answers, and what it is."""
 
 
 class FreeBodyQuantities(QuantityGroup):
@@ -106,52 +109,27 @@ class FreeBodyQuantities(QuantityGroup):
         for name, letters, words in _VECTORS:
             for dots, ending in enumerate(("", RATE)):
                 if f"{name}_x{ending}" in ring.index:
-                    values = [ring[x] for x in body.components(name, ending)]
-                    column = _column(values, words, is_angular=name == "omega")
+                    own = values(ring[x] for x in body.components(name, ending))
+                    table = column(kinds.OF_BODY, own, words, is_angular=name == "omega")
                     for letter in letters:
-                        found |= dict.fromkeys(spellings(letter, "", dots), column)
-        places = body.coordinates[:3]
-        for dots, ending in enumerate(("", RATE, SECOND)):
-            column = _column([ring[x + ending] for x in places], "the position of the body")
+                        found |= dict.fromkeys(spellings(letter, "", dots), table)
+        for dots, ending in enumerate(ENDINGS):
+            own = values(ring[x + ending] for x in body.coordinates[:3])
+            table = column(kinds.OF_BODY, own, "the position of the body")
             for letter in ("p", "r"):
-                found |= dict.fromkeys(spellings(letter, "", dots), column)
-        s = body.s
-        found["gravity"] = _column(map(s.symbols.element, s.tree.gravity), "gravity")
-        inertia = _matrix(s.inertia(body.i), s.symbols.element, "the inertia of the body")
-        turned = _matrix(s.world[body.i][0], s.symbols.element, "the orientation of the body")
+                found |= dict.fromkeys(spellings(letter, "", dots), table)
+        s, element = body.s, body.s.symbols.element
+        found["gravity"] = column(kinds.OF_BODY, values(map(element, s.tree.gravity)), "gravity")
+        inertia, turned = (
+            matrix(kinds.OF_BODY, [values(map(element, row)) for row in rows], words)
+            for rows, words in (
+                (s.inertia(body.i), "the inertia of the body"),
+                (s.world[body.i][0], "the orientation of the body"),
+            )
+        )
         inverted = inverse(
             self.setting, [[x.polynomial for x in row] for row in inertia], "the inertia"
         )
-        names = (
-            ("I", inertia),
-            ("J", inertia),
-            (f"I{INVERSE}", inverted),
-            (f"J{INVERSE}", inverted),
-        )
-        return found | dict(names) | {"R": turned}
-
-
-def _column(values: Iterable[Trig], words: str, is_angular: bool = False) -> QuantityTable:
-    def entry(axis: str, x: Trig) -> AskedQuantity:
-        value = _constant(x)
-        return AskedQuantity(
-            kinds.OF_BODY, (), value, axis=axis, words=words, is_angular=is_angular
-        )
-
-    return [[entry(axis, x)] for axis, x in zip(XYZ, values, strict=True)]
-
-
-def _matrix(
-    rows: Iterable[Iterable[Any]], element: Callable[[Any], Trig], words: str
-) -> QuantityTable:
-    return [
-        [
-            AskedQuantity(kinds.OF_BODY, (i, j), _constant(element(x)), words=words)
-            for j, x in enumerate(row, 1)
-        ]
-        for i, row in enumerate(rows, 1)
-    ]
-
-
-def _constant(x: Trig) -> Callable[[], Trig]:
-    return lambda: x
+        for letter in "IJ":
+            found |= {letter: inertia, letter + INVERSE: inverted}
+        return found | {"R": turned}

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, ClassVar
 
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
 from freebody.expressions.polynomials.arithmetic import PolynomialRows
 from freebody.expressions.quantities import kinds
-from freebody.expressions.quantities.kinds import SUMS
+from freebody.expressions.quantities.kinds import SUMS, Kind
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, over
@@ -36,6 +36,37 @@ def components(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
     for name, table in tables.items():
         for row in table:
             yield from (((name + x.axis,), x) for x in row if x.axis or len(table) == 1)
+
+
+def column(
+    kind: Kind,
+    values: Iterable[Callable[[], Value]],
+    words: str,
+    index: tuple[int, ...] = (),
+    axes: Sequence[str] = "xyz",
+    is_angular: bool = False,
+) -> QuantityTable:
+    """A vector of quantities, told in words."""
+    return [
+        [AskedQuantity(kind, index, value, axis=axis, words=words, is_angular=is_angular)]
+        for axis, value in zip(axes, values, strict=False)
+    ]
+
+
+def matrix(kind: Kind, rows: Iterable[Iterable[Callable[[], Value]]], words: str) -> QuantityTable:
+    """A matrix of quantities; `words` has places for row and column."""
+    return [
+        [
+            AskedQuantity(kind, (i, j), value, words=words.format(i, j))
+            for j, value in enumerate(row, 1)
+        ]
+        for i, row in enumerate(rows, 1)
+    ]
+
+
+def values(found: Iterable[Trig]) -> list[Callable[[], Value]]:
+    """Functions that give polynomials of the ring of answers."""
+    return [lambda x=x: x for x in found]
 
 
 class QuantityGroup:

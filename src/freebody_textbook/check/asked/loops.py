@@ -3,8 +3,7 @@ joints and loops by the multipliers."""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -20,8 +19,16 @@ from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import neg
-from freebody_textbook.check.algebra.quotients import negative
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, components, entries
+from freebody_textbook.check.algebra.quotients import Value, negative
+from freebody_textbook.check.asked.group import (
+    NamedTarget,
+    QuantityGroup,
+    column,
+    components,
+    entries,
+    matrix,
+    values,
+)
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
 from freebody_textbook.closed_chains.first_kind import Reduction, multiplier_names
@@ -80,11 +87,9 @@ class LoopQuantities(QuantityGroup):
             for sign, row in zip(signs, loops.Phi_q, strict=True)
         ]
         ring = self.setting.ring
-        found: dict[str, QuantityTable] = {
-            name: [] for name in ("Phi", "Phi_d", "c", "Phiq", "Phiq_d", "lam")
-        }
+        found: dict[str, QuantityTable] = {name: [] for name in ("Phi", "Phi_d", "c", "lam")}
         for i, (name, lam) in enumerate(zip(loops.names, multiplier_names(loops), strict=True), 1):
-            sign, row = signs[i - 1], rows[i - 1]
+            sign = signs[i - 1]
             phi, c = (self.setting.element(x[i - 1]) * sign for x in (loops.Phi, loops.c))
             told = _in_words(name)
             columns = {
@@ -104,18 +109,11 @@ class LoopQuantities(QuantityGroup):
             for key, (kind, value, words) in columns.items():
                 asked = AskedQuantity(kind, (i,), lambda value=value: value, words=words)
                 found[key].append([asked])
-            whole = "the Jacobian of the loop equations"
-            for key, of in (("Phiq", whole), ("Phiq_d", f"the rate of {whole}")):
-                found[key].append(
-                    [
-                        AskedQuantity(
-                            kinds.LOOP_JACOBIAN, (i, j),
-                            lambda x=x, dots=key[4:]: x.along(rates) if dots else x,
-                            words=f"entry {i}, {j} of {of}",
-                        )
-                        for j, x in enumerate(row, 1)
-                    ]
-                )  # fmt: skip
+        whole, slopes = "the Jacobian of the loop equations", kinds.LOOP_JACOBIAN
+        own = [values(row) for row in rows]
+        found["Phiq"] = matrix(slopes, own, f"entry {{}}, {{}} of {whole}")
+        moving = [[lambda x=x: x.along(rates) for x in row] for row in rows]
+        found["Phiq_d"] = matrix(slopes, moving, f"entry {{}}, {{}} of the rate of {whole}")
         return found
 
 
@@ -157,8 +155,16 @@ class ReducedQuantities(QuantityGroup):
         found: dict[str, QuantityTable] = {"n": [[self._applied(i)] for i in self.numbers]}
         if self._reduction is None:
             return found
-        own = [k + 1 for k in self._reduction.independent]
-        N = [[self._entry(k, j) for j in range(1, len(own) + 1)] for k in self.numbers]
+        reduction = self._reduction
+        own = [k + 1 for k in reduction.independent]
+        rows = [
+            [
+                self.quotient(lambda k=k, j=j: (reduction.scaled[k - 1][j], reduction.delta))
+                for j in range(len(own))
+            ]
+            for k in self.numbers
+        ]
+        N = matrix(kinds.OF_INDEPENDENT, rows, "entry {}, {} of N, q̇ = N u̇")
         found |= {"N": N, **({"gamma": self._drift} if _N.found_in(self.formulas) else {})}
         for dots, ending in enumerate(("", RATE, SECOND)):
             names = self.setting.symbols.coordinates
@@ -180,13 +186,6 @@ class ReducedQuantities(QuantityGroup):
 
         words = f"the generalized force of joint {i} without what accelerations and loops need"
         return AskedQuantity(kinds.APPLIED, (i,), value, words=words)
-
-    def _entry(self, k: int, j: int) -> AskedQuantity:
-        reduction = self._reduction
-        assert reduction is not None
-        value = self.quotient(lambda: (reduction.scaled[k - 1][j - 1], reduction.delta))
-        words = f"entry {k}, {j} of N, q̇ = N u̇"
-        return AskedQuantity(kinds.OF_INDEPENDENT, (k, j), value, words=words)
 
     @cached_property
     def _drift(self) -> QuantityTable:
@@ -213,14 +212,17 @@ class ReducedMass(QuantityGroup):
         return first is not None and _M.found_in(formulas, first.stop)
 
     def single(self) -> Iterator[NamedTarget]:
-        reduction = reduction_of(self.setting)
-        if reduction is None:
+        if (found := reduction_of(self.setting)) is None:
             return
-        for i, j in itertools.product(range(len(reduction.independent)), repeat=2):
-            words = f"entry {i + 1}, {j + 1} of the mass matrix in independent coordinates, NᵀM N"
-            value = self.quotient(lambda i=i, j=j: (reduction.mass[i][j], reduction.delta**2))
-            asked = AskedQuantity(kinds.OF_INDEPENDENT, (i + 1, j + 1), value, words=words)
-            yield (f"H{i + 1}{j + 1}",), asked
+        reduction: Reduction = found
+        n = range(len(reduction.independent))
+
+        def entry(i: int, j: int) -> Callable[[], Value]:
+            return self.quotient(lambda: (reduction.mass[i][j], reduction.delta**2))
+
+        rows = [[entry(i, j) for j in n] for i in n]
+        words = "entry {}, {} of the mass matrix in independent coordinates, NᵀM N"
+        yield from entries({"H": matrix(kinds.OF_INDEPENDENT, rows, words)})
 
 
 def reduction_of(setting: RightEquations) -> Reduction | None:
@@ -293,10 +295,8 @@ class BodiesOfTrees(QuantityGroup):
 
     def _table(self, vector: list[Any], n: int, words: str) -> QuantityTable:
         axes = "xyz" if len(vector) > 1 else ("",)
-        return [
-            [AskedQuantity(kinds.OF_BODY, (n,), self.element(lambda x=x: x), axis=k, words=words)]
-            for x, k in zip(vector, axes, strict=False)
-        ]
+        own = (self.element(lambda x=x: x) for x in vector)
+        return column(kinds.OF_BODY, own, words, (n,), axes)
 
 
 class LoopForceSystem(QuantityGroup):
@@ -329,12 +329,11 @@ class LoopForceSystem(QuantityGroup):
         system = needs_of(LoopReactions(s, loops), loops)
         if not system.A:
             return {}
-        A = [
-            [self._entry(x, "A", i, j) for j, x in enumerate(row, 1)]
-            for i, row in enumerate(system.A, 1)
-        ]
-        return {"A": A, "k": [[self._entry(x, "k", i)] for i, x in enumerate(system.right, 1)]}
+        rows = [[self.element(lambda x=x: x) for x in row] for row in system.A]
+        A = matrix(kinds.OF_INDEPENDENT, rows, "entry {}, {} of A, A λ = k")
+        return {"A": A, "k": [[self._right(x, i)] for i, x in enumerate(system.right, 1)]}
 
-    def _entry(self, x: Trig, name: str, *at: int) -> AskedQuantity:
-        words = f"entry {', '.join(map(str, at))} of {name}, A λ = k"
-        return AskedQuantity(kinds.OF_INDEPENDENT, at, self.element(lambda: x), words=words)
+    def _right(self, x: Trig, i: int) -> AskedQuantity:
+        """An entry of k."""
+        words = f"entry {i} of k, A λ = k"
+        return AskedQuantity(kinds.OF_INDEPENDENT, (i,), self.element(lambda: x), words=words)

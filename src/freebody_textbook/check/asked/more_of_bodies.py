@@ -16,7 +16,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.group import NamedTarget, components, entries
+from freebody_textbook.check.asked.group import NamedTarget, components, entries, matrix
 from freebody_textbook.check.asked.loads import JOINT_FORCE, MOMENT, VECTORS
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
@@ -116,29 +116,21 @@ class CentreJacobians(QuantitiesOfBodies):
             if centre := self.vectors.get(f"rc{n}"):
                 rows = [entry.polynomial for (entry,) in centre]
                 words = f"the Jacobian of the centre of mass of body {n}"
-                table = self._slopes(rows, names, n, words)
+                table = self._slopes(rows, names, words)
                 found |= {name.format(n=n): table for name in _OF_CENTRE}
             if turning := self.vectors.get(f"omega{n}"):
                 rows = [entry.in_world or entry.polynomial for (entry,) in turning]
                 words = f"the Jacobian of the angular velocity of body {n}"
-                table = self._slopes(rows, [x + RATE for x in names], n, words)
+                table = self._slopes(rows, [x + RATE for x in names], words)
                 found |= {name.format(n=n): table for name in _ANGULAR}
         return found
 
     def _slopes(
-        self, rows: list[Callable[[], Trig]], names: list[str] | tuple[str, ...], n: int, words: str
+        self, rows: list[Callable[[], Trig]], names: Sequence[str], words: str
     ) -> QuantityTable:
         """The derivatives of some values by coordinates or rates."""
-        return [
-            [
-                AskedQuantity(
-                    kinds.OF_BODY, (i, j), lambda row=row, x=x: row().derivative(x),
-                    words=f"entry {i}, {j} of {words}",
-                )
-                for j, x in enumerate(names, 1)
-            ]
-            for i, row in enumerate(rows, 1)
-        ]  # fmt: skip
+        slopes = [[lambda row=row, x=x: row().derivative(x) for x in names] for row in rows]
+        return matrix(kinds.OF_BODY, slopes, f"entry {{}}, {{}} of {words}")
 
 
 _PARTIALS = LexemePattern(
