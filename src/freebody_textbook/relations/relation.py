@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.expressions.expression import Equation
 from freebody.expressions.grammar.lexemes import Lexemes
-from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.lexer import numbers
 from freebody.outputs.display import Titled
 from freebody.scalars.composed import Composed
 from freebody.scalars.trig import Trig
@@ -203,18 +203,14 @@ def _numbers(side: FormulaValue, values: Mapping[str, float]) -> Any:
 
 
 # ---------------------------------------------------------------- numbers as printed
-_NUMBER = LexemePattern("< - | + >? @number")
-
-
 def printed_numbers(text: str) -> list[tuple[float, float]]:
     """The numbers of a printed result in order, each with one unit of its last digit."""
     found = []
     lexemes = Lexemes.of(text.replace(" ", "").replace("−", "-"))
-    for match in _NUMBER.all(lexemes):
-        word = "".join(x.text for x in lexemes[match.start : match.stop])
-        mantissa, _, power = word.partition("e")
-        digits = len(mantissa.partition(".")[2])
-        found.append((float(word), 10.0 ** (int(power or 0) - digits)))
+    for match, figures in numbers(lexemes):
+        size = float(match.text)
+        negative = match.start > 0 and lexemes[match.start - 1].text == "-"
+        found.append((-size if negative else size, float(figures.last)))
     return found
 
 

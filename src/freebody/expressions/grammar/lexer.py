@@ -5,13 +5,32 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from freebody.expressions.grammar import words
-from freebody.expressions.grammar.lexemes import Lexeme, plain
-from freebody.expressions.grammar.patterns import LexemePattern
+from freebody.expressions.grammar.lexemes import Lexeme, Lexemes, plain
+from freebody.expressions.grammar.patterns import LexemePattern, Match
 from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.grammar.tables import characters as table
+
+
+class Figures(NamedTuple):
+    """A number as it is written: 2.50e-3 has the mantissa 2.50 with two decimals, and the exponent
+    -3."""
+
+    mantissa: str
+    decimals: int
+    exponent: int
+
+    @property
+    def last(self) -> Fraction:
+        """One unit of the last digit."""
+        return Fraction(10) ** (self.exponent - self.decimals)
+
+    @property
+    def digits(self) -> int:
+        """How many digits count: zeros in front do not."""
+        return len(self.mantissa.replace(".", "").lstrip("0"))
 
 
 @dataclass(frozen=True)
@@ -92,6 +111,16 @@ def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
         yield Token("power", str(cut.power), end, end, Fraction(cut.power))
 
 
+def _figures(match: Match) -> Figures:
+    exponent = match["exponent"]
+    return Figures(match["mantissa"], len(match.items("decimals")), int(exponent or 0))
+
+
+def numbers(lexemes: Lexemes) -> Iterator[tuple[Match, Figures]]:
+    """The numbers of a text without their signs, and where each stands."""
+    return ((match, _figures(match)) for match in _NUMBER.all(lexemes))
+
+
 def _number(source: Source, k: int, found: list[Token]) -> int:
     """A number, or a full stop; of the bare figures of \\frac12 only the first. It returns the next
     lexeme."""
@@ -104,11 +133,11 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
     stop = match.stop
     kinds = [token.kind for token in found[-2:]]
     if kinds[-1:] == ["fraction"] or kinds == ["fraction", "number"]:
-        figures = all(x.kind == "digit" for x in lexemes[k:stop])
-        stop = k + 1 if figures else stop
+        whole = all(x.kind == "digit" for x in lexemes[k:stop])
+        stop = k + 1 if whole else stop
     text, span = plain(lexemes[k:stop]), (lexemes[k].start, lexemes[stop - 1].end)
-    mantissa, _, exponent = text.lower().partition("e")
-    if len(mantissa) > _LONGEST_NUMBER or abs(int(exponent[:9] or 0)) > _LARGEST_EXPONENT:
+    figures = _figures(match)
+    if len(figures.mantissa) > _LONGEST_NUMBER or abs(figures.exponent) > _LARGEST_EXPONENT:
         source.fail("this number is too long or too large", span)
     found.append(Token("number", text, *span, Fraction(text)))
     return stop

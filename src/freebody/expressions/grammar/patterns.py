@@ -53,6 +53,11 @@ class Match:
         return plain(self.items(name))
 
     @property
+    def text(self) -> str:
+        """The lexemes as text without blanks."""
+        return plain(self.lexemes[self.start : self.stop])
+
+    @property
     def span(self) -> tuple[int, int]:
         """Where it stands in the text."""
         at = self.lexemes[self.start].start if self.start < len(self.lexemes) else 0

@@ -116,8 +116,9 @@ PATTERNS = {
     "below": "< ~_ ~{? >? ~%digit{1,2} ~}?",
     "by_time": "{ @d t @squared? }",
     "asterisk": "^ < { %star } | %star >",
-    "number": "< %digit ~%digit{0,60} < ~. ~%digit{0,60} >? | . ~%digit{1,60} >"
-    " < < ~e | ~E > < ~+ | ~- >? ~%digit{1,60} >?",
+    "number": "mantissa:< %digit ~%digit{0,60} < ~. decimals:~%digit{0,60} >?"
+    " | . decimals:~%digit{1,60} >"
+    " < < ~e | ~E > exponent:< < ~+ | ~- >? ~%digit{1,60} > >?",
     "word": "%bare_letter ~%bare_letter{1,40}",
     "words": "!-%no_word_before !-_ @word < ~%hyphen ~%bare_letter{1,40} >{0,9} !~%no_word_behind",
     "decimal": "< %digit ~%digit{0,30} < ~. ~%digit{1,30} >? | . ~%digit{1,30} >"
