@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.nodes import Number, nodes
 from freebody.expressions.nodes import replaced as with_nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
@@ -157,8 +159,8 @@ class NumberAtState:
     def digits(self) -> int:
         """The number of digits that count in the answer; four of one that is computed from several
         numbers."""
-        mantissa, _, _ = self.claim.source.plain(self.claim.node.span).lower().partition("e")
-        return len("".join(filter(str.isdigit, mantissa)).lstrip("0")) if self.is_lone else 4
+        written = numbers(Lexemes.of(self.claim.source.plain(self.claim.node.span)))
+        return next((x.digits for _, x in written), 4) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:

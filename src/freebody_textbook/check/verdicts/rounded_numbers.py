@@ -7,12 +7,13 @@ may stay.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from freebody.errors import FreebodyError
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.expressions.polynomials.angle_sums import SymbolPowers
@@ -37,7 +38,6 @@ MEASURED = Fraction(1, 1000)
 MOST_NUMBERS = 60
 
 _EXACT = Fraction(1, 10**9)
-_DECIMAL = re.compile(r"\d*\.(\d+)(?:[eE]([+-]?\d+))?")
 
 
 @dataclass(frozen=True)
@@ -202,8 +202,7 @@ def half_a_unit(text: str, value: Fraction, whole: bool = False) -> Fraction:
     if whole and value and text.isdigit():
         return Fraction(1, 2)
     relative = Fraction(0)
-    for match in _DECIMAL.finditer(text):
-        half = Fraction(10) ** (int(match[2] or 0) - len(match[1])) / 2
-        size = abs(Fraction(match[0]))
-        relative += half / size if size else 0  # 0.0 has no digit to be rounded
+    for match, figures in numbers(Lexemes.of(text)):
+        size = Fraction(match.text) if figures.decimals else 0
+        relative += figures.last / 2 / size if size else 0  # 0.0 has no digit to be rounded
     return abs(value) * relative
