@@ -158,10 +158,14 @@ class Targets:
             found |= group.tables(self.single)
         return found
 
-    @cached_property
-    def passive(self) -> tuple[int, ...]:
-        """Joints that nothing drives, from 1."""
-        return self._groups[0].passive
+    @property
+    def undriven(self) -> list[AskedQuantity]:
+        """The torques of joints that nothing drives, which are 0."""
+        found: dict[tuple[int, ...], AskedQuantity] = {}
+        for target in self.single.values():
+            if target.idle:
+                found.setdefault(target.index, target)
+        return [found[index] for index in sorted(found)]
 
     @cached_property
     def soft(self) -> frozenset[str]:

@@ -67,7 +67,7 @@ class UnnamedEquations(FormulaReader):
         between = self._is_between(line, told, torques)
         if not torques and (found := self._by_loops(line, between, bool(asked))):
             return found
-        if not torques and not between and self.targets.passive:
+        if not torques and not between and self.targets.undriven:
             return self._of_bodies(line) or [self._unpowered(line, before)]
         if len(torques) != 1 and (self.of_bodies or between):
             return self._of_passive(line, before) or self._identities(line)
@@ -138,8 +138,8 @@ class UnnamedEquations(FormulaReader):
         """What a line between quantities says, if that is the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
-        value, single = self._difference(line)[1], self.targets.single
-        own = [single[f"tau{i}"].polynomial() for i in self.targets.passive]
+        value = self._difference(line)[1]
+        own = [x.polynomial() for x in self.targets.undriven]
         same = (right_up_to.is_undriven_equation(self.setting, pair(value)[0], x) for x in own)
         return [self._unpowered(line, before)] if any(same) else []
 

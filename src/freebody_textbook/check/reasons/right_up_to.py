@@ -95,7 +95,7 @@ def undriven_equation(
 ) -> tuple[tuple[int, ...], Value]:
     """The passive joint whose equation x = 0 states, or else should, of those that no other line
     has given the one with which it has most in common; and what x should be."""
-    own = [targets.single[f"tau{i}"] for i in targets.passive]
+    own = targets.undriven
     right = next(
         (target for target in own if is_undriven_equation(targets.setting, x, target.polynomial())),
         None,

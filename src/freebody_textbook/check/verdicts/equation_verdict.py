@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import Kind
 from freebody.expressions.quantities.units import unit_text
 from freebody.lazy import cached_property
@@ -292,7 +293,7 @@ class Judge:
             yours.is_zero or is_undriven_equation(self.setting, yours, right)
         ):
             joint = claim.target.index[0]
-            note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
+            note = f"Joint {joint} is passive: {sym(f'{kinds.TORQUE.usual}{joint}')} = 0."
         return right_verdict(claim, note) if note else None
 
     @cached_property
