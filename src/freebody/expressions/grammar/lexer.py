@@ -14,7 +14,7 @@ from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.grammar.tables import characters as table
 
 
-class Figures(NamedTuple):
+class WrittenFigures(NamedTuple):
     """A number as it is written: 2.50e-3 has the mantissa 2.50 with two decimals, and the exponent
     -3."""
 
@@ -111,12 +111,12 @@ def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
         yield Token("power", str(cut.power), end, end, Fraction(cut.power))
 
 
-def _figures(match: Match) -> Figures:
+def _figures(match: Match) -> WrittenFigures:
     exponent = match["exponent"]
-    return Figures(match["mantissa"], len(match.items("decimals")), int(exponent or 0))
+    return WrittenFigures(match["mantissa"], len(match.items("decimals")), int(exponent or 0))
 
 
-def numbers(lexemes: Lexemes) -> Iterator[tuple[Match, Figures]]:
+def numbers(lexemes: Lexemes) -> Iterator[tuple[Match, WrittenFigures]]:
     """The numbers of a text without their signs, and where each stands."""
     return ((match, _figures(match)) for match in _NUMBER.all(lexemes))
 
@@ -144,7 +144,7 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
 
 
 def _power(source: Source, k: int, found: list[Token]) -> int:
-    """Figures written high; it returns the next lexeme."""
+    """WrittenFigures written high; it returns the next lexeme."""
     lexemes, stop = source.lexemes, k + 1
     while stop < len(lexemes) and lexemes[stop].kind == "high" and not lexemes[stop].apart:
         stop += 1
