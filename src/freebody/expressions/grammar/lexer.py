@@ -144,7 +144,7 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
 
 
 def _power(source: Source, k: int, found: list[Token]) -> int:
-    """WrittenFigures written high; it returns the next lexeme."""
+    """Figures written high; it returns the next lexeme."""
     lexemes, stop = source.lexemes, k + 1
     while stop < len(lexemes) and lexemes[stop].kind == "high" and not lexemes[stop].apart:
         stop += 1
