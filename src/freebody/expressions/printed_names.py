@@ -57,6 +57,12 @@ def sym(name: str, bold: bool = False) -> Expression:
     return Symbol(name, letter, low, dots, bold)
 
 
+def with_letter(name: str) -> str:
+    """A name of code with its letter as it is written, τ12 of tau12."""
+    stem = name.rstrip("0123456789")
+    return GREEK.get(stem, stem) + name[len(stem) :]
+
+
 def vec(name: str) -> Symbol:
     """The symbol of a vector: bold where there is bold."""
     symbol = sym(name, bold=True)

@@ -17,7 +17,7 @@ from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.letters_for_numbers import as_written
-from freebody_textbook.check.asked.load_names import named_in
+from freebody_textbook.check.asked.loads import named_in
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
 from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.claims.claims import statements

@@ -12,7 +12,7 @@ from freebody.outputs.display import InWords, counted
 @dataclass(frozen=True)
 class Mistake:
     """A mistake in an answer. kind: sign, factor, missing, extra, function, angle, length, index,
-    rate, exponent, symbol, "missing factor", "extra factor" or "term"."""
+    rate, exponent, symbol, inverse, arguments, "missing factor", "extra factor" or "term"."""
 
     kind: str
     message: str

@@ -20,7 +20,7 @@ from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.real_point import RealPoint
+from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations

@@ -26,7 +26,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT
-from freebody_textbook.check.algebra.real_point import RealPoint
+from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
 from freebody_textbook.check.numbers.units import in_other_units
@@ -56,7 +56,7 @@ _STATES, _SETS = 2, 2
 """States with one set of parameters, in each of the units, and sets of parameters."""
 _SentenceAndValue = tuple[str, Any]
 """A sentence, and what the right answer would be."""
-_MOST_TOLD = [1, *(most for _, most in TABLES)]
+_MOST_TOLD = [1, *(table.most for table in TABLES)]
 """How many thoughts of each table are told."""
 _Thoughts = list[list[list[tuple[int, float]]]]
 

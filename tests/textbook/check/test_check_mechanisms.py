@@ -126,3 +126,8 @@ def test_the_reaction_that_is_missing_is_named():
     )
     (cause,) = fb.check(load("3R"), line).causes
     assert cause == "The reaction of body 3 on body 2 is missing."
+
+
+def test_what_is_left_out_is_named_where_loops_close():
+    verdict = fb.check(load("four_bar"), r"τ1 θ̇1 = \frac{d}{dt}(T1 + T2 + V1 + V2)")
+    assert "moment of inertia of rocker is missing" in verdict.equations[0].causes[0]

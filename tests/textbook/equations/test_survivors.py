@@ -14,7 +14,7 @@ import freebody as fb
 from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting.latex import width_of
 from freebody_textbook.check.asked.right_equations import setting
-from freebody_textbook.check.verdicts.numeric_example import example
+from freebody_textbook.check.verdicts.verdict_sentences import example
 from freebody_textbook.closed_chains.linear import product
 from support.printed_values import evaluate
 

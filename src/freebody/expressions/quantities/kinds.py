@@ -34,6 +34,8 @@ class Kind:
     """In derivations as they are made."""
     usual: str = ""
     """The letter by which sentences name its entries."""
+    shared: tuple[str, ...] = ()
+    """Letters that some books have for it, and others for something else."""
     is_matrix: bool = False
     """Whether its letter without a number stands for a matrix."""
     of: Literal["joints", "bodies", ""] = ""
@@ -151,7 +153,7 @@ TORQUE = Kind(
 MASS = Kind(
     "M", "entry {}, {} of the mass matrix", _mass,
     "mass", ("M", "H", "m", "D", "d", "B", "b"), ("H", "M"), "H", is_matrix=True, of="joints",
-    tells="motion", is_symmetric=True,
+    shared=("B", "D", "b", "d"), tells="motion", is_symmetric=True,
 )  # fmt: skip
 CORIOLIS = Kind(
     "C", "entry {}, {} of the Coriolis matrix of Christoffel symbols", _of_rates,
@@ -160,11 +162,11 @@ CORIOLIS = Kind(
 VELOCITY = Kind(
     "c", "the velocity term of {joint}", _force,
     "velocity", ("c", "C", "v", "b"), ("velocity",), "v", of="joints",
-    tells="motion", is_velocity_term=True,
+    shared=("b", "v"), tells="motion", is_velocity_term=True,
 )  # fmt: skip
 GRAVITY = Kind(
     "g", "the gravity term of {joint}", _force,
-    "gravity", ("g", "G", "phi"), ("G",), "G", of="joints",
+    "gravity", ("g", "G", "phi"), ("G",), "G", ("phi",), of="joints",
     tells="weight",
 )  # fmt: skip
 BIAS = Kind(
@@ -202,11 +204,17 @@ LAGRANGIAN = Kind(
     "lagrangian", ("L",), ("L",), of="bodies", up_to_a_constant=True,
 )  # fmt: skip
 ENERGY = Kind(
-    "E", "the total energy", units.ENERGY, letters=("E",), of="bodies", up_to_a_constant=True
+    "E",
+    "the total energy",
+    units.ENERGY,
+    letters=("E",),
+    shared=("E",),
+    of="bodies",
+    up_to_a_constant=True,
 )
 BODY_KINETIC = Kind(
-    "T_i", "the kinetic energy of body {}", units.ENERGY, letters=("k",), of="bodies",
-    of_one_body=True, letters_of_ratios=("K",),
+    "T_i", "the kinetic energy of body {}", units.ENERGY, letters=("k",), shared=("k",),
+    of="bodies", of_one_body=True, letters_of_ratios=("K",),
 )  # fmt: skip
 BODY_POTENTIAL = Kind(
     "V_i",
@@ -240,7 +248,7 @@ HAND_AXIS = replace(OF_BODY, name="axis", rates=("none",))
 ANGULAR_MOMENTUM = Kind("angular momentum", unit=units.SPIN, is_told_by_value=True, rates=("one",))
 HELD = Kind("held", unit=_force, of="joints", holds_by_loops=True)
 """The torque that a drive of a closed chain gives while a force from outside acts."""
-LOAD = Kind("load", is_load=True)
+LOAD = Kind("load", shared=("f",), is_load=True)
 
 # ---------------------------------------------------------------- closed chains
 LOOP = Kind("Phi", of="joints", of_loops="positions", may_be_zero=True, is_of_loop_equation=True)
@@ -279,6 +287,12 @@ LETTERED = (
     TORQUE, MASS, CORIOLIS, VELOCITY, GRAVITY, BIAS, JACOBIAN, KINETIC, POTENTIAL, LAGRANGIAN,
 )  # fmt: skip
 """Those to which a notation may give letters."""
+SHARED_LETTERS = frozenset(
+    letter
+    for kind in (MASS, VELOCITY, GRAVITY, ENERGY, BODY_KINETIC, LOAD)
+    for letter in kind.shared
+)
+"""Letters that may be meant for something else than the quantities that have them."""
 USUAL_LETTERS = {kind.name: kind.letters for kind in LETTERED}
 """Letters that `check` reads where a notation gives none."""
 SUMS = {kind.name: kind.terms for kind in LETTERED if kind.terms}

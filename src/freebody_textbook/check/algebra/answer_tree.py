@@ -1,5 +1,5 @@
-"""What an answer says: a tree of `nodes`, and two leaves of its own. Each node knows the piece of
-the text that it stands for."""
+"""Trees of answers: those of `nodes`, and two leaves of their own. Each node knows the piece of the
+text that it stands for."""
 
 from __future__ import annotations
 

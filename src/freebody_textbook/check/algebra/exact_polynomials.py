@@ -67,7 +67,7 @@ class PolynomialReader:
             self.source.fail(problem.problem, (problem.node or node).span)
 
     def constant(self, value: Fraction) -> Trig:
-        """A number."""
+        """The polynomial that a number is."""
         return Trig(self.ring, self.ring.constant(value), 0)
 
     def _wave(self, node: Wave) -> Trig:

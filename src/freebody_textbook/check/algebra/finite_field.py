@@ -7,20 +7,22 @@ are looked for here, thousands in a moment; the verdict itself is exact.
 
 from __future__ import annotations
 
+import math
 import random
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
+from typing import Any
 
 from freebody.expressions.evaluate import Rules, arithmetic, evaluate
-from freebody.expressions.nodes import Expression
+from freebody.expressions.nodes import Expression, Negative, Power, Product, Quotient, Sum, nodes
 from freebody.lazy import cached_property
 from freebody.scalars.generators import WAVES, function_of, symbol_of
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import TrigRing
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.closed_chains.linear import Ratio
 
 PRIME = 2**61 - 1
@@ -67,7 +69,7 @@ class Point:
         return (a - b) % PRIME == 0
 
     def number(self, value: Fraction | int) -> int:
-        """A rational number."""
+        """The residue of a rational number."""
         return residue(value)
 
     def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
@@ -77,7 +79,7 @@ class Point:
     def of(self, x: Value) -> int:
         """The value of a polynomial or a quotient of two."""
         if isinstance(x, Ratio):
-            return self.of(x.above) * pow(self.of(x.below), -1, PRIME) % PRIME
+            return self.of(x.above) * raised(self.of(x.below), -1) % PRIME
         return sum(self.term(powers, c) for powers, c in x.terms()) % PRIME
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> int:
@@ -149,3 +151,158 @@ def rational(value: int, largest: int = 1000) -> Fraction | None:
     if v == 0 or abs(v) > largest:
         return None
     return Fraction(b, v)
+
+
+@dataclass(frozen=True)
+class RealPoint(Point):
+    """A state; what is not given is NaN, which agrees with nothing."""
+
+    values: Mapping[str, Any]
+    turns: Mapping[str, Any]
+    slack: float = 0.0
+    """By how much two numbers may differ."""
+
+    @classmethod
+    def of_state(cls, ring: TrigRing, state: Mapping[str, float]) -> RealPoint:
+        """The point where names have these values; cos 90° is 0."""
+        values = {name: state.get(name, math.nan) for name in ring.names}
+        turns = {
+            name: tuple(map(float, rational_sin_cos(x))) if math.isfinite(x) else (x, x)
+            for name in ring.angles
+            for x in (values[name],)
+        }
+        return cls(values, turns)
+
+    def agree(self, a: Any, b: Any) -> bool:
+        return abs(a - b) <= self.slack
+
+    def number(self, value: Fraction | int) -> Any:
+        return float(value)
+
+    def plus(self, a: Any, b: Any) -> Any:
+        return a[0] * b[1] + a[1] * b[0], a[1] * b[1] - a[0] * b[0]
+
+    def of(self, x: Value) -> Any:
+        above, below = (
+            math.fsum(self.term(powers, c) for powers, c in part.terms()) for part in pair(x)
+        )
+        return above / below if below else math.nan
+
+    def term(self, powers: Mapping[str, int], coefficient: Fraction) -> Any:
+        factors = [self.generator(x) for x in powers]
+        if 0.0 in factors:  # whatever the others are
+            return 0.0
+        return float(coefficient) * math.prod(
+            x**k for x, k in zip(factors, powers.values(), strict=True)
+        )
+
+
+class Workspace:
+    """A tree with the values of its nodes."""
+
+    def __init__(self, root: Expression, point: Point):
+        self.root, self.point = root, point
+        self.values: dict[Expression, int] = {}
+        """The value of each node, those inside others first."""
+        for node in _inner_first(root):
+            self.values[node] = point.at(node, self.values)
+        self.value = self.values[root]
+        self.parents: dict[Expression, Expression] = {
+            part: node for node in nodes(root) for part in node.parts
+        }
+
+    @cached_property
+    def cofactors(self) -> dict[Expression, int]:
+        """The product of the other factors, for each factor of a product."""
+        found: dict[Expression, int] = {}
+        for node in self.values:
+            if isinstance(node, Product):
+                before = 1
+                for factor in node.factors:
+                    found[factor] = before
+                    before = before * self.values[factor] % PRIME
+                after = 1
+                for factor in reversed(node.factors):
+                    found[factor] = found[factor] * after % PRIME
+                    after = after * self.values[factor] % PRIME
+        return found
+
+    @cached_property
+    def slopes(self) -> dict[Expression, int | None]:
+        """The change of the whole when a node is 1 more, for each node; None below a power or a
+        fraction bar, where the whole is not linear in it."""
+        found: dict[Expression, int | None] = {self.root: 1}
+        for node in nodes(self.root):
+            whole = found[node]
+            for part in node.parts:
+                own = None if whole is None else self._slope(node, part)
+                if whole is None or own is None:
+                    found[part] = None
+                else:
+                    found[part] = whole * own % PRIME
+        return found
+
+    def _slope(self, node: Expression, part: Expression) -> int | None:
+        """The change of a node when one of its parts is 1 more."""
+        match node:
+            case Sum():
+                return 1
+            case Negative():
+                return -1
+            case Product():
+                return self.cofactors[part]
+            case Quotient() if part is node.above:
+                return pow(self.values[node.below], -1, PRIME)
+        return None
+
+    def with_value(self, node: Expression, value: int) -> int:
+        """The value of the whole if this node had another one."""
+        while (slope := self.slopes[node]) is None:
+            parent = self.parents[node]
+            value = self._above(parent, node, value) % PRIME
+            node = parent
+        return (self.value + slope * (value - self.values[node])) % PRIME
+
+    def _above(self, parent: Expression, node: Expression, value: int) -> int:
+        """The value of a node if one of its parts had another one."""
+        slope = self._slope(parent, node)
+        if slope is not None:
+            return self.values[parent] + slope * (value - self.values[node])
+        match parent:
+            case Power():
+                return raised(value, parent.exponent)
+            case Quotient():
+                return self.values[parent.above] * raised(value, -1)
+        raise TypeError(type(parent).__name__)
+
+    def addends(self) -> Iterator[Expression]:
+        """The terms of all sums, and the whole; brackets in brackets too."""
+        yield self.root
+        for node in self.values:
+            if isinstance(node, Sum):
+                yield from node.terms
+
+    def addend_of(self, node: Expression) -> Expression:
+        """The smallest term of a sum that a node is in; the whole where there is no sum around
+        it."""
+        while node is not self.root and not isinstance(self.parents[node], Sum):
+            node = self.parents[node]
+        return node
+
+
+class _Nowhere(Point):
+    """No point: only what a tree is made of is asked for."""
+
+    def at(self, node: Expression, known: object = None) -> int:
+        return 0
+
+
+def without_values(tree: Expression) -> Workspace:
+    """The pieces of a tree and what they stand in."""
+    return Workspace(tree, _Nowhere({}, {}))
+
+
+def _inner_first(node: Expression) -> Iterator[Expression]:
+    for part in node.parts:
+        yield from _inner_first(part)
+    yield node

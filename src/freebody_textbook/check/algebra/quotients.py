@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.linear import Ratio
 
 Value = Trig | Ratio
-"""What an answer stands for: a polynomial, or a quotient that is none."""
+"""The value of an answer: a polynomial, or a quotient that is none."""
 
 Times = Callable[[Trig, Trig], Trig]
 """A product, within the limits of who multiplies."""
 
 
 def pair(x: Value) -> tuple[Trig, Trig]:
-    """Numerator and denominator."""
+    """The numerator and denominator of a value."""
     return (x.above, x.below) if isinstance(x, Ratio) else (x, _one(x))
 
 
@@ -36,7 +36,7 @@ def _multiplied(a: Trig, b: Trig) -> Trig:
 
 
 def plus(a: Value, b: Value, times: Times = _multiplied) -> Value:
-    """a + b."""
+    """The sum a + b."""
     if isinstance(a, Trig) and isinstance(b, Trig):
         return a + b
     (p, q), (r, s) = pair(a), pair(b)
@@ -44,7 +44,7 @@ def plus(a: Value, b: Value, times: Times = _multiplied) -> Value:
 
 
 def times(a: Value, b: Value, product: Times = _multiplied) -> Value:
-    """a b."""
+    """The product a b."""
     if isinstance(a, Trig) and isinstance(b, Trig):
         return product(a, b)
     (p, q), (r, s) = pair(a), pair(b)
@@ -52,7 +52,7 @@ def times(a: Value, b: Value, product: Times = _multiplied) -> Value:
 
 
 def negative(a: Value) -> Value:
-    """-a."""
+    """The opposite value -a."""
     return Ratio(-a.above, a.below) if isinstance(a, Ratio) else -a
 
 
@@ -66,6 +66,23 @@ def difference(a: Value, b: Value) -> Trig:
     """The numerator of a - b: 0 where they are equal."""
     (p, q), (r, s) = pair(a), pair(b)
     return p - r if q == s else _multiplied(p, s) - _multiplied(r, q)
+
+
+def put(x: Trig, images: Mapping[str, Value]) -> Value:
+    """A polynomial with values in the place of some generators."""
+    by_below: dict[Trig, Trig] = {}
+    for powers, coefficient in x.terms():
+        rest = {name: k for name, k in powers.items() if name not in images}
+        term: Value = x.ring.polynomial([(rest, coefficient)])
+        for name in powers.keys() & images.keys():
+            for _ in range(powers[name]):
+                term = times(term, images[name])
+        above, below = pair(term)
+        by_below[below] = by_below.get(below, x - x) + above
+    total: Value = x - x
+    for below, above in by_below.items():
+        total = plus(total, over(above, below))
+    return total
 
 
 def _one(x: Trig) -> Trig:

@@ -28,11 +28,11 @@ from freebody_textbook.check.algebra.answer_tree import Named
 MOST_INVERTED = 3
 """Rows of matrices whose inverses are written out."""
 MOST_PIECES = 20_000
-"""Of all entries together."""
+"""The most pieces of all entries together."""
 
 
 TableShape = tuple[int, int]
-"""Rows and columns."""
+"""The numbers of rows and columns."""
 
 
 def worked_out(
@@ -91,7 +91,7 @@ class _Tables:
         return found
 
     def _table(self, node: Expression) -> Expression:
-        """What is there, a vector or matrix if it can be one."""
+        """The vector or matrix that a node is or may be, else the expression."""
         found = self.at(node)
         return found if isinstance(found, Matrix) else self.as_table(found) or found
 
@@ -257,7 +257,7 @@ class _Tables:
         return Matrix(tuple(tuple(entry(i, j) for j in n) for i in n), span=span)
 
     def _determinant(self, rows: Sequence[Sequence[Expression]], span: Span) -> Expression:
-        """Along the first row."""
+        """The determinant, expanded along the first row."""
         if len(rows) == 1:
             return self._new(rows[0][0])
         terms: list[Expression] = []

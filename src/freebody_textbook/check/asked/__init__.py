@@ -1,1 +1,1 @@
-"""What can be asked: each file one group of quantities with their names and right values."""
+"""Quantities that answers are about: each file one group with their names and right values."""

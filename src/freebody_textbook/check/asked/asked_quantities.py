@@ -1,36 +1,67 @@
-"""What can be asked of a model: all groups of quantities together, by name."""
+"""The quantities of a model that answers may be about: all groups together, by name."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import USUAL_LETTERS
 from freebody.lazy import cached_property
-from freebody_textbook.check.asked import load_names
-from freebody_textbook.check.asked.at_rest import BodiesAtRest
+from freebody.scalars.trig import Trig
+from freebody_textbook.check.asked import loads
 from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
-from freebody_textbook.check.asked.centre_jacobians import CentreJacobians
-from freebody_textbook.check.asked.energies import EnergyQuantities
-from freebody_textbook.check.asked.formula_parameters import FormulaParameters
-from freebody_textbook.check.asked.frames import QuantitiesInFrames
+from freebody_textbook.check.asked.energies import AngularMomenta, EnergyQuantities
 from freebody_textbook.check.asked.free_body import FreeBodyQuantities
-from freebody_textbook.check.asked.group import QuantityGroup
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
 from freebody_textbook.check.asked.joints import JointQuantities, VelocityCoefficients
-from freebody_textbook.check.asked.kane import KaneQuantities
-from freebody_textbook.check.asked.loops import LoopQuantities
-from freebody_textbook.check.asked.momenta import AngularMomenta
+from freebody_textbook.check.asked.loops import (
+    BodiesOfTrees,
+    LoopForceSystem,
+    LoopQuantities,
+    ReducedMass,
+    ReducedQuantities,
+)
+from freebody_textbook.check.asked.more_of_bodies import (
+    BodiesAtRest,
+    CentreJacobians,
+    KaneQuantities,
+    QuantitiesInFrames,
+)
 from freebody_textbook.check.asked.parallel import ParallelQuantities
-from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
-from freebody_textbook.check.asked.reduced import ReducedMass, ReducedQuantities
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.asked.tip import TipQuantities
-from freebody_textbook.check.asked.tree_bodies import BodiesOfTrees, LoopForceSystem
 from freebody_textbook.methods.body_quantities import soft_names
 
-AMBIGUOUS = frozenset(("B", "D", "E", "b", "d", "f", "k", "phi", "v"))
-"""Letters that some books have for these quantities, and others for something else."""
+_ABOUT_THE_JOINT = (
+    "That is the moment of inertia about the joint, {} + {} {}²; {} is about the centre of mass."
+)
+
+
+class FormulaParameters(QuantityGroup):
+    """lc1, I1, … where formulas give them."""
+
+    def single(self) -> Iterator[NamedTarget]:
+        for name, value in self.setting.given.items():
+            thoughts = self._thoughts(name)
+            yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)
+
+    def _thoughts(self, name: str) -> tuple[Mistaken, ...]:
+        """The mistake of taking a link's moment of inertia about its joint."""
+        lc, m = (letter + name[1:] for letter in ("lc", "m"))
+        if name[0] != "I" or not {lc, m} <= self.setting.ring.index.keys():
+            return ()
+        words = _ABOUT_THE_JOINT.format(*map(sym, (name, m, lc, name)))
+        return ((words, partial(self._about_the_joint, name, lc, m)),)
+
+    def _about_the_joint(self, name: str, lc: str, m: str) -> Trig:
+        I_c, arm, mass = (self.setting.given.get(x, self.setting.ring[x]) for x in (name, lc, m))
+        return I_c + mass * arm * arm
+
 
 _GROUPS: tuple[type[QuantityGroup], ...] = (
     LoopQuantities,
@@ -43,8 +74,8 @@ _GROUPS: tuple[type[QuantityGroup], ...] = (
     ReducedQuantities,
     FormulaParameters,
 )
-"""In this order: where two give a name to one number the first has it, of vectors and matrices the
-last."""
+"""The groups in their order: where two give a name to one number the first has it, of vectors and
+matrices the last."""
 
 _SPECIAL: tuple[type[QuantityGroup], ...] = (
     KaneQuantities,
@@ -70,11 +101,11 @@ class Targets:
     framed: bool = False
     """Whether vectors are told in the axes of any body, {}^1v_2."""
     formulas: Lexemes = NOTHING
-    """Those of the answer, which tell what it is about."""
+    """The formulas of the answer, which tell what it is about."""
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """All names, in plain spelling."""
+        """The names of all quantities, in plain spelling."""
         return frozenset([*self.single, *self.tables])
 
     @cached_property
@@ -115,7 +146,7 @@ class Targets:
 
     @cached_property
     def of_bodies(self) -> dict[str, str]:
-        """What names of vectors and matrices stand for in equations of bodies."""
+        """The vectors and matrices that names stand for in equations of bodies."""
         groups = (x.in_equations_of_bodies for x in self._groups)
         return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
 
@@ -127,12 +158,16 @@ class Targets:
             found |= group.tables(self.single)
         return found
 
-    @cached_property
-    def passive(self) -> tuple[int, ...]:
-        """Joints that nothing drives, from 1."""
-        return self._groups[0].passive
+    @property
+    def undriven(self) -> list[AskedQuantity]:
+        """The torques of joints that nothing drives, which are 0."""
+        found: dict[tuple[int, ...], AskedQuantity] = {}
+        for target in self.single.values():
+            if target.idle:
+                found.setdefault(target.index, target)
+        return [found[index] for index in sorted(found)]
 
     @cached_property
     def soft(self) -> frozenset[str]:
         """Names of vectors of bodies that users often give to things of their own."""
-        return soft_names(len(self.setting.symbols.model.bodies)) | {*load_names.VECTORS, "W", "r"}
+        return soft_names(len(self.setting.symbols.model.bodies)) | {*loads.VECTORS, "W", "r"}

@@ -5,16 +5,18 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import reduce
+from operator import getitem
 from typing import Any, ClassVar
 
 from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
+from freebody.spatial import Matrix, dot, identity, times, transposed
+from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup, column, components
 from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
-from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.quantities import QuantityValues, branches
 
 _WORLD = "This would be right in the world's axes; here the components are along those of body {}."
@@ -29,7 +31,7 @@ class QuantitiesOfBodies(QuantityGroup):
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
 
     def single(self) -> Iterator[NamedTarget]:
-        yield from self.entries_of(self.vectors)
+        yield from components(self.vectors)
         yield from self._rates_of_components()
         yield from self._of_the_only_body()
         yield from self._coordinates_of_centres()
@@ -38,12 +40,8 @@ class QuantitiesOfBodies(QuantityGroup):
         return self.vectors
 
     @cached_property
-    def _setting(self) -> Setting:
-        return Setting(self.setting.equations.symbols)
-
-    @cached_property
     def _bodies(self) -> list[dict[str, Any]]:
-        """What `fb.quantities` tells of each body, in the order of their numbers."""
+        """The values that `fb.quantities` tells of each body, in the order of their numbers."""
         values = QuantityValues(self._setting, "base" if self.based else "explicit")
         return [values.of_body(i) for i in self._setting.order]
 
@@ -94,17 +92,12 @@ class QuantitiesOfBodies(QuantityGroup):
         if s.turns(i) and s.planar:
             return {}
         letter, does = ("z", "turns about") if s.turns(i) else ("u", "slides along")
-        words, element = f"the axis that joint {n} {does}", self.setting.equations.symbols.element
-        own = [self.element(lambda x=x: element(x)) for x in s.axis(i)]
-        asked = AskedQuantity(kinds.OF_BODY, (n,), own[0], words=words)
-        table = [[replace(asked, compute=x, axis=k)] for x, k in zip(own, "xyz", strict=False)]
-        R, one = s.world[i][0], self.setting.equations.symbols
-        for k, (row, (told,)) in enumerate(zip(table, found.get(f"z{n}", ()), strict=False)):
-            turned = self.element(
-                lambda k=k: one.element(
-                    sum((x * y for x, y in zip(R[k], s.axis(i), strict=True)), one.zero())
-                )
-            )
+        words = f"the axis that joint {n} {does}"
+        own = (self.element(lambda x=x: x) for x in s.axis(i))
+        table = column(kinds.OF_BODY, own, words, (n,))
+        world = s.world[i][0]
+        for R, row, (told,) in zip(world, table, found.get(f"z{n}", ()), strict=False):
+            turned = self.element(lambda R=R: dot(R, s.axis(i)))
             note = f"It is read as {told.words} in the world's axes."
             row[0] = replace(row[0], in_world=turned, also=((note, told.compute),))
         return {f"{letter}{n}": table}
@@ -121,17 +114,11 @@ class QuantitiesOfBodies(QuantityGroup):
         }
 
     def _turn(self, a: int, b: int, words: str) -> QuantityTable:
-        s = self._setting
-        eye = [[int(i == j) for j in range(3)] for i in range(3)]
-        of = [s.world[i][0] if i >= 0 else eye for i in (a, b)]
+        of = [self._setting.world[i][0] if i >= 0 else identity(3) for i in (a, b)]
+        first, second = map(transposed, of)
 
         def entry(i: int, j: int) -> Callable[[], Trig]:
-            def value() -> Trig:
-                x = self.setting.equations.symbols
-                terms = (of[1][k][i] * of[0][k][j] for k in range(3))
-                return self.setting.element(x.element(sum(terms, x.zero())))
-
-            return value
+            return self.element(lambda: dot(second[i], first[j]))
 
         return [
             [
@@ -145,12 +132,7 @@ class QuantitiesOfBodies(QuantityGroup):
         ]  # fmt: skip
 
     def _constants(self, words: str, vector: Sequence[Any]) -> QuantityTable:
-        element = self.setting.equations.symbols.element
-        values = [self.element(lambda x=x: element(x)) for x in vector]
-        return [
-            [AskedQuantity(kinds.OF_BODY, (), value, axis=axis, words=words)]
-            for axis, value in zip("xyz", values, strict=False)
-        ]
+        return column(kinds.OF_BODY, (self.element(lambda x=x: x) for x in vector), words)
 
     def _table_of(self, record: BodyQuantity, n: int, dim: int) -> QuantityTable:
         """The entries of one quantity of body n."""
@@ -178,14 +160,6 @@ class QuantitiesOfBodies(QuantityGroup):
             return [[entry(i, j) for j in range(3)] for i in range(3)]
         axes = record.axes(dim)
         return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
-
-    def entries_of(self, vectors: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
-        """Components: vc1x, and what is one number."""
-        for name, table in vectors.items():
-            for row in table:
-                for entry in row:
-                    if entry.axis or len(table) == 1:
-                        yield (name + entry.axis,), entry
 
     def _rates_of_components(self) -> Iterator[NamedTarget]:
         """v_c2x with dots behind the axis, vc2x_d."""
@@ -223,33 +197,19 @@ class QuantitiesOfBodies(QuantityGroup):
                     names = (spellings(entry.axis, f"{place}{n}", dots) for place in "cGC")
                     yield tuple(itertools.chain.from_iterable(names)), entry
 
+    def _world(self, n: int) -> Matrix:
+        """The orientation of body n."""
+        return self._setting.world[self._setting.order[n - 1]][0]
+
     def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
         """A component in the world's axes of what is given in the body's."""
-
-        def value() -> Trig:
-            R = self._setting.world[self._setting.order[n - 1]][0]
-            s = self.setting.equations.symbols
-            terms = (x * y for x, y in zip(R[row], self._bodies[n - 1][name], strict=True))
-            return self.setting.element(s.element(sum(terms, s.zero())))
-
-        return value
+        return self.element(lambda: dot(self._world(n)[row], self._bodies[n - 1][name]))
 
     def _inertia_in_world(self, n: int, i: int, j: int) -> Callable[[], Trig]:
         """An entry of R I Rᵀ."""
-
-        def value() -> Trig:
-            s, at = self.setting.equations.symbols, range(3)
-            R, I = self._setting.world[self._setting.order[n - 1]][0], self._bodies[n - 1][f"I{n}"]
-            terms = (R[i][a] * I[a][b] * R[j][b] for a in at for b in at)
-            return self.setting.element(s.element(sum(terms, s.zero())))
-
-        return value
+        R, of_body = self._world(n), self._bodies[n - 1]
+        return self.element(lambda: dot(R[i], times(of_body[f"I{n}"], R[j])))
 
     def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
-        def value() -> Trig:
-            found = self._bodies[n - 1][name]
-            for k in at:
-                found = found[k]
-            return self.setting.element(self.setting.equations.symbols.element(found))
-
-        return value
+        """An entry of what `fb.quantities` tells of body n."""
+        return self.element(lambda: reduce(getitem, at, self._bodies[n - 1][name]))

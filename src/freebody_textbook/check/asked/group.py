@@ -1,18 +1,72 @@
-"""What all groups of quantities have: the setting, the letters, values in the ring of answers."""
+"""The base of all groups of quantities: the setting, the letters, values in the ring of answers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, ClassVar
 
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
-from freebody.expressions.quantities.kinds import SUMS
+from freebody.expressions.polynomials.arithmetic import PolynomialRows
+from freebody.expressions.quantities import kinds
+from freebody.expressions.quantities.kinds import SUMS, Kind
+from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
+from freebody_textbook.check.algebra.quotients import Value, over
+from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.closed_chains.linear import solved
+from freebody_textbook.methods.setting import Setting
 
 NamedTarget = tuple[tuple[str, ...], AskedQuantity]
 """A quantity with its names, in plain spelling."""
+
+
+def entries(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
+    """The entries of matrices, each by the matrix's name and its indices: M12."""
+    for name, table in tables.items():
+        for row in table:
+            yield from (((name + "".join(map(str, x.index)),), x) for x in row)
+
+
+def components(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
+    """The components of vectors, each by the vector's name and its axis, vc1x; and what is one
+    number."""
+    for name, table in tables.items():
+        for row in table:
+            yield from (((name + x.axis,), x) for x in row if x.axis or len(table) == 1)
+
+
+def column(
+    kind: Kind,
+    values: Iterable[Callable[[], Value]],
+    words: str,
+    index: tuple[int, ...] = (),
+    axes: Sequence[str] = "xyz",
+    is_angular: bool = False,
+) -> QuantityTable:
+    """A vector of quantities, told in words."""
+    return [
+        [AskedQuantity(kind, index, value, axis=axis, words=words, is_angular=is_angular)]
+        for axis, value in zip(axes, values, strict=False)
+    ]
+
+
+def matrix(kind: Kind, rows: Iterable[Iterable[Callable[[], Value]]], words: str) -> QuantityTable:
+    """A matrix of quantities; `words` has places for row and column."""
+    return [
+        [
+            AskedQuantity(kind, (i, j), value, words=words.format(i, j))
+            for j, value in enumerate(row, 1)
+        ]
+        for i, row in enumerate(rows, 1)
+    ]
+
+
+def values(found: Iterable[Trig]) -> list[Callable[[], Value]]:
+    """Functions that give polynomials of the ring of answers."""
+    return [lambda x=x: x for x in found]
 
 
 class QuantityGroup:
@@ -51,7 +105,7 @@ class QuantityGroup:
 
     @property
     def count(self) -> int:
-        """Number of coordinates."""
+        """The number of coordinates."""
         return len(self.setting.symbols.coordinates)
 
     @property
@@ -65,14 +119,27 @@ class QuantityGroup:
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
     def joint(self, i: int) -> str:
-        """That of coordinate i, in words: those that follow others have none of their own."""
+        """The joint of coordinate i, in words; those that follow others have no coordinate."""
         bodies = enumerate(self.setting.equations.symbols.model.bodies, 1)
         own = [n for n, body in bodies if body.joint.mimic is None]
         return f"joint {own[i - 1]}"
 
-    def element(self, value: Callable[[], Trig]) -> Callable[[], Trig]:
-        """A value in the ring of answers."""
-        return lambda: self.setting.element(value())
+    @cached_property
+    def _setting(self) -> Setting:
+        """The mechanism as it is derived."""
+        return Setting(self.setting.equations.symbols)
+
+    def element(self, value: Callable[[], Any]) -> Callable[[], Trig]:
+        """A number or polynomial of the equations in the ring of answers."""
+        return lambda: self.setting.element(self.setting.equations.symbols.element(value()))
+
+    def quotient(self, sides: Callable[[], tuple[Trig, Trig]]) -> Callable[[], Value]:
+        """A quotient of two polynomials of the equations in the ring of answers."""
+        return lambda: over(*map(self.setting.element, sides()))
+
+    def coordinate(self, name: str, k: int) -> AskedQuantity:
+        """An entry of q, q̇ or q̈."""
+        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def entry(self, name: str, *index: int) -> Callable[[], Trig]:
         """An entry of what the equations have by that name."""
@@ -87,3 +154,38 @@ class QuantityGroup:
             return self.setting.element(found)
 
         return value
+
+
+MOST_ROWS = 3
+"""The most rows of a matrix that is inverted."""
+_TRANSPOSED = "This is the entry of the inverse's transpose."
+_UNDIVIDED = "It is not divided by the determinant."
+
+
+def inverse(
+    setting: RightEquations, rows: Sequence[Sequence[Callable[[], Trig]]], words: str
+) -> QuantityTable:
+    """The entries of the inverse of a matrix, told in words."""
+    n = range(len(rows))
+
+    @cache
+    def made() -> tuple[PolynomialRows, Trig]:
+        unit = [[setting.zero + int(i == j) for j in n] for i in n]
+        matrix = [[entry() for entry in row] for row in rows]
+        found, determinant = solved(matrix, unit, setting.symbols)
+        if determinant.is_zero:
+            raise AnswerError(f"{words} has no inverse: its determinant is 0 in all positions")
+        return found, determinant
+
+    def entry(i: int, j: int) -> AskedQuantity:
+        def value() -> Value:
+            return over(made()[0][i][j], made()[1])
+
+        thoughts: list[Mistaken] = [(_UNDIVIDED, lambda: made()[0][i][j])]
+        if i != j:
+            thoughts.insert(0, (_TRANSPOSED, lambda: over(made()[0][j][i], made()[1])))
+        return AskedQuantity(
+            kinds.INVERSE_ENTRY, (i + 1, j + 1), value, joint=words, thoughts=tuple(thoughts)
+        )
+
+    return [[entry(i, j) for j in n] for i in n]

@@ -15,13 +15,18 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
-from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.group import (
+    MOST_ROWS,
+    NamedTarget,
+    QuantityGroup,
+    entries,
+    inverse,
+)
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _VECTORS = (kinds.GRAVITY, kinds.BIAS, kinds.VELOCITY)
-"""Of the terms of the equations of motion: where two have a letter the last has it."""
+"""Kinds of the terms of the equations of motion: where two have a letter the last has it."""
 _MATRICES = (kinds.CORIOLIS, kinds.MASS)
 _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
 
@@ -65,10 +70,7 @@ class JointQuantities(QuantityGroup):
         if 1 < self.count <= MOST_ROWS:
             names = ("detM", "detH", "detD", "detB")
             yield names, AskedQuantity(kinds.MASS_DETERMINANT, (), self._determinant)
-        for row in self._inverse:
-            for x in row:
-                i, j = x.index
-                yield tuple(f"{name}{i}{j}" for name in self._inverse_names), x
+        yield from entries(dict.fromkeys(self._inverse_names, self._inverse))
 
     @cached_property
     def _inverse(self) -> QuantityTable:
@@ -79,7 +81,7 @@ class JointQuantities(QuantityGroup):
         return inverse(self.setting, rows, "the mass matrix")
 
     def _determinant(self) -> Trig:
-        """det M."""
+        """The determinant of the mass matrix."""
         rows = [[self.entry("M", i, j)() for j in self.numbers] for i in self.numbers]
         return determinant(rows, self.setting.symbols)
 
@@ -115,7 +117,7 @@ class JointQuantities(QuantityGroup):
         found: dict[str, QuantityTable] = {}
         coordinates = self.setting.symbols.coordinates
         for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
-            column = [[self._coordinate(x + ending, k)] for k, x in enumerate(coordinates, 1)]
+            column = [[self.coordinate(x + ending, k)] for k, x in enumerate(coordinates, 1)]
             for letter in ("q", "theta", "Theta"):
                 found |= dict.fromkeys(spellings(letter, "", dots), column)
         return found
@@ -159,10 +161,6 @@ class JointQuantities(QuantityGroup):
             return slopes * half
 
         return value
-
-    def _coordinate(self, name: str, k: int) -> AskedQuantity:
-        """An entry of q, q̇ or q̈."""
-        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
 
 class VelocityCoefficients(QuantityGroup):

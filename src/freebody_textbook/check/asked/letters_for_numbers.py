@@ -16,7 +16,7 @@ from freebody.model.placement import AxisRotation, Placement, Shift
 from freebody_textbook.methods.free_body_steps import thrusts_of
 
 LETTERS = ("Ix", "Ixy", "Ixz", "Iy", "Iyz", "Iz")
-"""Of the entries of an inertia tensor, as it is stored."""
+"""Names of the entries of an inertia tensor, as it is stored."""
 MASS, ARM, GRAVITY = "m", "l", "g"
 
 
@@ -76,7 +76,7 @@ def _with_one_arm(model: Model, taken: Collection[str]) -> tuple[Frame, ...]:
 
 
 def _shift_of(frame: Frame) -> tuple[float, ...] | None:
-    """Where a frame is, along x or along y of its body; None of one elsewhere or turned."""
+    """The place of a frame along x or along y of its body; None of one elsewhere or turned."""
     steps = frame.placement.steps
     if len(steps) != 1 or not isinstance(steps[0], Shift):
         return None

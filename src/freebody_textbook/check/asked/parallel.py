@@ -15,9 +15,14 @@ from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.quantities import kinds
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.quotients import Value, negative, over
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
-from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.algebra.quotients import negative
+from freebody_textbook.check.asked.group import (
+    MOST_ROWS,
+    NamedTarget,
+    QuantityGroup,
+    entries,
+    inverse,
+)
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 from freebody_textbook.closed_chains.input_output import ROWS, ClosedInputOutput
 
@@ -93,7 +98,7 @@ class ParallelQuantities(QuantityGroup):
         self, rows: PolynomialRows, name: str, mistaken: tuple[str, PolynomialRows]
     ) -> QuantityTable:
         def value(rows: PolynomialRows, i: int, k: int) -> Callable[[], Trig]:
-            return lambda: self.setting.element(rows[i][k])
+            return self.element(lambda: rows[i][k])
 
         thought, other = mistaken
         is_b = name == self._names[1]
@@ -115,22 +120,16 @@ class ParallelQuantities(QuantityGroup):
 
     def _of_tip(self, i: int, k: int) -> AskedQuantity:
         """An entry of J."""
-
-        def value() -> Value:
-            assert self._found is not None
-            x = self._found.J[i][k]
-            return over(self.setting.element(x.above), self.setting.element(x.below))
-
+        assert self._found is not None
+        x = self._found.J[i][k]
+        value = self.quotient(lambda: (x.above, x.below))
         words = f"entry {i + 1}, {k + 1} of J, ẋ = J θ̇"
         law = "It has the wrong sign: J_a ẋ + J_b θ̇ = 0 gives J = −J_a⁻¹ J_b."
         thoughts = ((law, lambda: negative(value())),)
         return AskedQuantity(kinds.SOLVED, (i + 1, k + 1), value, words=words, thoughts=thoughts)
 
     def single(self) -> Iterator[NamedTarget]:
-        for name, table in self._tables.items():
-            for row in table:
-                for x in row:
-                    yield (f"{name}{x.index[0]}{x.index[1]}",), x
+        yield from entries(self._tables)
         if self._found is not None:
             a, b = self._names
             for name, found in ((a, self._found.second), (b, self._found.first)):
@@ -147,16 +146,12 @@ class ParallelQuantities(QuantityGroup):
             if len(rows) <= MOST_ROWS:
                 found[name + INVERSE] = inverse(self.setting, rows, _shown(name))
         tip = [[self._rate_of_tip(k, row)] for k, row in enumerate(self._found.rows, 1)]
-        driven = [[self._rate(k, x + RATE)] for k, x in enumerate(self._found.driven, 1)]
+        driven = [[self.coordinate(x + RATE, k)] for k, x in enumerate(self._found.driven, 1)]
         of_all = not {"Φ", "\\Phi"}.isdisjoint(self.formulas.places)  # q̇ of Φ_q q̇
         letters = {"x": tip, "X": tip, "p": tip, "t": tip, "theta": driven, "Theta": driven}
         for letter, column in (letters if of_all else {**letters, "q": driven}).items():
             found |= dict.fromkeys(spellings(letter, "", 1), column)
         return {**found, "v": tip}
-
-    def _rate(self, k: int, name: str) -> AskedQuantity:
-        """A rate of the drives."""
-        return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def _rate_of_tip(self, k: int, row: str) -> AskedQuantity:
         """A rate of the tip."""
@@ -168,5 +163,5 @@ class ParallelQuantities(QuantityGroup):
 
 
 def _shown(name: str) -> str:
-    """J_a."""
+    """The name of a matrix as it is printed, J_a."""
     return f"J_{name[1:]}" if len(name) > 1 else name

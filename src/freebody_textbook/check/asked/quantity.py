@@ -14,8 +14,8 @@ Mistaken = tuple[str, Callable[[], Value]]
 """A sentence about what may have been thought, and the value under it."""
 
 ActingLoads = Literal["", "load", "weight", "motion"]
-"""What acts besides drives and loops: a force from outside alone, with the weights, or with these
-and the motion; "" of lines without such a force."""
+"""The loads that act besides drives and loops: a force from outside alone, with the weights, or
+with these and the motion; "" of lines without such a force."""
 
 
 @dataclass(frozen=True)
@@ -30,22 +30,21 @@ class AskedQuantity:
     joint: str = ""
     """The joint that it belongs to, in words."""
     axis: str = ""
-    """Of a body's vector: x, y or z."""
+    """The axis of a component of a vector: x, y or z."""
     in_world: Callable[[], Trig] | None = None
-    """The same component in the world's axes, of a vector that has those of its own body."""
+    """The component in the world's axes, of a vector that has those of its own body."""
     words: str = ""
-    """What it is, where its kind alone does not tell."""
+    """The quantity in words, where its kind alone does not tell."""
     is_angular: bool = False
     """Whether radians are named in its unit."""
     thoughts: tuple[Mistaken, ...] = ()
-    """What it is often mistaken for: a sentence that says so, and its value."""
+    """Values for which it is often mistaken, each with a sentence that says so."""
     note: str = ""
-    """What is said of an answer that is right."""
+    """A note on an answer that is right."""
     soft: bool = False
     """Whether its name is often one of the user's own: what has other units is not this."""
     acting: ActingLoads = ""
-    """Of a closed chain under a force from outside what else a line has: nothing, weights, or the
-    motion too."""
+    """The loads that a line about a closed chain has besides a force from outside."""
     also: tuple[Mistaken, ...] = ()
     """Other values that are right, each with what is said of it."""
 
@@ -57,12 +56,12 @@ class AskedQuantity:
 
     @property
     def title(self) -> str:
-        """What it is, in words."""
+        """The quantity in words."""
         return self.words or self.kind.titled(self.index, self.joint)
 
 
 INVERSE = "inv"
-"""What the name of a matrix ends with where its inverse is meant."""
+"""The ending of a matrix's name where its inverse is meant."""
 
 QuantityTable = list[list[AskedQuantity]]
 """A vector (one column) or a matrix of quantities."""

@@ -1,5 +1,5 @@
-"""What an answer is compared with: the model's equations in a ring wide enough for what users write
-by mistake."""
+"""The equations with which an answer is compared: the model's, in a ring wide enough for what users
+write by mistake."""
 
 from __future__ import annotations
 
@@ -22,6 +22,7 @@ from freebody.expressions.polynomials.symbols import (
     symbols,
 )
 from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.quantities.kinds import LOOP
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.number_names import catalogue
@@ -56,11 +57,12 @@ class RightEquations:
     zeros: frozenset[str] = frozenset()
     """Parameters of the model whose value is 0: an answer may name them."""
     turned: Weights | None = None
-    """Of absolute angles: B of θ = B φ, where θ are the model's coordinates and φ the answer's, in
-    which all turns are measured from one direction. Torques and forces are then those of φ."""
+    """The matrix B of θ = B φ for absolute angles, where θ are the model's coordinates and φ the
+    answer's, in which all turns are measured from one direction. Torques and forces are then those
+    of φ."""
     quarters: tuple[int, ...] = ()
-    """Of angles that are not measured from the x axis: by how many right angles each coordinate of
-    the answer is 0 elsewhere."""
+    """The right angles by which each coordinate of the answer is 0 elsewhere, where angles are not
+    measured from the x axis."""
     formulas: Mapping[str, str | float] = field(default_factory=lambda: MappingProxyType({}))
     """Parameters that are given by formulas."""
     opposed: frozenset[str] = frozenset()
@@ -68,7 +70,7 @@ class RightEquations:
 
     @cached_property
     def layout(self) -> Layout:
-        """How polynomials are printed."""
+        """The form in which polynomials are printed."""
         return Layout(self.symbols)
 
     @property
@@ -83,7 +85,7 @@ class RightEquations:
 
     @cached_property
     def system(self) -> FirstKind | None:
-        """Of a closed chain its equations with multipliers; torques are those of them."""
+        """The equations with multipliers of a closed chain; torques are those of them."""
         symbols = self.equations.symbols
         loops = LoopEquations(symbols) if symbols.model.loops else None
         return loops and FirstKind(loops, self.equations)
@@ -117,8 +119,8 @@ class RightEquations:
         return undotted(name) in self.ring.angles
 
     def held(self, acting: ActingLoads) -> list[Trig]:
-        """What drives and loops of a closed chain need, coordinate by coordinate, for a force that
-        its tip or its slide exerts, and for the weights and the motion where these are told."""
+        """The generalized forces that drives and loops of a closed chain need for a force that its
+        tip or its slide exerts, and for the weights and the motion where these are told."""
         return [self._told(x, acting) + y for x, y in zip(self._all, self._by_load, strict=True)]
 
     @cached_property
@@ -163,7 +165,7 @@ class RightEquations:
 
     @property
     def zero(self) -> Trig:
-        """0."""
+        """The polynomial 0."""
         return self.symbols.zero()
 
     def element(self, x: Trig) -> Trig:
@@ -179,13 +181,13 @@ class RightEquations:
         return found
 
     def image(self, name: str) -> Trig:
-        """What a symbol of the equations is in those of the answer."""
+        """The polynomial in the answer's symbols that a symbol of the equations is."""
         kept = self._images.get(name)
         return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
 
     @cached_property
     def _images(self) -> dict[str, Trig]:
-        """What the model's coordinates and rates are in those of the answer."""
+        """The model's coordinates and rates by those of the answer."""
         images = dict(self.given)
         images |= {x: -self.ring[x] for x in self.opposed if x in self.ring.index}
         names = self.symbols.coordinates
@@ -236,8 +238,8 @@ class RightEquations:
         return {name: row.unit for name, row in catalogue(self.symbols.model).rows.items()}
 
     def parameter(self, name: str) -> Trig | None:
-        """What a parameter's name stands for: its symbol, or 0 where that is its value; None of no
-        parameter."""
+        """The polynomial that a parameter's name stands for: its symbol, or 0 where that is its
+        value; None of no parameter."""
         if name in self.zeros:
             return self.zero
         return self.ring[name] if name in self.ring.index else None
@@ -245,6 +247,11 @@ class RightEquations:
     def form(self, x: Value) -> str:
         """A polynomial, or a quotient of two, as one prints it."""
         return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
+
+
+def loop_equation(i: int) -> str:
+    """The name of a loop's equation, counted from 1."""
+    return f"{LOOP.name}{i}"
 
 
 def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:

@@ -12,13 +12,21 @@ from freebody.expressions.grammar.words import DETERMINANT
 from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.quantities import kinds
+from freebody.expressions.quantities.kinds import Kind
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody.spatial import sub, times, transposed
 from freebody_textbook.check.algebra.quotients import Value, plus
 from freebody_textbook.check.algebra.quotients import times as multiplied
-from freebody_textbook.check.asked.group import NamedTarget, QuantityGroup
-from freebody_textbook.check.asked.inverses import MOST_ROWS, inverse
+from freebody_textbook.check.asked.group import (
+    MOST_ROWS,
+    NamedTarget,
+    QuantityGroup,
+    column,
+    entries,
+    inverse,
+    matrix,
+)
 from freebody_textbook.check.asked.loads import vectors
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity, QuantityTable
 
@@ -65,8 +73,8 @@ class TipQuantities(QuantityGroup):
         @cache
         def rows() -> list[tuple[Trig, ...]]:
             columns = []
-            for column in zip(*tip.J, strict=True):
-                v, w = column[:3], column[3:]
+            for whole in zip(*tip.J, strict=True):
+                v, w = whole[:3], whole[3:]
                 if axes == "b":
                     E = transposed(tuple(map(tuple, tip.rotation)))
                     columns.append((*times(E, w), *times(E, v)))
@@ -75,18 +83,7 @@ class TipQuantities(QuantityGroup):
             return list(zip(*columns, strict=True))
 
         words = {"s": "the space Jacobian", "b": "the body Jacobian"}[axes]
-        return [
-            [
-                AskedQuantity(
-                    kinds.TWIST_JACOBIAN,
-                    (i + 1, j),
-                    self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j - 1]),
-                    words=f"entry {i + 1}, {j} of {words}",
-                )
-                for j in self.numbers
-            ]
-            for i in range(6)
-        ]
+        return self._of_columns(kinds.TWIST_JACOBIAN, 6, rows, words)
 
     @cached_property
     def _inverse(self) -> QuantityTable:
@@ -136,28 +133,33 @@ class TipQuantities(QuantityGroup):
         found: dict[str, QuantityTable] = {}
         for dots, (kind, vector) in enumerate(_MOTION):
             words = f"the {vector} of the tip"
-            column = []
-            for k in range(dim):
-                value = self.element(lambda k=k, x=vector: getattr(tip, x)[k])
-                column.append([AskedQuantity(kind, (), value, axis="xyz"[k], words=words)])
+            own = [self.element(lambda k=k, x=vector: getattr(tip, x)[k]) for k in range(dim)]
+            table = column(kind, own, words)
             of_vector = [
                 x for x in ("x", "X") if dots and x not in self.setting.symbols.coordinates
             ]
             for letter in ("r", "rP", *of_vector):
-                found |= dict.fromkeys(spellings(letter, "", dots), column)
-            own = f"{'rva'[dots]}"
-            found |= {f"{own}{place}": column for place in ("P", "E", "tip")}
+                found |= dict.fromkeys(spellings(letter, "", dots), table)
+            found |= {f"{'rva'[dots]}{place}": table for place in ("P", "E", "tip")}
             if dots == 2:
-                found |= dict.fromkeys(spellings("vP", "", 1), column)
-        rows = []
-        for i in range(dim):
-            row = []
-            for j in range(self.count):
-                value = self.element(lambda i=i, j=j: self.setting.forces(tip.J_dot[i])[j])
-                words = f"entry {i + 1}, {j + 1} of the rate of the tip's Jacobian"
-                row.append(AskedQuantity(kinds.JACOBIAN_RATE, (i + 1, j + 1), value, words=words))
-            rows.append(row)
-        return found | dict.fromkeys(spellings("J", "", 1), rows)
+                found |= dict.fromkeys(spellings("vP", "", 1), table)
+        rates = self._of_columns(
+            kinds.JACOBIAN_RATE, dim, lambda: tip.J_dot, "the rate of the tip's Jacobian"
+        )
+        return found | dict.fromkeys(spellings("J", "", 1), rates)
+
+    def _of_columns(
+        self, kind: Kind, count: int, rows: Callable[[], Sequence[Sequence[Trig]]], words: str
+    ) -> QuantityTable:
+        """A matrix with a column for each coordinate of the answer."""
+        own = [
+            [
+                self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j])
+                for j in range(self.count)
+            ]
+            for i in range(count)
+        ]
+        return matrix(kind, own, f"entry {{}}, {{}} of {words}")
 
     @property
     def _rows(self) -> range:
@@ -168,9 +170,7 @@ class TipQuantities(QuantityGroup):
         for i in self._rows:
             for j in self.numbers:
                 yield (f"J{i}{j}",), AskedQuantity(kinds.JACOBIAN, (i, j), self._entry(i, j))
-        for row in self._inverse:
-            for x in row:
-                yield (f"J{INVERSE}{x.index[0]}{x.index[1]}",), x
+        yield from entries({f"J{INVERSE}": self._inverse})
         for k in range(self.setting.symbols.model.dim):
             own = self.setting.symbols.coordinates
             taken = {*own, *(f"{p}{x}" for p in "pP" for x in own)}  # x of a cart, and its momentum

@@ -14,13 +14,12 @@ from freebody.expressions.grammar.source import Source, Span
 from freebody.expressions.notations.notation import BookNotation
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.asked.names_without_meaning import advice
+from freebody_textbook.check.asked.loads import instead_of
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.claims.claim_reader import ClaimReader
 from freebody_textbook.check.documents.answer_document import AnswerDocument
-from freebody_textbook.check.numbers.results import WrittenNumbers
-from freebody_textbook.check.numbers.states import StateReader
+from freebody_textbook.check.numbers.states import StateReader, WrittenNumbers
 from freebody_textbook.check.numbers.written_numbers import taken_from
 from freebody_textbook.check.reading.answer_lines import AnswerLine, DocumentReader
 from freebody_textbook.check.reading.claim import Claim, refuse_circles
@@ -206,7 +205,7 @@ def _refuse_nothing(
             "tau1 = …"
         )
     names_given = dict.fromkeys(source[line[0][0].span] for line in own)
-    instead = (advice(setting.symbols.model, line[0][0].text) for line in own)
+    instead = (instead_of(setting.symbols.model, line[0][0].text) for line in own)
     taken = "are taken for names" if len(names_given) > 1 else "is taken for a name"
     raise AnswerError(
         f"{listed(names_given, 8)} {taken} of your own, not one of the robot's quantities; "

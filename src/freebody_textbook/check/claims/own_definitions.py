@@ -13,12 +13,12 @@ from freebody.expressions.grammar.lexer import Token
 from freebody.expressions.nodes import Expression, Function, Matrix, Number, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.quantities import kinds
+from freebody.expressions.quantities.kinds import SHARED_LETTERS
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
-from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
 from freebody_textbook.check.numbers.units import is_of_another_kind
@@ -282,7 +282,7 @@ class OwnDefinitions(SolvedQuantities):
         target = self.targets.single.get(name)
         asked = self.asked(name)
         is_matrix = target is None and asked is not None and asked.kind.is_matrix
-        soft = letter in AMBIGUOUS or name in self.targets.soft or is_matrix
+        soft = letter in SHARED_LETTERS or name in self.targets.soft or is_matrix
         soft = soft or self.setting.is_free_body or (target is not None and target.soft)
         may_be_ratio = asked is not None and letter in asked.kind.letters_of_ratios
         if not (soft or may_be_ratio) or self.is_matrix(line[1]):
@@ -290,7 +290,7 @@ class OwnDefinitions(SolvedQuantities):
         if target is not None and target.kind.is_given:
             return False
         if target is None:
-            return name in AMBIGUOUS or (
+            return name in SHARED_LETTERS or (
                 self._is_used(line)
                 and (is_matrix or self._is_still(self._given(line[1])))
                 and not self._is_zero_vector(line)

@@ -12,12 +12,13 @@ from freebody.expressions.nodes import Matrix, Span
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import BookNotation
 from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.quantities.kinds import SHARED_LETTERS
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
-from freebody_textbook.check.asked.asked_quantities import AMBIGUOUS, Targets
+from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import entry_label
 from freebody_textbook.check.link_symbols import LINK_SYMBOLS
@@ -106,7 +107,7 @@ def _rename(
             raise AnswerError(f"names: {name!r} is to be a letter for {target}, without numbers")
         vocabulary.also_wave(plain, target)
         return True
-    if target in targets.names and target not in {*here.symbols, *here.waves, *AMBIGUOUS}:
+    if target in targets.names and target not in {*here.symbols, *here.waves, *SHARED_LETTERS}:
         _rename_quantity(vocabulary, targets, plain, target)
         return True
     _define(vocabulary, targets, plain, AnswerText.of(meaning), here)
@@ -125,7 +126,7 @@ def _define(
     def table(name: str, span: Span) -> Matrix | None:
         if name in here.matrices:
             return replace(here.matrices[name], span=span)
-        asked = () if name in AMBIGUOUS else targets.tables.get(name, ())
+        asked = () if name in SHARED_LETTERS else targets.tables.get(name, ())
         rows = [
             tuple(Named(entry_label(name, x), x.compute(), span=span) for x in row) for row in asked
         ]

@@ -27,7 +27,7 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
-from freebody_textbook.check.reasons import undriven_joints
+from freebody_textbook.check.reasons import right_up_to
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
 from freebody_textbook.closed_chains.first_kind import is_multiplier
@@ -65,7 +65,7 @@ class UnnamedEquations(FormulaReader):
         between = self._is_between(line, told, torques)
         if not torques and (found := self._by_loops(line, between, bool(asked))):
             return found
-        if not torques and not between and self.targets.passive:
+        if not torques and not between and self.targets.undriven:
             return self._of_bodies(line) or [self._unpowered(line, before)]
         if len(torques) != 1 and (self.of_bodies or between):
             return self._of_passive(line, before) or self._identities(line)
@@ -135,9 +135,9 @@ class UnnamedEquations(FormulaReader):
         """The claim of a line between quantities, if that is the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
-        value, single = self._difference(line)[1], self.targets.single
-        own = [single[f"tau{i}"].polynomial() for i in self.targets.passive]
-        same = (undriven_joints.is_same(self.setting, pair(value)[0], x) for x in own)
+        value = self._difference(line)[1]
+        own = [x.polynomial() for x in self.targets.undriven]
+        same = (right_up_to.is_undriven_equation(self.setting, pair(value)[0], x) for x in own)
         return [self._unpowered(line, before)] if any(same) else []
 
     def _others(self, line: AnswerLine, name: str) -> Expression | None:
@@ -228,7 +228,7 @@ class UnnamedEquations(FormulaReader):
         for _ in range(dots):
             rates = self.setting.symbols.rates
             loops = {x: Phi.along(rates) for x, Phi in loops.items()}
-        near = {x: undriven_joints.alike(self.setting, above, Phi) for x, Phi in loops.items()}
+        near = {x: right_up_to.alike(self.setting, above, Phi) for x, Phi in loops.items()}
         loop, right = min(near.items(), key=lambda row: len(difference(above, row[1])))
         of_loop = ("", "the rate of ", "the second derivative of ")[dots] + loop.words
         target = AskedQuantity(
@@ -342,7 +342,7 @@ class UnnamedEquations(FormulaReader):
             for claim in before
             if claim.target.kind.is_equation or claim.target.idle
         ]
-        joint, right = undriven_joints.equation(self.targets, above, taken)
+        joint, right = right_up_to.undriven_equation(self.targets, above, taken)
         target = AskedQuantity(kinds.UNDRIVEN, joint, lambda: times(right, inverted(below)))
         return self.claim(f"The equation of joint {joint[0]}", target, node)
 

@@ -1,10 +1,10 @@
 """States at which answers in numbers hold: θ₁ = 30°, θ̇₁ = 2 rad/s, m₁ = 1.5 kg, as they are written
-or given by at=."""
+or given by at=; and what a document says of its results: units, tolerances and states."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, TypeVar
 
@@ -250,7 +250,7 @@ class StateReader:
 def _listed(
     source: Source, at: int, read: Callable[[int], tuple[_GivenItem, int] | None]
 ) -> tuple[list[_GivenItem], int] | None:
-    """What stands between brackets, piece by piece, and the lexeme behind it."""
+    """The pieces between brackets, and the lexeme behind them."""
     lexemes = source.lexemes
     opened = _OPENING.at(lexemes, at)
     if opened is None:
@@ -264,7 +264,7 @@ def _listed(
 
 
 def _span(source: Source, start: int, stop: int) -> Span:
-    """Where some lexemes stand in the text."""
+    """The place of some lexemes in the text."""
     lexemes = source.lexemes
     return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
 
@@ -276,3 +276,85 @@ def _join(found: dict[str, GivenValue], values: GivenState) -> None:
                 f"{sym(name)} is given twice, {_with_unit(found[name])} and {_with_unit(given)}"
             )
         found[name] = given
+
+
+@dataclass(frozen=True)
+class WrittenNumber:
+    """A number of a document, or a vector, with the unit, tolerance and state that are said behind
+    it."""
+
+    span: Span
+    """The place of the number."""
+    begun: int
+    """The begin of its equation, of which the sides before have no unit and the same state."""
+    said: Span
+    """The place where unit and state are said."""
+    unit: WrittenUnit | None = None
+    within: str = ""
+    """A tolerance in the same unit, as it is written; "" where the digits tell it."""
+    state: GivenState = field(default_factory=dict[str, GivenValue])
+
+
+@dataclass(frozen=True)
+class StandingState:
+    """A state in front of what it holds for."""
+
+    start: int
+    """The place from which it holds."""
+    state: GivenState
+    is_condition: bool = False
+    """Whether it is said of what follows, in symbols too."""
+    end: int = 0
+    """The end of the paragraph, behind which it is no condition of equations in symbols; the end of
+    the document for a robot that is held still."""
+
+
+@dataclass(frozen=True)
+class WrittenNumbers:
+    """The numbers of a document and the states said of them, in order."""
+
+    numbers: Sequence[WrittenNumber] = ()
+    standing: Sequence[StandingState] = ()
+    """States in front of numbers and equations."""
+    at: GivenState = field(default_factory=dict[str, GivenValue])
+    """The state that is given besides."""
+
+    def refuse_two_states(self) -> None:
+        """Refuse a document that says another state than is given besides."""
+        said = [x.state for x in self.standing] + [x.state for x in self.numbers]
+        for name, given in self.at.items():
+            other = next(
+                (x[name] for x in said if name in x and x[name].value != given.value), None
+            )
+            if other is not None:
+                raise AnswerError(
+                    f"at: {in_words({name: given})}, but the answer says {in_words({name: other})}"
+                )
+
+    def of(self, span: Span) -> WrittenNumber | None:
+        """The unit, tolerance and state that are said of a number or expression."""
+        for x in self.numbers:
+            if x.span[0] <= span[0] and span[1] <= x.span[1]:
+                return x
+        return None
+
+    def state_at(self, span: Span, in_symbols: bool = False) -> GivenState:
+        """The state of a number or expression that stands there: what is given besides, what was
+        said last, of an expression in symbols in its own paragraph, and what stands behind it or
+        behind a later side of its equation."""
+        last = self._last_before(span)
+        holds = last is not None and not (in_symbols and last.end <= span[0])
+        found = {**self.at, **(last.state if last and holds else {})}
+        for x in self.numbers:
+            if x.begun <= span[0] and span[1] <= x.span[1]:
+                found |= x.state
+        return found
+
+    def is_condition_at(self, span: Span) -> bool:
+        """Whether the state that was said last is a condition of what followed."""
+        last = self._last_before(span)
+        return last is not None and last.is_condition
+
+    def _last_before(self, span: Span) -> StandingState | None:
+        """The state that was said last in front of a place."""
+        return next((x for x in reversed(self.standing) if x.start <= span[0]), None)

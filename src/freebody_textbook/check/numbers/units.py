@@ -60,7 +60,7 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
 
 
 def _unit_of_multiplier(loop: str) -> Unit:
-    """That of λ: times the loop's equation, in m, m² or rad, it is an energy."""
+    """The unit of λ, which times the loop's equation, in m, m² or rad, is an energy."""
     part = loop.rpartition(".")[2]
     length = 2 if part == "tension" else int(part.startswith("f"))
     return 1, 2 - length, -2

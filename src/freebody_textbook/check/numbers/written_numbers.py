@@ -14,13 +14,15 @@ from freebody.expressions.grammar.tables.characters import FILL
 from freebody.lazy import cached_property
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
-from freebody_textbook.check.numbers.results import StandingState, WrittenNumber, WrittenNumbers
 from freebody_textbook.check.numbers.states import (
     AT_REST,
     NO_STATE,
     GivenState,
     GivenValue,
+    StandingState,
     StateReader,
+    WrittenNumber,
+    WrittenNumbers,
 )
 from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
@@ -49,7 +51,7 @@ _WHERE = LexemePattern("@condition")
 _UNCONDITIONED = LexemePattern("@unconditioned")
 _COLON = LexemePattern("%line? :")
 _INTRODUCES = LexemePattern("< , | ; | . > < %apart | %last > | %last | then | we | one | it")
-"""Behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""
+"""Words behind a condition of what follows: For θ₂ = 0, with θ₂ = 0 we get."""
 _SENTENCE_END = LexemePattern("< } | %line >* < . | : | , | ; | ) > | }* %last")
 _BEHIND_CONDITION = LexemePattern("< . | , | ; | * | %strong | _ | } >{0,60}")
 _BLANK_LINE = LexemePattern("%line %line")
@@ -98,7 +100,7 @@ class _NumberSearch:
         self.source = AnswerText(self.text, document.written, document.parts)
         self.taken: list[Span] = []
         self.is_taken = bytearray(len(self.text))
-        """Of each character, whether it is in one of these."""
+        """Flags of the characters that are in one of these."""
         self.units: list[Span] = []
         self.standing: list[StandingState] = []
         self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
@@ -128,11 +130,11 @@ class _NumberSearch:
         return found
 
     def _start(self, k: int) -> int:
-        """Where a lexeme begins in the text."""
+        """The place where a lexeme begins in the text."""
         return self.lexemes[k].start if k < len(self.lexemes) else len(self.text)
 
     def _end(self, k: int) -> int:
-        """Where the lexeme before ends in the text."""
+        """The place where the lexeme before ends in the text."""
         return self.lexemes[k - 1].end if k else 0
 
     @property
@@ -184,7 +186,8 @@ class _NumberSearch:
         self._take(self._start(first), self._end(last))
 
     def _end_condition(self, k: int) -> None:
-        """In general: from there on only values of parameters hold that were told before."""
+        """End the conditions in front of words such as "in general": only values of parameters hold
+        on."""
         if self.standing:
             still = self.standing[-1].state.items()
             kept = {name: x for name, x in still if self._is_constant(name)}
@@ -269,7 +272,7 @@ class _NumberSearch:
 
     # ------------------------------------------------------------ numbers
     def _number(self, match: Match) -> WrittenNumber | None:
-        """What is said behind a number, if it is a result."""
+        """A number with what is said behind it, if it is a result."""
         number = match.captures["number"]
         start, end = self._start(number[0]), self._end(number[1])
         if self.is_taken[start] or not self.document.formulas[start].strip():

@@ -62,7 +62,7 @@ class WrittenUnit:
     factor: float
     dimension: Unit
     words: tuple[str, ...] = ()
-    """What it is made of, as it is written."""
+    """The words that the unit is made of, as they are written."""
 
 
 def common_units(dimension: Unit) -> list[WrittenUnit]:
@@ -96,7 +96,7 @@ class _UnitReader:
         self.shown: list[tuple[str, int]] = []
         self.words: list[str] = []
         self.last: int | None = None
-        """Behind the last factor with all brackets closed."""
+        """The lexeme behind the last factor with all brackets closed."""
 
     def read(self) -> tuple[WrittenUnit, int] | None:
         while self._step():

@@ -22,7 +22,7 @@ from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle
 from freebody_textbook.check.algebra.quotients import Value
-from freebody_textbook.check.asked import free_body_names, load_names, names_without_meaning
+from freebody_textbook.check.asked import free_body, loads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER, is_multiplier
@@ -214,7 +214,7 @@ class Vocabulary:
                 "What it stands for is told on a line before, or by --name YOURS=OURS.",
             )
         model = self.setting.symbols.model
-        if instead := names_without_meaning.advice(model, spelt.plain):
+        if instead := loads.instead_of(model, spelt.plain):
             source.fail(f"no symbol {word!r} in {model.name!r}", span, instead)
         names = self.listed
         near = likely(plain, names) or likely(spelt.plain, names)
@@ -264,7 +264,7 @@ class Vocabulary:
             and not atom(x).dots
         )
         if self.setting.is_free_body:
-            yield from free_body_names.symbols(self.setting)
+            yield from free_body.symbols(self.setting)
         for name in [*s.coordinates, *moving]:
             yield from self._coordinate(name)
         for name in ring.names:
@@ -277,7 +277,7 @@ class Vocabulary:
         if self.setting.is_planar:
             yield from self._absolute_rates()
         yield from self._sums()
-        yield from load_names.symbols(self.setting, self.quantities)
+        yield from loads.symbols(self.setting, self.quantities)
         gravity = self.setting.order.gravity
         if gravity:
             yield "g", ring[gravity]
@@ -364,7 +364,7 @@ class Vocabulary:
 
     def _all_waves(self) -> Iterator[tuple[str, tuple[str, Angle]]]:
         if self.setting.is_free_body:
-            yield from free_body_names.waves(self.setting)
+            yield from free_body.waves(self.setting)
         for numbers, names in self._subsets():
             for letter, function in (("c", "cos"), ("s", "sin")):
                 angle = tuple((x, 1) for x in sorted(names, key=self.setting.ring.angles.index))

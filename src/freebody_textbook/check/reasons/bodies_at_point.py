@@ -19,17 +19,18 @@ from freebody_textbook.methods.setting import Setting
 
 @dataclass(frozen=True)
 class Belief:
-    """How the equations of a body are taken; as it stands, rightly. F is m (v̇_c - g), f the force
-    of the body on the next one, s and s_c lead from its joint to the next one and to its centre."""
+    """Factors and terms that the equations of a body are taken to have; the defaults are right. F
+    is m (v̇_c - g), f the force of the body on the next one, s and s_c lead from its joint to the
+    next one and to its centre."""
 
     force: int = 1
     """The factor of f in Newton's equation."""
     couple: int = 1
     """The factor of the next body's moment in Euler's."""
     arms: tuple[int, ...] = (1, 0, 0, 1)
-    """How often s_c × F, s × F, s_c × f and s × f are in Euler's equation."""
+    """The factors of s_c × F, s × F, s_c × f and s × f in Euler's equation."""
     product: Callable[[Vector, Vector], Vector] | None = None
-    """What a cross product in the plane is taken for."""
+    """The function that a cross product in the plane is taken for."""
     joint_is_fixed: bool = False
     """Whether the joint is taken for one that does not accelerate."""
     loops_act: bool = True
@@ -45,7 +46,7 @@ class Belief:
 
 RIGHT = Belief()
 _RIGHTLY = (False, False, 1, 1)
-"""What it takes of motions."""
+"""The right answers to the questions of a belief that concern motions."""
 BodyKey = tuple[str, int]
 """A letter and a body."""
 
@@ -56,18 +57,18 @@ class BodyThere:
 
     parent: int
     place: int
-    """That of its coordinate."""
+    """The number of the body's coordinate."""
     turns: bool
     R: Matrix
     way: Vector
-    """From the joint before to this one."""
+    """The vector from the joint before to this one."""
     turn: Vector
     slide: Vector
     m: Any
     centre: Vector
     inertia: Any
     reach: Vector
-    """From its joint to the next one, or to the tip."""
+    """The vector from the body's joint to the next one, or to the tip."""
     loops: tuple[Vector, Vector]
     """Force and moment of the loops on it."""
 
@@ -85,7 +86,8 @@ class State:
 
 @dataclass(frozen=True)
 class InertialMotion:
-    """Of one body: ω and ω̇ in I ω and in ω × r, and what moves its joint and its centre."""
+    """The motion of one body: ω and ω̇ in I ω and in ω × r, and velocities and accelerations of its
+    joint and its centre."""
 
     spin: tuple[Vector, Vector]
     arm: tuple[Vector, Vector]
@@ -131,7 +133,7 @@ class BodiesAtPoint:
 
     @cached_property
     def bodies(self) -> list[BodyThere]:
-        """All, parents first."""
+        """The bodies, parents first."""
         s, found, world = self.s, list[BodyThere](), list[Any]()
         system = self.setting.system
         acting = (
@@ -204,7 +206,7 @@ class BodiesAtPoint:
         return add(self._crossed(w[1], r), self._crossed(w[0], self._crossed(w[0], r)))
 
     def motions(self, state: State, of: Collection[int], belief: Belief) -> list[InertialMotion]:
-        """How the bodies move; the belief is about some of them."""
+        """The motions of all bodies; the belief is about some of them."""
         still = self._zero(True), self._zero(True)
         found, true, alone = list[InertialMotion](), {-1: still}, {-1: still}
         ground = InertialMotion(still, still, *[self._zero()] * 4)
@@ -247,7 +249,7 @@ class BodiesAtPoint:
         return {}
 
     def inertial(self, state: State, of: Collection[int], belief: Belief) -> list[Inertial]:
-        """Of each body its motion, m (v̇_c - g), and what `_spun` tells."""
+        """The motion of each body, m (v̇_c - g), and the two values of `_spun`."""
         own = (belief.spins_alone, belief.turns_alone, belief.coriolis, belief.gyroscopic)
         key = (state, *((own, tuple(of)) if own != _RIGHTLY else ()))
         if key not in self._known:

@@ -1,9 +1,10 @@
-"""What becomes of the right answer: other factors of its terms, other values and angles in it, or
-other equations of the bodies."""
+"""Changes of the right answer under a thought: other factors of its terms, other values and angles
+in it, or other equations of the bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from typing import Any
@@ -17,20 +18,22 @@ from freebody.model.gravity import axis_of
 from freebody.scalars.generators import SIGN, function_of
 from freebody_textbook.check.algebra.finite_field import SineAndCosine
 from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons.bodies_at_point import Belief
+from freebody_textbook.check.reasons.free_bodies import FreeBelief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
 VELOCITY = ("coriolis", "centrifugal")
 _ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
-"""Where angles are 0, by the right angles from the x axis."""
+"""Names of the direction where angles are 0, by the right angles from the x axis."""
 _QUARTERS: Mapping[int, SineAndCosine] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
 """Sines and cosines of right angles."""
 
 
 # ---------------------------------------------------------------- factors
 def part_of(powers: Mapping[str, int]) -> str:
-    """What a term of a torque is by its first rates: of second degree "coriolis" or "centrifugal",
-    of first degree, or with a rate's sign, "friction", else ""."""
+    """The part of a torque that a term belongs to by its first rates: "coriolis" or "centrifugal"
+    of second degree; "friction" of first degree, or with a rate's sign; else ""."""
     if any(function_of(x) == SIGN for x in powers):
         return "friction"
     rates = {x: k for x, k in powers.items() if atom(x).dots == 1}
@@ -52,7 +55,7 @@ def parts(factor: int | Fraction, *kinds: str) -> Change:
 def without_acceleration(x: Subject) -> Iterator[Changed]:
     """Without the terms of one coordinate's acceleration."""
     for name in (c + SECOND for c in x.setting.symbols.coordinates if x.accelerates):
-        yield {"name": sym(name)}, x.scaled(0, lambda p, name=name: name in p)
+        yield {"name": sym(name)}, x.at({name: 0})
 
 
 def twice_the_energy(x: Subject) -> Iterator[Changed]:
@@ -60,8 +63,11 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
     if not x.is_energy:
         return
     inertial = x.setting.order.inertial
-    turning = {name for name, (_, kind) in inertial.items() if kind == 1}
-    own = [{name for name, (k, _) in inertial.items() if k == i} for i in _bodies(x)]
+    turning = _moments(x.setting)
+    own = [
+        {name for name, (k, _) in inertial.items() if k == i}
+        for i in range(len(x.bodies.s.symbols.model.bodies))
+    ]
     for names in (set(inertial), turning, set(inertial) - turning, *own):
 
         def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
@@ -74,8 +80,7 @@ def unmixed_rates(x: Subject) -> Iterator[Changed]:
     """A kinetic energy without products of two rates of turning joints: in all terms, or in those
     with moments of inertia."""
     rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
-    moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
-    for names in (x.names, moments) if rates else ():
+    for names in (x.names, _moments(x.setting)) if rates else ():
 
         def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
             return len(rates & powers.keys()) > 1 and not names.isdisjoint(powers)
@@ -104,15 +109,11 @@ def degrees(x: Subject) -> Iterator[Changed]:
 
 
 # ---------------------------------------------------------------- values
-def gravity(factor: int) -> Change:
-    """All weights multiplied by a factor."""
-
-    def change(x: Subject) -> Iterator[Changed]:
-        g = x.setting.order.gravity
-        if g in x.names:
-            yield {"energy": _weights(x)}, x.scaled(factor, lambda p: g in p)
-
-    return change
+def other_gravity(x: Subject) -> Iterator[Changed]:
+    """Gravity in the opposite direction."""
+    g = x.setting.order.gravity
+    if g in x.names:
+        yield {"energy": _weights(x)}, x.at({g: -x.point.values[g]})
 
 
 def _weights(x: Subject) -> str:
@@ -124,40 +125,56 @@ def _weights(x: Subject) -> str:
     return f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
 
 
-def _bodies(x: Subject) -> range:
-    return range(len(x.setting.symbols.model.bodies))
+@dataclass(frozen=True)
+class Without:
+    """A thought that leaves out what some parameters stand for: the right answer where they are 0.
+    `groups` gives them, with what a sentence names."""
+
+    groups: Callable[[RightEquations], Iterator[tuple[Mapping[str, object], Set[str]]]]
+
+    def __call__(self, x: Subject) -> Iterator[Changed]:
+        for said, names in self.groups(x.setting):
+            if names & x.names:
+                yield said, x.at(dict.fromkeys(names, 0))
 
 
-def massless(x: Subject) -> Iterator[Changed]:
-    """Without the mass and inertia of one body, or of it and all that it carries."""
-    model, inertial = x.setting.symbols.model, x.setting.order.inertial
-    heavy = {body for body, _ in inertial.values()}
-    carried = {i: {i} for i in _bodies(x)}
-    for i in reversed(_bodies(x)):
+def of_weights(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """The symbol of gravity."""
+    if setting.order.gravity:
+        yield {}, {setting.order.gravity}
+
+
+def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """Mass and inertia of one body, or of it and all that it carries."""
+    model, inertial = setting.symbols.model, setting.order.inertial
+    heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
+    carried = {i: {i} for i in every}
+    for i in reversed(every):
         if model.bodies[i].parent in carried:
             carried[model.bodies[i].parent] |= carried[i]
-    groups = [{i} for i in sorted(heavy)] + [carried[i] & heavy for i in _bodies(x)]
-    for group in groups:
-        names = {name for name, (i, _) in inertial.items() if i in group}
-        if group != heavy and (names & x.names):
+    for group in [{i} for i in sorted(heavy)] + [carried[i] & heavy for i in every]:
+        if group != heavy:
             links = listed(str(model.bodies[i].name) for i in sorted(group))
-            yield {"links": links}, x.scaled(0, lambda p, own=names: bool(own & p.keys()))
+            yield {"links": links}, {name for name, (i, _) in inertial.items() if i in group}
 
 
-def pointlike(x: Subject) -> Iterator[Changed]:
-    """All masses taken for points: without moments of inertia."""
-    moments = {name for name, (_, kind) in x.setting.order.inertial.items() if kind == 1}
-    yield {}, x.scaled(0, lambda p: bool(moments & p.keys()))
+def of_moments(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """The names of all moments of inertia, which points do not have."""
+    yield {}, _moments(setting)
+
+
+def _moments(setting: RightEquations) -> set[str]:
+    return {name for name, (_, kind) in setting.order.inertial.items() if kind == 1}
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """Each alone, and all together."""
+    """Groups of rows that a mistake may be about: each row alone, and all together."""
     yield from ([x] for x in rows)
     yield from [rows] * (len(rows) > 1)
 
 
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
-    """What stands for the length of a link and for the distance of its centre of mass: "l", "lc" or
+    """Other values of the length of a link and of the distance of its centre of mass: "l", "lc" or
     "half"."""
 
     def change(x: Subject) -> Iterator[Changed]:
@@ -197,7 +214,7 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
 
 
 def axes(factor: int) -> Change:
-    """Each moment of inertia with m c² added as often as `factor` says."""
+    """A change of moments of inertia: m c² is added to each as often as `factor` says."""
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
@@ -271,6 +288,16 @@ def _chains(x: Subject) -> dict[int, list[str]]:
 
 
 # ---------------------------------------------------------------- equations of the bodies
+def freely(belief: FreeBelief) -> Change:
+    """Other equations of a body that nothing holds, under which an equation's sides agree."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        if x.free is not None:
+            yield {}, x.point.of(x.free.yours) + x.free.gap(x.point, belief)
+
+    return change
+
+
 def believed(*beliefs: Belief, of_next: bool = False) -> Change:
     """Other equations of the body to which the answer belongs, of one that it carries, or of all,
     where the first is told that matters; of_next: only of bodies that carry others."""
@@ -321,7 +348,7 @@ def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[
 
 
 def _names(x: Subject, i: int) -> dict[str, object]:
-    """What sentences about body i name."""
+    """Values for the places in sentences about body i."""
     s, n = x.bodies.s, x.bodies.s.numbers[i]
     h, behind = s.numbers[s.tree.bodies[i].parent], [s.numbers[k] for k in s.tree.children(i)]
     return {

@@ -1,10 +1,10 @@
-"""Two polynomials term by term, in sines and cosines of sums of angles, where every difference
-shows once."""
+"""A polynomial by what moves in it, and two polynomials term by term, in sines and cosines of sums
+of angles, where every difference shows once."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -16,10 +16,36 @@ from freebody.expressions.polynomials.angle_sums import (
     gathered,
     raw,
 )
+from freebody.expressions.polynomials.arithmetic import collected
 from freebody.expressions.polynomials.textbook_form import Layout
-from freebody.scalars.generators import WAVES, function_of
+from freebody.scalars.generators import WAVES, function_of, waves_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
+
+Parts = dict[SymbolPowers, Trig]
+"""Polynomials in the parameters, by the products of coordinates and rates with which they stand."""
+
+
+def moving(setting: RightEquations) -> frozenset[str]:
+    """Generators that change in time."""
+    names = setting.symbols.coordinates
+    waves = (wave for name in names for wave in waves_of(name))
+    return frozenset([*setting.order.moving, *names, *waves])
+
+
+def parts(setting: RightEquations, x: Trig, names: Collection[str] | None = None) -> Parts:
+    """A polynomial by its products of the generators named, by default of all that move."""
+    return collected(x, moving(setting) if names is None else names)
+
+
+def whole(setting: RightEquations, rows: Parts) -> Trig:
+    """The polynomial that has these parts."""
+    return setting.ring.polynomial(
+        ({**powers, **dict(key)}, coefficient)
+        for key, part in rows.items()
+        for powers, coefficient in part.terms()
+    )
+
 
 MOST_TERMS = 20_000
 
@@ -60,8 +86,8 @@ def is_too_long(x: Trig) -> bool:
 
 
 def differences(setting: RightEquations, yours: Trig, right: Trig) -> list[Difference]:
-    """All terms that differ; one too many and one missing that differ in one symbol or in the angle
-    are paired."""
+    """The terms in which two polynomials differ; one too many and one missing that differ in one
+    symbol or in the angle are paired."""
     a, b = terms(setting, yours), terms(setting, right)
     rows = [
         Difference(key, a.get(key, Fraction(0)), b.get(key, Fraction(0)))
@@ -109,6 +135,11 @@ def _letters(monomial: SymbolPowers) -> list[str]:
 def printed(
     layout: Layout, setting: RightEquations, key: ProductKey, value: Fraction
 ) -> Expression:
+    """A term with its number, as it prints."""
+    return mul(layout.form(polynomial(setting, key, value)))
+
+
+def polynomial(setting: RightEquations, key: ProductKey, value: Fraction) -> Trig:
     """A term with its number."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])
@@ -117,4 +148,4 @@ def printed(
         factor = angle.sin() if function == "sin" else angle.cos()
         for _ in range(exponent):
             x = x * factor
-    return mul(layout.form(x))
+    return x

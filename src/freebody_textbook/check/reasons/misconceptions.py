@@ -1,34 +1,38 @@
-"""What a user may have thought: single misconceptions, each of which explains the whole
-difference. A new one is a row of a table: a sentence, and what the right answer becomes."""
+"""Misconceptions, each of which alone explains a whole difference. A new one is a row of a table: a
+sentence, and the function that changes the right answer."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Set
+from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice
 from typing import Any
 
 from freebody.expressions.grammar.tables.characters import DOT
-from freebody.scalars.trig import Trig
+from freebody.expressions.printed_names import with_letter
 from freebody.spatial import Vector
+from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
+from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons import changes as c
 from freebody_textbook.check.reasons.bodies_at_point import Belief
+from freebody_textbook.check.reasons.free_bodies import FreeBelief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
 _REST = "; everything else is right."
 
 
 def _told(x: Subject) -> Iterator[Changed]:
-    """What the quantity itself is often mistaken for."""
+    """Values for which the quantity itself is often mistaken."""
     yield from (({"text": text}, x.point.of(value())) for text, value in x.target.thoughts)
 
 
 def _others(x: Subject) -> Iterator[Changed]:
     """Another quantity of the same kind."""
     for name, other in related(x.targets, x.target).items():
-        yield {"name": name.replace("tau", "τ")}, x.point.of(other)
+        yield {"name": with_letter(name)}, x.point.of(other)
 
 
 def _sum(a: Vector, b: Vector) -> Vector:
@@ -37,7 +41,7 @@ def _sum(a: Vector, b: Vector) -> Vector:
 
 
 def _along(a: Vector, b: Vector) -> Vector:
-    """a · b."""
+    """The scalar product a · b."""
     return (a[0] * b[0] + a[1] * b[1],)
 
 
@@ -46,12 +50,44 @@ def _across(a: Vector, b: Vector) -> Vector:
     return (a[1] * b[1] - a[0] * b[0],)
 
 
+_GYROSCOPIC_SIGN = "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n."
+_NOT_GYROSCOPIC = "The gyroscopic moment is missing: I ω̇ + ω × I ω = n."
+_TRANSPORT = "in axes that turn the acceleration is v̇ + ω × v."
+_ARM = "The thrust's arm has the wrong sign: a thrust T at s has the moment s × T, about"
+
+OF_FREE_BODIES: Mapping[str, Change] = {
+    _GYROSCOPIC_SIGN: c.freely(FreeBelief(gyroscopic=-1)),
+    _NOT_GYROSCOPIC: c.freely(FreeBelief(gyroscopic=0)),
+    "The weight has the wrong direction: z points up here, and gravity acts along −z.": c.freely(
+        FreeBelief(weight=-1)
+    ),
+    "The weight is missing.": c.freely(FreeBelief(weight=0)),
+    f"ω × v has the wrong sign: {_TRANSPORT}": c.freely(FreeBelief(transport=-1)),
+    f"ω × v is missing: {_TRANSPORT}": c.freely(FreeBelief(transport=0)),
+    f"f is all that acts besides the weight, and {_TRANSPORT}": c.freely(
+        FreeBelief(transport=0, weight=0)
+    ),
+    f"{_ARM} x that is y T.": c.freely(FreeBelief(arms=(-1, 1))),
+    f"{_ARM} y that is −x T.": c.freely(FreeBelief(arms=(1, -1))),
+    "Forces are not rotated: the thrust acts along the body's axes, the weight along the "
+    "world's.": c.freely(FreeBelief(axes="")),
+    "R is transposed: it takes components from the body's axes to the world's.": c.freely(
+        FreeBelief(axes="back")
+    ),
+    "This takes the rates of the angles for ω, which is right near hover only: ω̇ is that of the "
+    "body, and φ̇ = p + (q sin φ + r cos φ) tan θ.": c.freely(FreeBelief(angular=False)),
+    "This is right near hover only, where φ̇ = p and products of rates vanish.": c.freely(
+        FreeBelief(angular=False, gyroscopic=0)
+    ),
+}
+"""Other equations of a body that nothing holds."""
+
 THOUGHTS: Mapping[str, Change] = {
     "{text}": _told,
     "What you wrote is right for {name}, not for this one.": _others,
     "Only the sign of gravity is wrong: {energy}, and the drives must support them: "
-    "g_i = + ∂V/∂q_i.": c.gravity(-1),
-    f"Gravity is missing{_REST}": c.gravity(0),
+    "g_i = + ∂V/∂q_i.": c.other_gravity,
+    f"Gravity is missing{_REST}": c.Without(c.of_weights),
     "Only a factor of 2 is missing: a product of two different rates, θ̇ᵢ θ̇ⱼ, occurs twice (as ij "
     "and as ji), so Coriolis terms have a factor of 2.": c.parts(Fraction(1, 2), "coriolis"),
     "The Coriolis terms, with products of two different rates, are missing.": c.parts(
@@ -66,9 +102,9 @@ THOUGHTS: Mapping[str, Change] = {
     ),
     f"The terms with {{name}} are missing{_REST}": c.without_acceleration,
     "Every term with the mass or the moment of inertia of {links} is missing; the rest is "
-    "right.": c.massless,
+    "right.": c.Without(c.of_bodies),
     "The moments of inertia about the centres of mass are missing: this is right for point masses "
-    "only.": c.pointlike,
+    "only.": c.Without(c.of_moments),
     "A factor ½ is missing: the kinetic energy of a body is ½ m v² + ½ I ω².": c.twice_the_energy,
     "The mixed terms are missing: a sum of rates is squared as (θ̇ᵢ + θ̇ⱼ)² = θ̇ᵢ² + 2 θ̇ᵢ θ̇ⱼ + "
     "θ̇ⱼ².": c.unmixed_rates,
@@ -99,7 +135,7 @@ THOUGHTS: Mapping[str, Change] = {
     "from the previous link, so the direction of a link is a sum of angles.": c.absolute,
     "This would be right with components {axes}; here they are {here}.": c.other_axes,
 }
-"""What is tried first, in this order."""
+"""Thoughts about one quantity, in the order in which they are tried."""
 
 OF_BODIES: Mapping[str, Change] = {
     "The sign of the reaction is wrong: {next} is the force of body {n} on body {k}, so by "
@@ -144,18 +180,30 @@ OF_BODIES: Mapping[str, Change] = {
     "The Coriolis acceleration of what slides along a turning body is 2 ω × ḋ.": c.believed(
         Belief(coriolis=Fraction(1, 2)), Belief(coriolis=Fraction(0))
     ),
-    "The gyroscopic moment has the wrong sign: I ω̇ + ω × I ω = n.": c.believed(
-        Belief(gyroscopic=-1)
-    ),
-    "The gyroscopic moment is missing: I ω̇ + ω × I ω = n.": c.believed(Belief(gyroscopic=0)),
+    _GYROSCOPIC_SIGN: c.believed(Belief(gyroscopic=-1)),
+    _NOT_GYROSCOPIC: c.believed(Belief(gyroscopic=0)),
     "The forces of the loops are missing.": c.believed(Belief(loops_act=False)),
 }
-"""What is tried where none of these explains the difference, and of equations between quantities
-alone: other equations of the bodies."""
+"""Other equations of the bodies."""
 
 
-TABLES = ((THOUGHTS, 2), (OF_BODIES, 1))
-"""The tables in the order in which they are tried, and how many thoughts of each are told."""
+@dataclass(frozen=True)
+class ThoughtTable:
+    """Thoughts, the most particular first."""
+
+    rows: Mapping[str, Change]
+    most: int
+    """The greatest number of them that is told of one answer."""
+    of_equations: bool = True
+    """Whether they are also about a side of the user's own equation."""
+
+
+TABLES = (
+    ThoughtTable(OF_FREE_BODIES, 1),
+    ThoughtTable(THOUGHTS, 2, of_equations=False),
+    ThoughtTable(OF_BODIES, 1),
+)
+"""The tables in the order in which they are tried: one whose thoughts explain is the last."""
 
 
 def explaining(x: Subject, value: Any) -> list[str]:
@@ -163,21 +211,28 @@ def explaining(x: Subject, value: Any) -> list[str]:
     the equations of the bodies."""
     if value == 0:  # of many parts it would be right that they are missing
         return []
-    for (_, most), rows in zip(TABLES, values(x), strict=True):
+    for table, rows in zip(TABLES, values(x), strict=True):
         agreeing = (next((said for said, y in row if x.point.agree(y, value)), "") for row in rows)
-        if told := list(islice(filter(None, agreeing), most)):
+        if told := list(islice(filter(None, agreeing), table.most)):
             return told
     return []
 
 
 def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
-    """All thoughts about a quantity, by table and row: sentences, and what the right answer would
-    be."""
-    yield from (_of(table, x) for table, _ in TABLES)
+    """Sentences on all thoughts about a quantity, each with the right answer under it, by table and
+    row."""
+    yield from (_of(table, x) for table in TABLES)
 
 
-def _of(table: Mapping[str, Change], x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
-    for text, change in table.items() if table is OF_BODIES or not x.is_equation else ():
+def left_out(setting: RightEquations) -> Iterator[tuple[str, Set[str]]]:
+    """Sentences on parameters that may have been left out, and their names."""
+    for text, change in THOUGHTS.items():
+        if isinstance(change, c.Without):
+            yield from ((text.format(**said), names) for said, names in change.groups(setting))
+
+
+def _of(table: ThoughtTable, x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
+    for text, change in table.rows.items() if table.of_equations or not x.is_equation else ():
         yield _filled(text, change(x))
 
 
@@ -186,7 +241,7 @@ def _filled(text: str, changed: Iterator[Changed]) -> Iterator[tuple[str, Any]]:
     yield from ((text.format(**said), value) for said, value in changed)
 
 
-def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
+def related(targets: Targets, target: AskedQuantity) -> dict[str, Value]:
     """The other entries of a quantity's kind, by name."""
     letter = target.kind.usual
     others = [
@@ -195,16 +250,16 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
         if letter and other.kind is target.kind and other.index != target.index
     ]
     usual = [row for row in others if row[0].startswith(letter)]
-    found: dict[str, Trig] = {}
+    found: dict[str, Value] = {}
     seen = set()
     for name, other in usual or others:
         if other.index not in seen:
             seen.add(other.index)
-            found[name] = other.polynomial()
+            found[name] = other.compute()
     return found or _of_the_same_table(targets, target)
 
 
-def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Trig]:
+def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Value]:
     """The other entries of a matrix, such as an orientation."""
     if len(target.index) != 2 or not target.words:
         return {}
@@ -216,5 +271,5 @@ def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Tri
             dots = "\u0307" * (len(name) - len(bare))
             shown = bare[:1] + dots + bare[1:]
             others = (entry for index, entry in entries.items() if index != target.index)
-            return {f"{shown} {x.index[0]}, {x.index[1]}": x.polynomial() for x in others}
+            return {f"{shown} {x.index[0]}, {x.index[1]}": x.compute() for x in others}
     return {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
@@ -10,7 +11,7 @@ from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
-from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.algebra.finite_field import Workspace
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
@@ -30,7 +31,7 @@ class Misreading:
     is_doubtful: bool = True
     """Whether to say so also where it does not make the answer right."""
     target: AskedQuantity | None = None
-    """What the answer is then about, where that is another quantity."""
+    """Another quantity that the answer is then about."""
 
 
 TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
@@ -49,7 +50,7 @@ def readings(
 
 
 def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: Workspace) -> str:
-    """What is to be said about a symbol of a wrong answer that may stand for something else."""
+    """A sentence about a symbol of a wrong answer that may stand for something else, or ""."""
     found = readings(setting, targets, claim, work)
     return next((reading.text for reading in found if reading.is_doubtful), "")
 
@@ -107,7 +108,7 @@ def _of_links(
 
 
 def _kind(target: AskedQuantity) -> tuple[object, ...]:
-    """What tells a quantity from all others: its kind, indices, axis and words."""
+    """The key that tells a quantity from all others: its kind, indices, axis and words."""
     return target.kind, target.index, target.axis, target.words
 
 
@@ -198,3 +199,24 @@ def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator
         yield Misreading({}, text, "")
     elif "." in written and round(value, len(written.partition(".")[2])) == float(written):
         yield Misreading(found, text, f"‘{written}’ is read as {g}.", False)
+
+
+_TOLD = re.compile(
+    r"(?:^|[.;]\s)\W*([^=:;]*"
+    r"(?:\b(?:small|near|close to|neglect|ignor|without|horizontal|vertical|upright|hanging|"
+    r"stretched|lineari|approximat|limit|first order)|[<>≈≪≫→])"
+    r"[^=:;]*)[:,][^:;]*=",
+    re.IGNORECASE,
+)
+"""Words in front of an equation, up to its sign of equality, that may be a condition."""
+
+
+def unread_condition(claim: Claim) -> list[str]:
+    """A sentence about words in front of a claim that may be a condition."""
+    at, text = claim.node.span[0], claim.source.shown
+    begun = text.rfind("\n", 0, at) + 1
+    found = _TOLD.search(text[begun:at])
+    if found is None:
+        return []
+    words = claim.source[begun + found.start(1), begun + found.end(1)]
+    return [f"‘{words}’ in front of it is not read as a condition: it is compared without it."]

@@ -1,27 +1,45 @@
-"""Small changes of an answer: a sign, a factor, a term too many or missing, sin for cos, an angle,
-a length, an index, a power. Each has a cost, small for what people get wrong often."""
+"""Small changes of an answer, and the search for those that make it right: each names a mistake,
+where it stands and what should be there.
+
+A change is a sign, a factor, a term too many or missing, sin for cos, an angle, a length, an index,
+a power. Each has a cost, small for what people get wrong often. All single ones are tried, and then
+pairs; the cheapest that explains wins."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import combinations
 
 from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.nodes import Expression, Negative, Number, Power, Product, Sum
+from freebody.expressions.nodes import (
+    Arguments,
+    Expression,
+    Function,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Sum,
+    nodes,
+    replaced,
+)
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
-from freebody_textbook.check.algebra.finite_field import PRIME, rational
-from freebody_textbook.check.algebra.finite_field_tree import Workspace
-from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.algebra.finite_field import PRIME, Workspace, rational
+from freebody_textbook.check.algebra.quotients import Value, generator
 from freebody_textbook.check.asked.right_equations import RightEquations
 
 _FACTORS = (0, -1, 2, Fraction(1, 2), -2, Fraction(-1, 2), 3, Fraction(1, 3), 4, Fraction(1, 4))
 
-RelatedNames = Callable[[str], Mapping[str, Trig]]
+_TAKEN_FOR = {"arccos": "arcsin", "arcsin": "arccos"}
+"""Inverse functions that are often mixed up."""
+
+RelatedNames = Callable[[str], Mapping[str, Value]]
 """Quantities that one may mix up with one: the other entries of its family."""
 
 
@@ -38,7 +56,7 @@ class Repair:
 
 
 class SmallChanges:
-    """All small changes of a tree; `gap` is what must be added to its value."""
+    """The small changes of a tree; `gap` is what must be added to its value."""
 
     def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         self.setting, self.work, self.related = setting, work, related
@@ -53,7 +71,7 @@ class SmallChanges:
                 yield _scaling(node, factor, self._depth(node))
 
     def _depth(self, node: Expression) -> int:
-        """In how many brackets a term stands."""
+        """The number of brackets in which a term stands."""
         depth = 0
         while node is not self.work.root:
             node = self.work.parents[node]
@@ -67,7 +85,7 @@ class SmallChanges:
                 yield _scaling(node, Fraction(factor))
 
     def discrete(self) -> Iterator[Repair]:
-        """All changes that can be listed."""
+        """The changes that can be listed, all but those by a computed factor."""
         yield from self._factors()
         yield from self._lacking()
         for node in list(self.work.values):
@@ -78,6 +96,8 @@ class SmallChanges:
                     yield from self._symbols(node)
                 case Power():
                     yield from _powers(node)
+                case Function():
+                    yield from _functions(node)
             yield from self._inserted(node)
 
     @cached_property
@@ -207,6 +227,15 @@ def _powers(node: Power) -> Iterator[Repair]:
             yield Repair("exponent", 1.8, node, new)
 
 
+def _functions(node: Function) -> Iterator[Repair]:
+    """Another inverse function, and the arguments of one in the other order."""
+    if isinstance(node.argument, Arguments):
+        turned = replace(node.argument, entries=node.argument.entries[::-1])
+        yield Repair("arguments", 0.8, node, replace(node, argument=turned))
+    if node.name in _TAKEN_FOR:
+        yield Repair("inverse", 0.9, node, replace(node, name=_TAKEN_FOR[node.name]))
+
+
 def _is_chain(angle: Angle) -> bool:
     """Whether the angles are those of neighbouring joints."""
     numbers = [int(atom(x).figures or 0) for x, _ in angle]
@@ -225,3 +254,95 @@ def _likeness(name: str, other: str) -> tuple[str, float]:
     if a.dots and b.dots:
         return "rate", 1.5 if a.index == b.index else 2.2
     return "symbol", 3.0 if a.index == b.index else 4.0
+
+
+MOST_NODES = 2500
+"""Pieces of an answer up to which every one is tried."""
+
+_PAIR_COST, _PAIR_TOTAL = 2.5, 5.0
+_TRIPLE_COST, _TRIPLE_MOST = 2.0, 300
+
+
+class Repairs(SmallChanges):
+    """The search for changes of an answer that make up for its difference from the right one."""
+
+    def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
+        super().__init__(setting, work, right, related)
+        self.tried: list[Repair] = []
+
+    def single(self, below: float = math.inf) -> Repair | None:
+        """The cheapest change that alone makes the answer right, of those that cost less."""
+        found: list[Repair] = list(self.scaled())
+        if len(self.work.values) <= MOST_NODES:
+            for repair in self.discrete():
+                if repair.cost >= below:
+                    continue
+                change = (self._value(repair) - self.work.value) % PRIME
+                if change == self.gap:
+                    found.append(repair)
+                elif repair.cost <= _PAIR_COST and change:
+                    self.tried.append(_with_change(repair, change))
+        size = {node: k for k, node in enumerate(self.work.values)}  # inner nodes come first
+        return min(found, key=lambda r: (r.cost, size[r.node]), default=None)
+
+    def several(self, insertions: Iterable[tuple[Trig, int]] = ()) -> tuple[Repair, ...]:
+        """The cheapest two or three changes that together make it right; `insertions`: terms that
+        may be missing."""
+        whole = self.work.root
+        for term, value in insertions:
+            new = Sum((whole, Named("", term, span=whole.span)), span=whole.span)
+            self.tried.append(Repair("missing", 2.0, whole, new, value))
+        by_change: dict[int, list[Repair]] = {}
+        for repair in self.tried:
+            by_change.setdefault(repair.change, []).append(repair)
+        pairs = list(self._completed(by_change, [()], _PAIR_COST))
+        if not pairs:
+            cheap = [r for r in self.tried if r.cost <= _TRIPLE_COST]
+            if len(cheap) <= _TRIPLE_MOST:
+                pairs = list(self._completed(by_change, [(r,) for r in cheap], _TRIPLE_COST))
+        for group in sorted(pairs, key=lambda group: sum(r.cost for r in group))[:20]:
+            if self._verified(group):
+                return group
+        return ()
+
+    def _completed(
+        self, by_change: Mapping[int, list[Repair]], begun: list[tuple[Repair, ...]], most: float
+    ) -> Iterator[tuple[Repair, ...]]:
+        """Groups begun, with two more changes that fill the gap."""
+        first = {id(r): k for k, r in enumerate(self.tried)}
+        for group in begun:
+            rest = self.gap - sum(r.change for r in group)
+            for repair in self.tried:
+                if repair.cost > most or (group and first[id(repair)] <= first[id(group[-1])]):
+                    continue
+                for other in by_change.get((rest - repair.change) % PRIME, ()):
+                    whole = (*group, repair, other)
+                    if (
+                        other.cost <= most
+                        and first[id(other)] > first[id(repair)]
+                        and sum(r.cost for r in whole) <= _PAIR_TOTAL + len(group)
+                    ):
+                        yield whole
+
+    def _verified(self, group: tuple[Repair, ...]) -> bool:
+        """Whether changes that may touch one another do make the answer right."""
+        inserted = [r for r in group if r.kind == "missing" and r.node is self.work.root]
+        others = [r for r in group if r not in inserted]
+        if len({r.node for r in others}) < len(others):
+            return False
+        for a, b in combinations(others, 2):
+            if a.node in set(nodes(b.node)) or b.node in set(nodes(a.node)):
+                return False
+        tree = replaced(self.work.root, {r.node: r.new for r in others})
+        value = self.work.point.at(tree) + sum(r.change for r in inserted)
+        return (value - self.work.value - self.gap) % PRIME == 0
+
+    def _value(self, repair: Repair) -> int:
+        """The value of the whole after a change, of which only the changed piece is computed
+        anew."""
+        value = self.work.point.at(repair.new, self.work.values)
+        return self.work.with_value(repair.node, value)
+
+
+def _with_change(repair: Repair, change: int) -> Repair:
+    return Repair(repair.kind, repair.cost, repair.node, repair.new, change, repair.factor)

@@ -1,5 +1,5 @@
-"""What a thought is: a sentence, and what the right answer would be; and what thoughts are made
-of."""
+"""Thoughts: a sentence, and the right answer under it; and the quantity, point and bodies of which
+they are made."""
 
 from __future__ import annotations
 
@@ -10,19 +10,26 @@ from typing import Any
 
 from freebody.expressions.grammar.atoms import atom
 from freebody.lazy import cached_property
-from freebody.scalars.trig import Trig
+from freebody.scalars.generators import generators_in
 from freebody.spatial import Vector, times, transposed
-from freebody_textbook.check.algebra.finite_field import PRIME, Point, SineAndCosine, random_point
-from freebody_textbook.check.algebra.real_point import RealPoint
+from freebody_textbook.check.algebra.finite_field import (
+    PRIME,
+    Point,
+    RealPoint,
+    SineAndCosine,
+    random_point,
+)
+from freebody_textbook.check.algebra.quotients import Value, over, pair
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint, BodyKey, State
+from freebody_textbook.check.reasons.free_bodies import FreeBelief, FreeBodyMotion
 
 PartOfIndex = Callable[[Mapping[str, int]], bool]
 """Which terms are meant, by their powers."""
 Changed = tuple[Mapping[str, object], Any]
-"""What a sentence names, and the right answer under the thought."""
+"""Values for the places of a sentence, and the right answer under the thought."""
 
 
 @dataclass(frozen=True)
@@ -42,20 +49,38 @@ class Component:
 
 
 @dataclass(frozen=True)
+class FreeSides:
+    """Both sides of an equation of a body that nothing holds, whose motion depends on what one
+    believes."""
+
+    motion: FreeBodyMotion
+    yours: Value
+    right: Value
+
+    def gap(self, point: Point, belief: FreeBelief) -> int:
+        """The difference of the sides where the body moves as one believes."""
+        there = self.motion.motion((self.yours, self.right), belief).at(point)
+        return there.of(self.right) - there.of(self.yours)
+
+
+@dataclass(frozen=True)
 class Subject:
     """The quantity that thoughts are about, at a point."""
 
     bodies: BodiesAtPoint
-    """Those of the mechanism, at the point."""
+    """The bodies of the mechanism, at the point."""
     targets: Targets
     target: AskedQuantity
-    right: Trig
+    right: Value
     terms: frozenset[int] | None = None
-    """Of an equation between quantities, of which the right answer is one side, their values."""
+    """The values of the terms of an equation between quantities, of which the right answer is one
+    side."""
+    free: FreeSides | None = None
+    """Both sides of an equation of a body that nothing holds."""
 
     @property
     def setting(self) -> RightEquations:
-        """What an answer is compared with."""
+        """The equations with which an answer is compared."""
         return self.bodies.setting
 
     @property
@@ -75,19 +100,28 @@ class Subject:
 
     @cached_property
     def rows(self) -> list[tuple[Mapping[str, int], Any]]:
-        """The terms of the right answer: powers, and the value at the point."""
-        return [(powers, self.point.term(powers, k)) for powers, k in self.right.terms()]
+        """The terms of the right answer, of a quotient those of its numerator: powers, and the
+        value at the point."""
+        above, _ = pair(self.right)
+        return [(powers, self.point.term(powers, k)) for powers, k in above.terms()]
 
     @cached_property
     def names(self) -> set[str]:
         """The generators in the right answer."""
-        return {name for powers, _ in self.rows for name in powers}
+        return generators_in(*pair(self.right))
 
     def scaled(self, factor: int | Fraction, meant: PartOfIndex) -> Any:
         """The right answer with a factor at some of its terms."""
         k = self.point.number(factor)
         other = sum(value for powers, value in self.rows if not meant(powers))
-        return other + k * sum(value for powers, value in self.rows if k and meant(powers))
+        above = other + k * sum(value for powers, value in self.rows if k and meant(powers))
+        return above * self._below
+
+    @cached_property
+    def _below(self) -> Any:
+        """The factor that a quotient's denominator is."""
+        _, below = pair(self.right)
+        return self.point.of(over(below / below, below))
 
     def at(
         self,
@@ -108,8 +142,8 @@ class Subject:
 
     @cached_property
     def torque(self) -> tuple[str, State, int] | None:
-        """Of a torque, or a part of one: its name in the equations, the state that needs it,
-        and the body; None of other quantities."""
+        """The name of a torque, or of a part of one, in the equations, the state that needs it, and
+        its body; None of other quantities."""
         if self.is_equation or not self.bodies.is_told:
             return None
         b, value = self.reference

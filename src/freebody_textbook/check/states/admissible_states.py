@@ -16,8 +16,7 @@ from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.states.running import AnyArray
-from freebody_textbook.check.states.state_values import Polynomials, StateValues
+from freebody_textbook.check.states.state_values import AnyArray, Polynomials, StateValues
 from freebody_textbook.closed_chains.first_kind import multiplier_names
 
 PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3
@@ -28,11 +27,11 @@ OF_TREES = 8
 _GUESSES = 48
 """Random positions from which loops are closed, for each set of parameters."""
 _VARIED = 0.25
-"""By which share parameters differ from the model's."""
+"""The share by which parameters differ from the model's."""
 _DRAWN = (0.5, 1.5)
-"""From where to where what has no value is drawn."""
+"""The range from which parameters without a value are drawn."""
 _FARTHEST = 1.5
-"""How far slides are drawn, in lengths of the robot."""
+"""The range of slides, in lengths of the robot."""
 _STEPS, _CLOSED = 60, 1e-13
 """Newton's steps, and the gap at which loops count as closed, in lengths of the robot."""
 _REGULAR = (0.03, 0.01)
@@ -42,7 +41,7 @@ _DEPENDENT = 1e-7
 _STRIDE, _CORRECTION = 0.15, 0.06
 """Radians of a step along a branch, and how far it may lead off it."""
 _LED = 0.3
-"""How far others may follow a step of a coordinate that is led to where it is given."""
+"""The farthest that others may follow a step of a coordinate that is led to where it is given."""
 _BETWEEN, _MOST_WALKED = 4, 60
 """Steps from one state to the next, and of the whole way."""
 _SOLVED = 1e-9
@@ -63,8 +62,8 @@ class AdmissibleStates(StateValues):
         return self.branch == 0
 
     def with_any(self, coordinates: Collection[str]) -> AdmissibleStates:
-        """The same with rates, accelerations and some coordinates that need not keep loops
-        closed."""
+        """The states with random rates, accelerations and some coordinates, which need not keep
+        loops closed."""
         chance = np.random.default_rng(29)
         values = {
             name: chance.normal(size=self.count) if atom(name).dots or name in coordinates else x
@@ -79,7 +78,7 @@ class AdmissibleStates(StateValues):
 
 
 def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
-    """All states of several."""
+    """The states of several collections in one."""
     return AdmissibleStates(
         {name: np.concatenate([x.values[name] for x in parts]) for name in parts[0].values},
         np.concatenate([x.parameters for x in parts]),
@@ -99,7 +98,7 @@ class StateSampler:
     given: Mapping[str, float] = field(default_factory=dict[str, float])
     acting: ActingLoads = ""
     images: Mapping[str, Value] = field(default_factory=dict[str, Value])
-    """What some names are by the others, as velocities and accelerations of a free body are."""
+    """Values of some names by the others, as velocities and accelerations of a free body."""
 
     def states(self) -> AdmissibleStates | None:
         """States drawn at random, alike each time; None of a chain that cannot be closed."""
@@ -107,6 +106,15 @@ class StateSampler:
         drawn = [self._of_one_set(chance, k) for k in range(PARAMETER_SETS)]
         parts = [x for x in drawn if x is not None and x.count]
         return _together(parts) if parts else None
+
+    def at_values(
+        self, states: AdmissibleStates, values: Mapping[str, float]
+    ) -> AdmissibleStates | None:
+        """The states with other masses or weights at their positions and rates, and the
+        accelerations and multipliers that follow."""
+        others = {name: np.full(states.count, x) for name, x in values.items()}
+        changed = replace(states, values={**states.values, **others})
+        return self._pressed(np.random.default_rng(28), changed)
 
     def _of_one_set(self, chance: np.random.Generator, k: int) -> AdmissibleStates | None:
         """States with one set of parameters."""
@@ -340,7 +348,7 @@ class StateSampler:
     def _pressed(
         self, chance: np.random.Generator, states: AdmissibleStates
     ) -> AdmissibleStates | None:
-        """The same with accelerations and multipliers that keep loops closed and move passive
+        """The states with accelerations and multipliers that keep loops closed and move passive
         joints as nothing drives them."""
         at_zero = self._begun(states, [*(x + SECOND for x in self._names), *self.multipliers])
         rows = self._of_forces
@@ -377,7 +385,7 @@ class StateSampler:
         return replace(states, values={**states.values, **values})
 
     def _size_of(self, name: str) -> float:
-        """That of a rate or acceleration; multipliers are as large as weights."""
+        """The scale of a rate or acceleration; multipliers are as large as weights."""
         sizes = dict(zip(self._names, self._scale, strict=True))
         return float(sizes.get(name.removesuffix(atom(name).ending), 1.0))
 
@@ -396,7 +404,7 @@ class StateSampler:
 
     @cached_property
     def loops(self) -> tuple[list[Trig], list[Trig], list[Trig]]:
-        """Φ, Φ̇, Φ̈."""
+        """The polynomials Φ, Φ̇ and Φ̈."""
         system, rates = self.setting.system, self.setting.symbols.rates
         Phi = [] if system is None else [self.setting.element(x) for x in system.loops.Phi]
         first = [x.along(rates) for x in Phi]

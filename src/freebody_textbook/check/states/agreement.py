@@ -14,26 +14,31 @@ from freebody.lazy import cached_property
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
-from freebody_textbook.check.states.running import AnyArray, Running
-from freebody_textbook.check.states.state_values import Known, choices, second_values
+from freebody_textbook.check.states.state_values import (
+    AnyArray,
+    Known,
+    Running,
+    choices,
+    second_values,
+)
 
 _LARGEST = 1e5
-"""How many times larger than what is compared its terms may be."""
+"""The most by which terms may be larger than what is compared."""
 
 _DrawnFor = tuple[bool, bool, frozenset[tuple[str, float]], ActingLoads]
 
 
 @dataclass(frozen=True, eq=False)
 class Equal:
-    """In which sense two sides are to be equal."""
+    """The sense in which two sides are to be equal."""
 
     as_angles: bool = False
-    """Up to whole turns."""
+    """Whether they may differ by whole turns."""
     to_a_constant: bool = False
-    """Up to a number for each set of parameters."""
+    """Whether they may differ by a number for each set of parameters."""
 
     def reduced(self, gap: Running, states: AdmissibleStates) -> Running:
-        """What a difference leaves where two values that are equal in this sense count as one."""
+        """The rest of a difference where two values that are equal in this sense count as one."""
         if self.as_angles:
             return replace(gap, value=gap.value - 2 * np.pi * np.round(gap.value / (2 * np.pi)))
         if self.to_a_constant:
@@ -47,7 +52,7 @@ class Equal:
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """At which states two sides are equal as they stand, and on some branch of their functions;
+    """The states at which two sides are equal as they stand, and on some branch of their functions;
     others: the functions that need their second value somewhere."""
 
     states: AdmissibleStates
@@ -55,7 +60,7 @@ class Agreement:
     possible: AnyArray
     others: tuple[str, ...]
     gap: Running
-    """What is left of the difference as it stands."""
+    """The rest of the difference as it stands."""
 
     @property
     def is_everywhere(self) -> bool:
@@ -150,7 +155,7 @@ def _least(states: AdmissibleStates, yours: Expression) -> AnyArray:
 
 
 def _terms(node: Expression) -> Iterator[Expression]:
-    """Those of a sum of sums."""
+    """The terms of a sum of sums."""
     if isinstance(node, Sum):
         for term in node.terms:
             yield from _terms(term)

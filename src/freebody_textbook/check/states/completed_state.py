@@ -1,5 +1,5 @@
-"""What the loops of a closed chain tell of a state of which some coordinates, rates and
-accelerations are given."""
+"""A state of a closed chain, completed by its loops where some coordinates, rates and accelerations
+are given."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from freebody.scalars.generators import SIGN, function_of, generators_in, symbol
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.admissible_states import Rows, StateSampler
-from freebody_textbook.check.states.running import AnyArray
-from freebody_textbook.check.states.state_values import StateValues
+from freebody_textbook.check.states.state_values import AnyArray, StateValues
 
 _STRIDE, _STEPS = 0.05, 30
 """Radians or metres of a step from the home to the state, and Newton's steps at each."""
@@ -21,9 +20,9 @@ _CLOSED, _DETERMINED = 1e-11, 1e-8
 
 
 def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, float]:
-    """What follows for other names; nothing of what is not determined, or of loops that cannot be
-    closed. The assembly is that of the home: the given coordinates are led from there to their
-    values."""
+    """The values that follow for other names; none of what is not determined, or of loops that
+    cannot be closed. The assembly is that of the home: the given coordinates are led from there to
+    their values."""
     drawing = StateSampler(setting)
     names = setting.symbols.coordinates
     if setting.system is None or not any(x in given for x in names):
@@ -116,5 +115,5 @@ def _determined(rows: Rows, free: Sequence[str], values: Mapping[str, float]) ->
 
 
 def _one(values: Mapping[str, float]) -> StateValues:
-    """One state."""
+    """A single state with these values."""
     return StateValues({x: np.array([y]) for x, y in values.items()})

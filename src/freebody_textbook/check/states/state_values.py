@@ -1,4 +1,5 @@
-"""The values of polynomials and of answers' trees at many states, all at once."""
+"""The values of polynomials and of answers' trees at many states, all at once, and how large the
+terms were that they were made of, so that a difference can be told from rounding."""
 
 from __future__ import annotations
 
@@ -17,8 +18,73 @@ from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.check.states.running import AnyArray, Running
 from freebody_textbook.closed_chains.linear import Ratio
+
+EQUAL = 1e-9
+"""The share of a number's terms below which a difference counts as rounding: right equations need
+1.5e-13 at regular states."""
+_STEEPEST = 100.0
+"""Slope of a function up to which it counts: arccos and roots are infinitely steep somewhere, but
+rounding changes them by some 1e-8 at most."""
+
+AnyArray = np.ndarray[Any, np.dtype[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Running:
+    """value: the numbers; size: by how much they change where everything that they were made of
+    changes by its own size."""
+
+    value: Any
+    size: Any
+
+    @staticmethod
+    def exact(x: Any) -> Running:
+        """Numbers as they are."""
+        return Running(x, np.abs(x))
+
+    def __add__(self, other: Running) -> Running:
+        return Running(self.value + other.value, self.size + other.size)
+
+    def __sub__(self, other: Running) -> Running:
+        return Running(self.value - other.value, self.size + other.size)
+
+    def __neg__(self) -> Running:
+        return Running(-self.value, self.size)
+
+    def __mul__(self, other: Running) -> Running:
+        size = np.abs(self.value) * other.size + np.abs(other.value) * self.size
+        return Running(self.value * other.value, size)
+
+    def __truediv__(self, other: Running) -> Running:
+        """A quotient; no number where the divisor is 0 but for rounding."""
+        value = self.value / np.where(other.vanishes, np.nan, other.value)
+        return Running(value, (self.size + np.abs(value) * other.size) / np.abs(other.value))
+
+    def __pow__(self, exponent: int) -> Running:
+        if exponent < 0:
+            return Running.exact(np.ones_like(self.value)) / self**-exponent
+        below = np.asarray(self.value, float) ** max(exponent - 1, 0)
+        return Running(self.value**exponent, exponent * np.abs(below) * self.size)
+
+    def by(self, value: Any, slope: Any) -> Running:
+        """A function of the numbers, of which value and derivative are given."""
+        return Running(value, np.minimum(np.abs(slope), _STEEPEST) * self.size + np.abs(value))
+
+    @property
+    def vanishes(self) -> AnyArray:
+        """Whether each number is 0 but for rounding; not where it is no number."""
+        known = np.isfinite(self.value) & np.isfinite(self.size)
+        return known & (np.abs(self.value) <= EQUAL * self.size)
+
+    @property
+    def worst(self) -> int:
+        """The place of the number that is farthest from 0, by its size, of those that are
+        numbers."""
+        with np.errstate(invalid="ignore"):
+            share = np.abs(self.value) / np.maximum(self.size, 1e-300)
+        return int(np.argmax(np.where(np.isfinite(share), share, -1.0)))
+
 
 _OF_GENERATORS = {"sin": np.sin, "cos": np.cos, "sgn": np.sign}
 """Functions by the names that generators of a ring have."""
@@ -28,7 +94,7 @@ _AT_ONCE = 2000
 """Terms of a polynomial that are multiplied at once."""
 
 Choice = Mapping[Expression, int]
-"""Of the functions that have two values those whose second one is taken."""
+"""Functions that have two values, with 1 for those whose second one is taken."""
 Known = Mapping[Expression, Running]
 """Values that need not be worked out."""
 
@@ -84,7 +150,7 @@ class Polynomials:
 
     @cached_property
     def _factors(self) -> AnyArray:
-        """Of each term its powers by number, filled up with 0."""
+        """The powers of each term by number, filled up with 0."""
         at = np.zeros((len(self._terms), max((len(x[1]) for x in self._terms), default=0)), int)
         for row, (_, powers, _) in zip(at, self._terms, strict=True):
             row[: len(powers)] = [self._powers[x] for x in powers.items()]
@@ -120,7 +186,7 @@ class StateValues:
 
     @property
     def count(self) -> int:
-        """How many states there are."""
+        """The number of states."""
         return len(next(iter(self.values.values())))
 
     @cached_property
@@ -206,7 +272,7 @@ def of_several_values(node: Expression) -> list[Function]:
 
 
 def choices(node: Expression) -> Sequence[Choice]:
-    """All choices of values: that of the functions as they stand, then those with the fewest second
+    """The choices of values: that of the functions as they stand, then those with the fewest second
     ones."""
     several = of_several_values(node)
     every = itertools.product((0, 1), repeat=len(several))

@@ -10,44 +10,55 @@ from dataclasses import dataclass, replace
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.expressions.printed_names import sym
+from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import Kind
 from freebody.expressions.quantities.units import unit_text
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.finite_field import Point, random_point
-from freebody_textbook.check.algebra.finite_field_tree import Workspace, without_values
+from freebody_textbook.check.algebra.finite_field import (
+    Point,
+    Workspace,
+    random_point,
+    without_values,
+)
 from freebody_textbook.check.algebra.quotients import Value, difference
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.asked.at_rest import MOVES
+from freebody_textbook.check.asked.more_of_bodies import MOVES
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.asked.terms_by_motion import moving
 from freebody_textbook.check.numbers.units import can_be_a_level, misfit
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.reasons import coriolis, undriven_joints, unread_conditions
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
+from freebody_textbook.check.reasons.differences import moving
 from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import explaining
-from freebody_textbook.check.reasons.misreadings import doubt_about, readings
-from freebody_textbook.check.reasons.thoughts import Subject
+from freebody_textbook.check.reasons.misreadings import doubt_about, readings, unread_condition
+from freebody_textbook.check.reasons.right_up_to import (
+    coriolis_advice,
+    coriolis_notes,
+    in_its_scale,
+    is_undriven_equation,
+)
+from freebody_textbook.check.reasons.thoughts import FreeSides, Subject
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.agreement import StatesOfModel
 from freebody_textbook.check.states.state_values import functions_of
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
-from freebody_textbook.check.verdicts import (
-    numeric_example,
-    quotient_verdict,
-    scaled_rows,
-    singular_poses,
-    verdict_at_states,
-)
-from freebody_textbook.check.verdicts.explanation import Explanation, first
+from freebody_textbook.check.verdicts import singular_poses, verdict_at_states
+from freebody_textbook.check.verdicts.explanation import Explanation, first, quotient_verdict
 from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.rounded_numbers import MEASURED, Rounded
-from freebody_textbook.check.verdicts.verdict_sentences import Wording, quoted
+from freebody_textbook.check.verdicts.verdict_sentences import (
+    Wording,
+    example,
+    example_at,
+    quoted,
+    right_verdict,
+    wrong_verdict,
+)
 
 _OTHER_SENSE = (
     "What has either sense, as a force at the tip, has another one here than in other lines."
@@ -65,7 +76,7 @@ class Judge:
     setting: RightEquations
     targets: Targets
     claims: Sequence[Claim]
-    """All of the answer."""
+    """The claims of the whole answer."""
     numbers: NumberJudge
 
     @cached_property
@@ -75,12 +86,12 @@ class Judge:
 
     @cached_property
     def bodies(self) -> BodiesAtPoint:
-        """The bodies there."""
+        """The bodies at the judge's point."""
         return BodiesAtPoint(self.setting, self.point)
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:
-        """What is known of one body that nothing holds."""
+        """The motion of one body that nothing holds."""
         return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
 
     @cached_property
@@ -108,7 +119,7 @@ class Judge:
                 if reading.target is not None and _is_zero(claim.target):
                     meant = other
         wrong = self._as_read(meant, True) if explain else found
-        return replace(wrong, causes=(*wrong.causes, *unread_conditions.advice(claim)))
+        return replace(wrong, causes=(*wrong.causes, *unread_condition(claim)))
 
     def _value(self, claim: Claim, node: Expression) -> Value:
         """The value of a tree that is read in another way."""
@@ -127,7 +138,7 @@ class Judge:
         number = self.numbers.verdict(claim, explain)
         if number is not None:
             return number
-        claim = scaled_rows.in_its_scale(claim, self.claims, self._same)
+        claim = in_its_scale(claim, self.claims, self._same)
         claim = replace(claim, target=self._in_its_sense(claim))
         right = claim.target.compute()
         title = claim.target.title
@@ -135,18 +146,14 @@ class Judge:
             has_two_meanings = spelt(claim.label) in self.targets.namesakes
             meant = claim.target.note or f"It is read as {title}." * has_two_meanings
             note = " ".join(filter(None, (meant, self._zeros(claim))))
-            return EquationVerdict(claim.label, title, True, note=note)
+            return right_verdict(claim, note)
         if claim.target.kind.of_loops in ("positions", "rates") and claim.value.is_zero:
-            return EquationVerdict(
-                claim.label, title, True, note="It says that the loop is closed."
-            )
+            return right_verdict(claim, "It says that the loop is closed.")
         if level := self._level(claim, right):
             note = f"It differs by the constant {level}: the zero level of V is arbitrary."
-            return EquationVerdict(claim.label, title, True, note=note)
+            return right_verdict(claim, note)
         special = verdict_at_states.verdict(self, claim, right, explain)
-        if special is not None:
-            return special
-        special = quotient_verdict.verdict(self, claim, right, explain)
+        special = special or quotient_verdict(self, claim, right, explain)
         if special is not None:
             return special
         assert isinstance(claim.value, Trig)
@@ -167,7 +174,8 @@ class Judge:
         return can_be_a_level(self.setting, yours - right, right)
 
     def _level(self, claim: Claim, right: Value) -> str:
-        """By which constant a claim about an energy differs; "" where by none that it may."""
+        """The constant by which a claim about an energy differs; "" where it may not differ by
+        one."""
         if not (isinstance(claim.value, Trig) and isinstance(right, Trig)):
             return ""
         gap = claim.value - right
@@ -190,8 +198,8 @@ class Judge:
         return states is not None and bool(states.polynomial(x).vanishes.all())
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
-        """Of a quantity that has two right values, such as a torque that holds a force of either
-        sense, the one that fits the answer."""
+        """The claim's quantity in the sense that fits the answer, where it has two right values, as
+        a torque that holds a force of either sense."""
         target = claim.target
         if not target.also:
             return target
@@ -213,7 +221,8 @@ class Judge:
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
 
     def _senses(self, kind: Kind) -> tuple[int, int]:
-        """How many claims about a kind are right in the first sense, and in the second."""
+        """The number of claims about a kind that are right in the first sense, and in the
+        second."""
         of = {kind} if kind.has_own_sense else {x.target.kind for x in self.claims}
         told = [x for x in self.claims if x.target.also and x.target.kind in of]
         first = sum(_is_right(claim, claim.target.compute) for claim in told)
@@ -231,7 +240,7 @@ class Judge:
         right, condition = self.numbers.at_condition(claim, right)
         findings, causes = self._explained(claim, yours, right) if explain else ([], [])
         causes = [*[f"It is compared at {condition}."] * bool(condition), *causes]
-        hint = coriolis.advice(self.setting, claim, self.claims)
+        hint = coriolis_advice(self.setting, claim, self.claims)
         causes = [*causes, *[hint] * bool(hint), *self._unsymmetric(claim)]
         return self._with_example(claim, right, findings, causes)
 
@@ -263,11 +272,7 @@ class Judge:
     def _with_example(
         self, claim: Claim, right: Trig, findings: Sequence[Mistake], causes: Sequence[str]
     ) -> EquationVerdict:
-        shown = self.example(claim.value, right)
-        text = numeric_example.sentence(shown) if shown else ""
-        return EquationVerdict(
-            claim.label, claim.target.title, False, tuple(findings), tuple(causes), shown, text
-        )
+        return wrong_verdict(claim, findings, causes, self.example(claim.value, right))
 
     def example(self, yours: Value, right: Value) -> Example | None:
         """Numbers at which an answer is not the right one; of a closed chain at a state at which
@@ -277,24 +282,24 @@ class Judge:
             gap = states.of(yours) - states.of(right)
             if not gap.vanishes.all():
                 tree = Named("", yours)
-                return numeric_example.example_at(self.setting, states, gap.worst, tree, right)
-        return numeric_example.example(self.setting, yours, right)
+                return example_at(self.setting, states, gap.worst, tree, right)
+        return example(self.setting, yours, right)
 
     def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
         """The verdict on what is right though it is not the same: torques of passive joints, other
         matrices C."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.kind.by_rates else ""
         if claim.target.idle and (
-            yours.is_zero or undriven_joints.is_same(self.setting, yours, right)
+            yours.is_zero or is_undriven_equation(self.setting, yours, right)
         ):
             joint = claim.target.index[0]
-            note = f"Joint {joint} is passive: {sym(f'tau{joint}')} = 0."
-        return EquationVerdict(claim.label, claim.target.title, True, note=note) if note else None
+            note = f"Joint {joint} is passive: {sym(f'{kinds.TORQUE.usual}{joint}')} = 0."
+        return right_verdict(claim, note) if note else None
 
     @cached_property
     def coriolis(self) -> Mapping[tuple[int, ...], str]:
-        """What is to be said of entries of another matrix C than Christoffel's."""
-        return coriolis.notes(self.setting, self.claims)
+        """Notes on entries of another matrix C than Christoffel's, by their indices."""
+        return coriolis_notes(self.setting, self.claims)
 
     # ------------------------------------------------------------ numbers
     def _in_numbers(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
@@ -317,7 +322,7 @@ class Judge:
             if rounded.applies:
                 note = f"In numbers, with the values of {model.name!r}, to the digits given."
             note = f"{note} {verdict_at_states.LEVEL}" if wrong else note
-            return EquationVerdict(claim.label, claim.target.title, True, note=note)
+            return right_verdict(claim, note)
         if not rounded.is_in_numbers:
             return None
         wording = Wording(self.setting, claim.source)
@@ -355,20 +360,23 @@ class Judge:
         work = Workspace(claim.node, self.point)
         value = self.point.of(right)
         doubt = doubt_about(self.setting, self.targets, claim, work)
-        causes = self._thoughts(claim, right, work.value)
+        causes = self.thoughts(claim, right, work)
         findings = Explanation(self, claim, right, work, value).findings(bool(causes))
         return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
 
-    def _thoughts(self, claim: Claim, right: Trig, value: int) -> list[str]:
-        """What may have been thought; thoughts are told of the model's own coordinates only."""
+    def thoughts(self, claim: Claim, right: Value, work: Workspace) -> list[str]:
+        """Sentences on what may have been thought, of the model's own coordinates only."""
         if self.setting.turned is not None:
             return []
-        terms = None
+        terms, point = None, work.point
         if claim.whole is not None:
             named = (x for x in nodes(claim.whole) if isinstance(x, Named))
-            terms = frozenset(self.point.of(x.value) for x in named)
-        subject = Subject(self.bodies, self.targets, claim.target, right, terms)
-        return explaining(subject, value)
+            terms = frozenset(point.of(x.value) for x in named)
+        bodies = self.bodies if point is self.point else BodiesAtPoint(self.setting, point)
+        free = self.free_body and FreeSides(self.free_body, claim.value, claim.target.compute())
+        return explaining(
+            Subject(bodies, self.targets, claim.target, right, terms, free), work.value
+        )
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
         """A sentence about a term in the wrong units."""

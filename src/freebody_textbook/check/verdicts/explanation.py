@@ -1,4 +1,5 @@
-"""What is wrong with one equation of an answer: the simplest changes that make it right."""
+"""The simplest changes that make one equation of an answer right; and the verdict on what is no
+polynomial, or holds for free motions only: solved accelerations, inverses, cos θ₂ from x and y."""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from freebody.errors import FreebodyError
 from freebody.expressions.grammar.lexer import tokens
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.algebra.finite_field import Point, Workspace
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
@@ -19,19 +20,22 @@ from freebody_textbook.check.reasons.differences import (
     Difference,
     differences,
     is_too_long,
+    polynomial,
     printed,
     terms,
 )
+from freebody_textbook.check.reasons.free_bodies import FreeMotion
 from freebody_textbook.check.reasons.misconceptions import related
-from freebody_textbook.check.reasons.repairs import Repairs
-from freebody_textbook.check.reasons.small_changes import Repair
+from freebody_textbook.check.reasons.misreadings import doubt_about
+from freebody_textbook.check.reasons.small_changes import Repair, Repairs
 from freebody_textbook.check.spelling.answer_text import AnswerText
-from freebody_textbook.check.verdict import Mistake
-from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.check.verdict import EquationVerdict, Mistake
+from freebody_textbook.check.verdicts.verdict_sentences import Wording, wrong_verdict
 from freebody_textbook.closed_chains.first_kind import MULTIPLIER
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge
+
 
 MOST_FINDINGS = 6
 _MISSING, _REVERSE = 1.9, 0.3
@@ -59,7 +63,7 @@ class Explanation:
 
     @cached_property
     def rows(self) -> Sequence[Difference]:
-        """Terms that differ."""
+        """The terms in which the answer differs from the right one."""
         assert isinstance(self.claim.value, Trig)
         assert isinstance(self.right, Trig)
         return differences(self.setting, self.claim.value, self.right)
@@ -116,7 +120,7 @@ class Explanation:
         """Changes of the answer."""
         return Repairs(self.setting, self.work, self.value, self._related)
 
-    def _related(self, name: str) -> dict[str, Trig]:
+    def _related(self, name: str) -> dict[str, Value]:
         """The other entries of the family of a quantity that stands in the answer, such as H11."""
         single = self.judge.targets.single
         others = related(self.judge.targets, single[name]) if name in single else {}
@@ -178,12 +182,7 @@ class Explanation:
         return [self._said(repair) for repair in found]
 
     def _term(self, row: Difference) -> Trig:
-        x = self.setting.ring.polynomial([(dict(row.key[0]), row.right)])
-        for function, argument, exponent in row.key[1]:
-            angle = sum((self.setting.ring[name] * k for name, k in argument), self.setting.zero)
-            for _ in range(exponent):
-                x = x * (angle.sin() if function == "sin" else angle.cos())
-        return x
+        return polynomial(self.setting, row.key, row.right)
 
     def _said(self, repair: Repair) -> Mistake:
         if repair.kind == "missing" and repair.node is self.work.root:
@@ -204,3 +203,59 @@ def first(found: list[Mistake]) -> list[Mistake]:
         return found
     more = Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
     return [*found[:MOST_FINDINGS], more]
+
+
+_LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
+
+
+def quotient_verdict(
+    judge: Judge, claim: Claim, right: Value, explain: bool
+) -> EquationVerdict | None:
+    """The verdict on a quotient, or on what holds for free motions; None of any other answer."""
+    yours, point = claim.value, judge.point
+    motion = _motion(judge, claim, right)
+    if motion is not None and any(map(motion.concerns, (yours, right))):
+        yours, right, point = motion.of(yours), motion.of(right), motion.at(point)
+    if point is judge.point and isinstance(yours, Trig) and isinstance(right, Trig):
+        return None
+    findings, causes = _explained(judge, claim, right, point) if explain else ([], [])
+    return wrong_verdict(claim, findings, causes, judge.example(yours, right))
+
+
+def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
+    """The motions of a free body for which a claim is to hold."""
+    return judge.free_body and judge.free_body.motion((claim.value, right))
+
+
+def _explained(
+    judge: Judge, claim: Claim, right: Value, point: Point
+) -> tuple[list[Mistake], list[str]]:
+    """The changes that make it right, and what may have been thought."""
+    work = Workspace(claim.node, point)
+    doubt = doubt_about(judge.setting, judge.targets, claim, work)
+    thoughts = [*[doubt] * bool(doubt), *judge.thoughts(claim, right, work)]
+    found = _Changes(judge, claim, right, work, point.of(right)).simplest(bool(thoughts))
+    if claim.whole is not None and [x.kind for x in found] != ["sign"]:
+        whole = Workspace(claim.whole, point)
+        other = _Changes(judge, claim, judge.setting.zero, whole, 0).simplest(bool(thoughts))
+        found = other if not found or [x.kind for x in other] == ["sign"] else found
+    return found, thoughts
+
+
+class _Changes(Explanation):
+    """The search without a comparison term by term."""
+
+    @property
+    def rows(self) -> Sequence[Difference]:
+        return ()
+
+    def simplest(self, has_cause: bool) -> list[Mistake]:
+        """One change or several that make it right; none where none is found, and where the cause
+        is known only a likely one."""
+        single = self._single()
+        if single is None:
+            return [] if has_cause else self._several()
+        says_nothing = single.yours == self.claim.source[self.work.root.span]
+        if single.kind == "extra" and says_nothing:
+            return []
+        return [single] if not has_cause or single.kind in _LIKELY else []

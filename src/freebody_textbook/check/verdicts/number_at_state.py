@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.nodes import Number, nodes
 from freebody.expressions.nodes import replaced as with_nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND
@@ -15,11 +17,10 @@ from freebody.outputs.number_text import shortest
 from freebody.scalars.generators import SIGN, function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
+from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.check.algebra.real_point import RealPoint
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.results import WrittenNumber
-from freebody_textbook.check.numbers.states import GivenState
+from freebody_textbook.check.numbers.states import GivenState, WrittenNumber
 from freebody_textbook.check.numbers.units import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim
@@ -28,7 +29,7 @@ from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
 from freebody_textbook.closed_chains.first_kind import is_multiplier
 
 EXACT = 1e-9
-"""How far numbers may be apart beyond their digits."""
+"""The share by which numbers may be apart beyond their digits."""
 _VAGUE = 0.05
 """The share by which a number may be off where a reason is sought: half a unit of two digits."""
 
@@ -51,7 +52,7 @@ class NumberAtState:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """All that is known, in SI units."""
+        """The values of all names that are known, in SI units."""
         model = self.setting.symbols.model.parameters
         known = {name: float(value) for name, value in model.items() if value is not None}
         for name, given in self.given.items():
@@ -99,12 +100,12 @@ class NumberAtState:
 
     @cached_property
     def _noise(self) -> float:
-        """What floating point leaves where terms cancel, as cos 90°."""
+        """The error that floating point leaves where terms cancel, as cos 90°."""
         return EXACT * (self._size + abs(self.yours))
 
     @cached_property
     def _size(self) -> float:
-        """How large the terms of the right number are together."""
+        """The sum of the sizes of the right number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
@@ -138,7 +139,7 @@ class NumberAtState:
         return self.factor * self._of_digits()
 
     def _of_digits(self) -> float:
-        """What half a unit of the last digit of each number makes of the answer."""
+        """The change of the answer by half a unit of the last digit of each of its numbers."""
         root, source = self.claim.node, self.claim.source
         total = 0.0
         for node in nodes(root):
@@ -156,9 +157,10 @@ class NumberAtState:
 
     @property
     def digits(self) -> int:
-        """How many the answer has; of one that is computed from several numbers four."""
-        mantissa, _, _ = self.claim.source.plain(self.claim.node.span).lower().partition("e")
-        return len("".join(filter(str.isdigit, mantissa)).lstrip("0")) if self.is_lone else 4
+        """The number of digits that count in the answer; four of one that is computed from several
+        numbers."""
+        written = numbers(Lexemes.of(self.claim.source.plain(self.claim.node.span)))
+        return next((x.digits for _, x in written), 4) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:

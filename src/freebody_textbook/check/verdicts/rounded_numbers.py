@@ -7,12 +7,13 @@ may stay.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
 from freebody.errors import FreebodyError
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Number, nodes, replaced
 from freebody.expressions.polynomials.angle_sums import SymbolPowers
@@ -21,21 +22,22 @@ from freebody.scalars.rational import exactly, rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.asked.terms_by_motion import Parts, parts, whole
 from freebody_textbook.check.reasons.differences import (
     Difference,
+    Parts,
     ProductKey,
     differences,
     is_too_long,
+    parts,
     terms,
+    whole,
 )
 
 MEASURED = Fraction(1, 1000)
-"""Of a term of a model whose numbers are measured ones: how far it may be off."""
+"""The share by which a term may be off where the model's numbers are measured ones."""
 MOST_NUMBERS = 60
 
 _EXACT = Fraction(1, 10**9)
-_DECIMAL = re.compile(r"\d*\.(\d+)(?:[eE]([+-]?\d+))?")
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,7 @@ class Rounded:
 
     @cached_property
     def _in_numbers(self) -> frozenset[SymbolPowers]:
-        """Of the products in the answer those with which no parameter stands that has a value, g
-        apart."""
+        """The products of the answer with which no parameter stands that has a value, g apart."""
         symbols = set(self._constants) - {self.setting.order.gravity}
         return frozenset(
             key
@@ -127,8 +128,8 @@ class Rounded:
         slack = self._slack()
 
         def within(row: Difference) -> Fraction:
-            """What the digits leave open; nothing where that is more than the right number, so that
-            nearly any would do."""
+            """The change that the digits leave open; none where that is more than the right number,
+            so that nearly any would do."""
             half = slack.get(row.key, Fraction(0))
             return half if half <= abs(row.right) else Fraction(0)
 
@@ -201,8 +202,7 @@ def half_a_unit(text: str, value: Fraction, whole: bool = False) -> Fraction:
     if whole and value and text.isdigit():
         return Fraction(1, 2)
     relative = Fraction(0)
-    for match in _DECIMAL.finditer(text):
-        half = Fraction(10) ** (int(match[2] or 0) - len(match[1])) / 2
-        size = abs(Fraction(match[0]))
-        relative += half / size if size else 0  # 0.0 has no digit to be rounded
+    for match, figures in numbers(Lexemes.of(text)):
+        size = Fraction(match.text) if figures.decimals else 0
+        relative += figures.last / 2 / size if size else 0  # 0.0 has no digit to be rounded
     return abs(value) * relative

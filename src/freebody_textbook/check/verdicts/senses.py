@@ -11,7 +11,7 @@ from freebody.expressions.nodes import Expression, Negative, Sum, nodes
 from freebody.expressions.printed_names import sym
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.quotients import generator
-from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.verdict import EquationVerdict
 from freebody_textbook.closed_chains.first_kind import multiplier_names
@@ -24,25 +24,25 @@ _MULTIPLIERS = "The multipliers have the opposite sign, τ = M q̈ + … − Φ_
 def others(
     setting: RightEquations, wrong: Sequence[Claim], written: str
 ) -> Iterator[frozenset[str]]:
-    """What an answer with wrong claims may have with the other sign: the loop equations that these
-    are about, with their multipliers, the sense of all multipliers, and that of a force from
+    """Sets of names that an answer with wrong claims may have with the other sign: the loop
+    equations that these are about, with their multipliers, all multipliers, and a force from
     outside."""
     if setting.system is None or not wrong:
         return
     numbers = {x.target.index[0] for x in wrong if x.target.kind.is_of_loop_equation}
-    rows = frozenset(f"Phi{i}" for i in numbers)
+    rows = frozenset(map(loop_equation, numbers))
     is_told = any(x in written for x in ("λ", "lam"))
-    names = frozenset(multiplier_names(setting.system.loops) if is_told else ())
-    own = _multipliers(setting, rows) & names
+    names = frozenset(_multipliers(setting) if is_told else ())
+    own = names.intersection(x for x, row in _multipliers(setting).items() if row in rows)
     yield from [frozenset(setting.loads)] * bool(setting.loads)
     yield from filter(None, dict.fromkeys((rows | own, names, rows | (names - own), rows)))
 
 
-def _multipliers(setting: RightEquations, rows: Collection[str]) -> frozenset[str]:
-    """The multipliers of loop equations."""
+def _multipliers(setting: RightEquations) -> dict[str, str]:
+    """The multipliers, each with its loop equation."""
     assert setting.system is not None
     names = enumerate(multiplier_names(setting.system.loops), 1)
-    return frozenset(name for i, name in names if f"Phi{i}" in rows)
+    return {name: loop_equation(i) for i, name in names}
 
 
 def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]) -> bool:
@@ -52,7 +52,7 @@ def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]
 
 
 def _signs(opposed: Set[str], claim: Claim) -> int:
-    """How many terms of a claim have the other sign, as they are written."""
+    """The number of terms of a claim that have the other sign, as they are written."""
     terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
     if claim.target.kind.is_of_loop_equation:
         return len(terms)
@@ -88,11 +88,12 @@ def noted(
 
 def _told(setting: RightEquations) -> str:
     """Which signs are the other ones."""
-    rows = sorted(x for x in setting.opposed if x.startswith("Phi"))
-    own = _multipliers(setting, rows)
+    of_loops = _multipliers(setting)
+    rows = [row for row in of_loops.values() if row in setting.opposed]
     have = "have" if len(rows) > 1 else "has"
     told = [_LOOPS.format(listed([str(sym(x)) for x in rows]), have)] * bool(rows)
-    multipliers = setting.opposed.difference(rows, setting.loads)
-    told += [_MULTIPLIERS] * (multipliers not in (own, frozenset()))
+    multipliers = setting.opposed & of_loops.keys()
+    own = {name for name, row in of_loops.items() if row in rows}
+    told += [_MULTIPLIERS] * (multipliers not in (own, set()))
     told += [_LOAD] * (not setting.opposed.isdisjoint(setting.loads))
     return " ".join(told)

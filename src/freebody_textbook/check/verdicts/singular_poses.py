@@ -1,4 +1,4 @@
-"""What an answer says of singular poses, "singular at θ2 = 0 or π", put into det J (2.23)."""
+"""Singular poses of answers, "singular at θ2 = 0 or π", put into det J (2.23)."""
 
 from __future__ import annotations
 
@@ -15,13 +15,12 @@ from freebody.expressions.quantities import kinds
 from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Value, put
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.reasons.free_motion import put
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.verdict import EquationVerdict
 
@@ -165,7 +164,7 @@ def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
 def _images(
     at: tuple[Fraction, Trig], name: str, function: str | None, angles: tuple[str, ...]
 ) -> dict[str, Value]:
-    """What generators are where a coordinate, or its sine or cosine, is the sum of a number and
+    """Values of generators where a coordinate, or its sine or cosine, is the sum of a number and
     other angles."""
     number, rest = at
     if function:

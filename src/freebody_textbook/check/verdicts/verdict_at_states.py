@@ -14,25 +14,29 @@ from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.finite_field_tree import without_values
+from freebody_textbook.check.algebra.finite_field import without_values
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
 from freebody_textbook.check.numbers.units import in_other_units
 from freebody_textbook.check.reading.claim import Claim
+from freebody_textbook.check.reasons.misconceptions import left_out
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
-from freebody_textbook.check.reasons.swapped_functions import swapped
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
-from freebody_textbook.check.states.running import Running
 from freebody_textbook.check.states.state_values import (
     MOST_BRANCHES,
+    Running,
     functions_of,
     of_several_values,
 )
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
-from freebody_textbook.check.verdicts.numeric_example import example_at, sentence
-from freebody_textbook.check.verdicts.verdict_sentences import Wording
+from freebody_textbook.check.verdicts.verdict_sentences import (
+    Wording,
+    example_at,
+    right_verdict,
+    wrong_verdict,
+)
 from freebody_textbook.closed_chains.linear import Ratio
 
 if TYPE_CHECKING:
@@ -154,7 +158,7 @@ class _AtStates:
 
     @cached_property
     def _equal(self) -> Equal:
-        """In which sense."""
+        """The sense in which both sides must be equal."""
         ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
         has_level = self.judge.up_to_a_constant(self.claim, self.right) and self._is_energy
@@ -193,21 +197,21 @@ class _AtStates:
         if note := self._note(found):
             if by_functions and not self._shares_a_posture(found):
                 return self._wrong(found, (), (_OTHER_POSTURE,))
-            note = f"{note} {self.claim.target.note}".strip()
-            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+            return right_verdict(self.claim, f"{note} {self.claim.target.note}".strip())
         if held is not None and self._agreement(held).is_everywhere:
             note = f"It holds in equilibrium: compared in numbers at {held.count} positions."
-            return EquationVerdict(self.claim.label, self.claim.target.title, True, note=note)
+            return right_verdict(self.claim, note)
         there, where = self._there()
         if there is not None:
             found = self._agreement(there)
             if note := self._note(found):
-                label, title = self.claim.label, self.claim.target.title
-                return EquationVerdict(label, title, True, note=f"At {where}. {note}")
+                return right_verdict(self.claim, f"At {where}. {note}")
         if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
+        if explain and not by_functions and (cause := self._left_out(states)):
+            return self._wrong(found, (), (cause,))
         return self._wrong_only_here(found, explain, by_functions)
 
     def _wrong_only_here(
@@ -221,11 +225,24 @@ class _AtStates:
         unexplained = not only_here or self.claim.target.kind.is_equation
         if mistake is None and unexplained and not by_functions:
             return None
-        findings = (mistake,) if isinstance(mistake, Mistake) else ()
-        compared = f"Compared in numbers at {found.states.count} states"
-        told = f"{compared}{', on every branch' * by_functions}."
-        causes = (*([mistake] if isinstance(mistake, str) else []), *[told] * by_functions)
-        return self._wrong(found, findings, causes)
+        told = f"Compared in numbers at {found.states.count} states, on every branch."
+        return self._wrong(found, (mistake,) if mistake else (), (told,) if by_functions else ())
+
+    def _left_out(self, states: AdmissibleStates) -> str:
+        """A sentence on what may have been left out: where it is 0, the claim is right."""
+        setting = self.judge.setting
+        if self.claim.value.is_zero or not _has_conditions(setting):
+            return ""
+        named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
+        written = symbols_in(*(part for value in named for part in pair(value)))
+        sampler = StateSampler(setting, acting=self.claim.target.acting)
+        for text, names in left_out(setting):
+            there = None
+            if names.isdisjoint(written):
+                there = sampler.at_values(states, dict.fromkeys(names, 0.0))
+            if there is not None and self._note(self._agreement(there)):
+                return text
+        return ""
 
     @property
     def _is_by_loops(self) -> bool:
@@ -267,7 +284,7 @@ class _AtStates:
         return found, in_words(given)
 
     def _note(self, found: Agreement) -> str:
-        """What is said of a claim that is right; "" of one that is not."""
+        """A note on a claim that is right; "" of one that is not."""
         closed = self.judge.setting.system is not None
         passive = self.judge.setting.symbols.model.passive
         of_loops = self.claim.target.kind.of_loops
@@ -313,20 +330,13 @@ class _AtStates:
             shown = example_at(
                 self.judge.setting, found.states, found.worst, claim.node, self.right
             )
-        text = sentence(shown) if shown else ""
-        return EquationVerdict(
-            claim.label, claim.target.title, False, findings, causes, shown, text
-        )
+        return wrong_verdict(claim, findings, causes, shown)
 
     # ------------------------------------------------------------ mistakes
-    def _mistakes(self, found: Agreement) -> Iterator[Mistake | str]:
-        """What makes it right, the likeliest first."""
+    def _mistakes(self, found: Agreement) -> Iterator[Mistake]:
+        """Mistakes that alone account for the difference, the likeliest first."""
         tree = self._tree
-        fits = self._fitting(found)
-        for text, node, new in swapped(tree):
-            if fits(replaced(tree, {node: new})):
-                yield text
-        work = without_values(tree)
+        fits, work = self._fitting(found), without_values(tree)
         if len(work.values) > _MOST_NODES:
             return
         changes = SmallChanges(self.judge.setting, work, 0, lambda name: {})
@@ -364,5 +374,5 @@ def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
 
 
 def _can_be_said(repair: Repair) -> bool:
-    """Whether a change prints: of what holds functions only a sign does."""
-    return repair.kind == "sign" or not functions_of(repair.node)
+    """Whether a change prints: of what holds functions only a sign and another function do."""
+    return repair.kind in ("sign", "arguments", "inverse") or not functions_of(repair.node)

@@ -1,7 +1,10 @@
-"""Repairs and differences as sentences a student understands."""
+"""Verdicts in words: repairs and differences as sentences a student understands, and numbers at
+which an answer and the right one differ."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -9,16 +12,22 @@ from freebody.expressions import expression as ex
 from freebody.expressions.grammar.atoms import atom, numbered
 from freebody.expressions.grammar.source import Source
 from freebody.expressions.nodes import Expression, Function, Number, Power, Product, Sum, nodes
-from freebody.expressions.printed_names import sym
+from freebody.expressions.printed_names import sym, with_letter
 from freebody.expressions.quantities.kinds import LETTERED
+from freebody.outputs.number_text import shortest
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.finite_field_tree import Workspace
+from freebody_textbook.check.algebra.finite_field import Workspace
+from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.differences import Difference, printed
 from freebody_textbook.check.reasons.small_changes import Repair
-from freebody_textbook.check.verdict import Mistake
+from freebody_textbook.check.states.state_values import StateValues
+from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
+from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.relations.formula_values import occurs, typical_value
 
 _LONG = 70
 _USUAL = frozenset(kind.usual for kind in LETTERED if kind.usual)
@@ -31,9 +40,11 @@ _OF_REPAIR = {
     "missing factor": "{written} lacks the factor {factor}.",
     "extra factor": "The factor {written} should not be there{inside}.",
     "exponent": "{written} has the wrong power{inside}: it must be {should}.",
+    "arguments": "atan2 takes the sine's part first: {should}.",
+    "inverse": "It is the {should} of that.",
 }
 _OTHER_REPAIR = "{written} must be {should}{inside}{reason}."
-"""What is said of a change of the answer, by its kind."""
+"""The sentence about any other change of the answer."""
 
 _OF_REVERSE = {
     "sign": "{should}{inside} has the wrong sign in your answer.",
@@ -44,7 +55,10 @@ _OF_REVERSE = {
     "extra factor": "{should} has an extra factor {factor} in your answer.",
 }
 _OTHER_REVERSE = "In place of {should}{inside} you have {has}{reason}."
-"""The same of a change of the right answer that makes it the user's, by what the user's has."""
+"""The sentence about any other change of the right answer that makes it the user's."""
+
+_OF_FUNCTIONS = {"arcsin": "arcsine", "arccos": "arccosine", "atan2": "atan2(y, x)"}
+"""Words for inverse functions, whose values no polynomial prints."""
 
 _OPPOSITE = {
     "extra": "missing",
@@ -52,6 +66,23 @@ _OPPOSITE = {
     "missing factor": "extra factor",
     "extra factor": "missing factor",
 }
+
+
+def right_verdict(claim: Claim, note: str = "") -> EquationVerdict:
+    """The verdict on a claim that is right."""
+    return EquationVerdict(claim.label, claim.target.title, True, note=note)
+
+
+def wrong_verdict(
+    claim: Claim,
+    findings: Iterable[Mistake] = (),
+    causes: Iterable[str] = (),
+    shown: Example | None = None,
+) -> EquationVerdict:
+    """The verdict on a claim that is wrong, with an example in numbers."""
+    text = sentence(shown) if shown else ""
+    title = claim.target.title
+    return EquationVerdict(claim.label, title, False, tuple(findings), tuple(causes), shown, text)
 
 
 @dataclass(frozen=True)
@@ -63,7 +94,7 @@ class Wording:
 
     # ------------------------------------------------------------ repairs of the answer itself
     def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
-        """What is wrong at one place of the answer."""
+        """The mistake that a change mends, at its place in the answer."""
         written = self.written(repair.node.span)
         should = self._opposite(repair) or self.node(repair.new)
         if repair.node is work.root and isinstance(repair.node, Sum):
@@ -149,7 +180,8 @@ class Wording:
     # ------------------------------------------------------------ the same seen from the right
     # answer
     def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Mistake:
-        """What the answer has in place of a piece of the right one, whose text `right` knows."""
+        """The mistake that turns a piece of the right answer, whose text `right` knows, into the
+        user's."""
         should, has = right.written(repair.node.span), right.node(repair.new)
         kind = _OPPOSITE.get(repair.kind, repair.kind)
         addend = work.addend_of(repair.node)
@@ -200,7 +232,7 @@ class Wording:
 
     # ------------------------------------------------------------ pieces
     def written(self, span: tuple[int, int]) -> str:
-        """What stands in the text, in quotes, cut where it is long."""
+        """A piece of the text, in quotes, cut where it is long."""
         return quoted(self.source[span])
 
     def node(self, node: Expression) -> str:
@@ -209,7 +241,7 @@ class Wording:
             case Named() if node.name in self.setting.ring.index:
                 return str(sym(node.name))
             case Named() if _is_usual(node.name):
-                return node.name.replace("tau", "τ")
+                return with_letter(node.name)
             case Wave():
                 angle = ex.add(*(ex.mul(k, sym(x)) for x, k in node.angle))
                 text = str(ex.Function(node.function, angle))
@@ -218,6 +250,8 @@ class Wording:
                 return str(ex.power(sym("x"), node.exponent)).replace("x", self.node(node.base), 1)
             case Number():
                 return str(ex.num(node.value))
+            case Function() if node.name in _OF_FUNCTIONS:
+                return _OF_FUNCTIONS[node.name]
         return self._form(node)
 
     def _form(self, node: Expression) -> str:
@@ -231,7 +265,7 @@ def _is_usual(name: str) -> bool:
 
 
 def quoted(text: str) -> str:
-    """In quotes, cut in the middle where it is long."""
+    """A text in quotes, cut in the middle where it is long."""
     shown = text if len(text) <= _LONG else f"{text[: _LONG // 2]} … {text[-_LONG // 3 :]}"
     return f"‘{shown}’"
 
@@ -242,7 +276,7 @@ def _cut(text: str) -> str:
 
 
 def _times(factor: Fraction) -> str:
-    """What is wrong with a term that must be multiplied by a number."""
+    """Words for a term that must be multiplied by a number."""
     size = abs(factor)
     sign = "has the wrong sign and " if factor < 0 else ""
     if size == 1:
@@ -256,3 +290,59 @@ def _times(factor: Fraction) -> str:
     if size.numerator == 1:
         return f"{sign}is {size.denominator} times too large"
     return f"{sign}must be multiplied by {size}"
+
+
+def example(setting: RightEquations, yours: Value, right: Value) -> Example | None:
+    """Values of the symbols that occur, and both results; None where no try tells them apart."""
+    pieces = (*pair(yours), *pair(right))
+    used = [name for name in setting.ring.names if any(occurs(name, x) for x in pieces)]
+    given = setting.symbols.model.parameters
+    for shift in range(4):
+        values = {
+            name: typical_value(name, given.get(name), shift, k) for k, name in enumerate(used)
+        }
+        try:
+            a, b = float(yours.evaluate(values)), float(right.evaluate(values))
+        except (OverflowError, ZeroDivisionError):
+            return None
+        if f"{a:.4g}" != f"{b:.4g}":
+            return Example(values, a, b)
+    return Example(values, a, b) if used and not math.isclose(a, b, rel_tol=1e-12) else None
+
+
+def example_at(
+    setting: RightEquations,
+    states: StateValues,
+    k: int,
+    tree: Expression,
+    right: Value,
+) -> Example | None:
+    """One of the states, and both results there: the values of the symbols that a tree and the
+    right value have; None where one of them is no number."""
+    written = [y for x in nodes(tree) if isinstance(x, Named) for y in pair(x.value)]
+    waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
+
+    def is_told(name: str) -> bool:
+        """Multipliers only where the answer has them."""
+        of = written if name.startswith(MULTIPLIER) else [*written, *pair(right)]
+        return name in waves or any(occurs(name, piece) for piece in of)
+
+    values = {
+        name: float(f"{states.generator(name)[k]:.4g}")
+        for name in setting.ring.names
+        if is_told(name)
+    }
+    sides = states.at(tree, {}), states.of(right)
+    yours, own = (0.0 if x.vanishes[k] else float(x.value[k]) for x in sides)
+    return Example(values, yours, own) if math.isfinite(yours + own) else None
+
+
+def sentence(found: Example) -> str:
+    """An example in words: For example, with θ₁ = 0.4, l₁ = 0.5: yours 1.2, right 1.3."""
+    at = ", ".join(f"{sym(name)} = {shortest(value)}" for name, value in found.values.items())
+    digits = next(
+        (d for d in (4, 6, 9, 15) if f"{found.yours:.{d}g}" != f"{found.right:.{d}g}"), 17
+    )
+    yours, right = (shortest(x, digits) for x in (found.yours, found.right))
+    numbers = f"yours is {yours}, the right one {right}"
+    return f"For example, at {at}: {numbers}." if at else f"In numbers: {numbers}."
