@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
+from freebody import AnswerError
+from freebody_textbook.check.spelling.answer_text import AnswerText
+from support.command import run
 from support.extras import extra
 
 ARM = fb.planar("RR")

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 from freebody_textbook.relations.quantities import Quantities
 
 ARM = fb.planar("RR")
