@@ -35,7 +35,7 @@ def numbers(
     given = [np.asarray(a, dtype=float) for a in (*arrays, *loads.values())]
     batch = np.broadcast_shapes(*(a.shape[:-1] for a in given))
     found = function(*(scalars(np.broadcast_to(a, (*batch, a.shape[-1]))) for a in given))
-    return _array(found, batch)
+    return np.array(_array(found, batch))
 
 
 def _array(value: Any, batch: tuple[int, ...]) -> np.ndarray:

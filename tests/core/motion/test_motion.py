@@ -298,7 +298,8 @@ def test_arrays_are_checked():
     with pytest.raises(FreebodyError, match=r"motion: t must increase; t\[2\] = 1 follows 1\."):
         fb.Motion.of(model, [0, 1, 1, 2], np.zeros((4, 2)))
     with pytest.raises(
-        FreebodyError, match=r"motion: q has 3 rows, t has 4; they must be as many\."
+        FreebodyError,
+        match=r"^Motion\.of: q has shape \(3, 2\), expected \(4, 2\): one row a",
     ):
         fb.Motion.of(model, [0, 1, 2, 3], np.zeros((3, 2)))
     with pytest.raises(
