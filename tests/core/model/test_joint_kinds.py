@@ -16,6 +16,8 @@ from freebody import Inertia, Limits, Parameter
 from freebody.expressions.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.inverse.problem.solutions import turning_coordinates
+from freebody.model import description
+from freebody.model.build import build_model
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody_textbook.derive import compare
@@ -229,16 +231,23 @@ axis = "z"
         read("pitch = 0.1\n", "prismatic")
 
 
-def test_numbers_that_do_not_fit_the_kind():
-    for joint, text in (
-        (replace(THREE[0], numbers=()), r"joint 's': numbers has 0 entries; those of a helical "
-         r"joint are: pitch \(m/rad\)\."),
-        (replace(THREE[1], numbers=(1.0,), parent="base"), r"joint 'u': numbers has 1 entries; "
-         r"those of a universal joint are: none\."),
-        (screw("s", "base", "a", float("nan")), r"joint 's': pitch: nan is not a finite number\."),
-    ):  # fmt: skip
-        with pytest.raises(fb.FreebodyError, match=text):
-            loaded(described(joint))
+@pytest.mark.parametrize(
+    ("kind", "numbers", "text"),
+    [
+        ("helical", (), r"numbers has 0 entries; those of a helical joint are: pitch \(m/rad\)\."),
+        ("universal", (1.0,), r"numbers has 1 entries; those of a universal joint are: none\."),
+        ("helical", (float("nan"),), r"pitch: nan is not a finite number\."),
+    ],
+)
+def test_numbers_that_do_not_fit_the_kind(kind: str, numbers: tuple[float, ...], text: str):
+    """What no file can say."""
+    joint = description.Joint(
+        "j", kind, "base", "a", axis=AXIS if kind == "helical" else (), numbers=numbers
+    )
+    links = (description.Link("base"), description.Link("a"))
+    robot = description.RobotDescription("chain", 3, links, (joint,), (9.81, (0.0, 0.0, -1.0)))
+    with pytest.raises(fb.FreebodyError, match=rf"joint 'j': {text}"):
+        build_model(robot)
 
 
 def test_new_kinds_are_drawn_where_they_are_seen():

@@ -236,7 +236,7 @@ def test_what_a_formula_gives_is_checked(line: str, is_right: bool, words: str):
         (f'lc1 = "{"(" * 60}l1{")" * 60}"', "more than 50 brackets stand inside one another"),
         (f'lc1 = "{"l1+" * 400}l1"', "at most 1000 are read"),
         ('lc1 = "__import__(\'os\')"', '"\'" has no meaning in it'),
-        ('I = "m*(l-2)"', "8: [parameters]: I1 = 'm1*(l1-2)': it is −1 with the values of 'arm'"),
+        ('I = "m*(l-2)"', "8: [parameters]: I1 = 'm1*(l1-2)': it is −1 with the values of 'robot'"),
         ('I1 = "200 g"', "a number with a unit; numbers are in SI units and without one, and a"),
         ('m3 = "l1"', "8: no parameter 'm3' in the model. Did you mean"),
         ('k = 2', "8: no parameter 'k' in the model."),
