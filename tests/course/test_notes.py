@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody import FreebodyError, UnknownNameError
 from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome

@@ -14,9 +14,10 @@ import typer
 import xarray
 
 import freebody as fb
-from freebody.cli.app import app, run
+from freebody.cli.app import app
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
+from support.command import run
 
 ROOT = Path(__file__).parents[2]
 PAGES = (

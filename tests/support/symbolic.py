@@ -1,33 +1,17 @@
-"""Arms with symbols for some of their numbers, and what is derived of them."""
+"""Arms with symbols for some of their numbers."""
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import replace
+import tempfile
+from pathlib import Path
 
 import numpy as np
 
 import freebody as fb
-from freebody.model.description import Mimic
-from freebody.model.model import Model
-from freebody_textbook.methods import METHODS as TABLE
-
-METHODS = list(TABLE)
-"""Names of all methods of derivation."""
-_SHOWN = {"values"}
-"""Options that choose only how lines are written."""
-WAYS = [
-    (method.name, dict(zip((option.name for option in options), chosen, strict=True)))
-    for method in TABLE.values()
-    if method.finds_torques and not method.at_rest and not method.closed_first
-    for options in ([option for option in method.options if option.name not in _SHOWN],)
-    for chosen in itertools.product(*(option.choices for option in options))
-]
-"""The ways from a motion to the torques: every method of open chains, with every choice of its
-options that makes another way."""
+from support.robots import loaded
 
 
-def spatial_arm(seed: int, n: int) -> Model:
+def spatial_arm(seed: int, n: int) -> fb.Model:
     """A random arm by its DH table, some of its entries symbols."""
     rng = np.random.default_rng(seed)
     rows = [
@@ -45,18 +29,21 @@ def spatial_arm(seed: int, n: int) -> Model:
     return fb.dh(rows, convention=str(rng.choice(["standard", "modified"])), name=f"arm{seed}")
 
 
-def coupled(model: Model, **followers: tuple[str, float, float]) -> Model:
+def coupled(model: fb.Model, **followers: tuple[str, float, float]) -> fb.Model:
     """The arm with some joints following others, each by (joint, ratio, offset)."""
-    bodies = [
-        replace(body, joint=replace(body.joint, mimic=Mimic(*followers[body.joint.name])))
-        if body.joint.name in followers
-        else body
-        for body in model.bodies
-    ]
-    return replace(model, bodies=tuple(bodies))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.toml"
+        fb.save(model, path)
+        text = path.read_text(encoding="utf-8")
+    for name, (leader, ratio, offset) in followers.items():
+        head = f'[[joint]]\nname = "{name}"\n'
+        assert head in text
+        mimic = f'mimic = {{ joint = "{leader}", ratio = {ratio!r}, offset = {offset!r} }}\n'
+        text = text.replace(head, head + mimic)
+    return loaded(text)
 
 
-def with_values(model: Model) -> Model:
+def with_values(model: fb.Model) -> fb.Model:
     """Numbers for all parameters that have none; inertias between a half and one are physical."""
     rng = np.random.default_rng(3)
     return model.bind(**{name: rng.uniform(0.5, 1.0) for name in model.missing})

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.formats import toml
-from freebody.model.build import build_model
+from support.command import run
 from support.page_data import page_data
+from support.robots import loaded
 
 RODS = """
 name = "rods"
@@ -31,10 +30,6 @@ lc = "l/2"
 I = "m l²/12"
 """
 Q, QD, QDD = (0.3, -0.7, 1.1), (1.0, 0.4, -0.6), (0.5, 2.0, -1.0)
-
-
-def read(text: str) -> fb.Model:
-    return build_model(toml.describe("arm.toml", text, name="arm"))
 
 
 def in_numbers(l1: float = 1.0, l2: float = 0.8, r: float = 0.01, rho: float = 7850.0) -> fb.Model:
@@ -57,7 +52,7 @@ CHANGES = [{}, {"l1": 1.7}, {"l2": 0.5, "r": 0.02}, {"rho": 2700.0, "l1": 0.2}]
 @pytest.mark.parametrize("changed", CHANGES)
 def test_what_a_formula_gives_follows_what_it_names(changed: dict[str, float]):
     """By bind, as a member of a family, as an input of a kernel, and by a change of a change."""
-    rods, expected = read(RODS), torque(in_numbers(**changed))
+    rods, expected = loaded(RODS), torque(in_numbers(**changed))
     assert torque(rods.bind(changed)) == pytest.approx(expected, rel=1e-12)
     columns = {name: np.array([0.4, value]) for name, value in changed.items()}
     if columns:
@@ -75,7 +70,7 @@ def test_what_a_formula_gives_follows_what_it_names(changed: dict[str, float]):
 
 
 def test_inputs_of_a_family_and_derivatives_follow():
-    rods = read(RODS)
+    rods = loaded(RODS)
     family = rods.bind(l1=np.array([0.5, 1.5]))
     kernel = fb.kernel(family, "inverse_dynamics", inputs=["l2"])
     assert kernel.parameters == ("l1", "l2")
@@ -90,7 +85,7 @@ def test_inputs_of_a_family_and_derivatives_follow():
 
 def test_a_sweep_goes_over_what_formulas_name():
     with pytest.raises(fb.FreebodyError, match=r"'lc1' follows from l1/2; name what it follows"):
-        fb.sweep(read(RODS), "gravity_torque", over={"lc1": [0.5, 1.5]}, at={"q": Q})
+        fb.sweep(loaded(RODS), "gravity_torque", over={"lc1": [0.5, 1.5]}, at={"q": Q})
 
 
 def test_in_space_angles_follow_too():
@@ -104,7 +99,7 @@ def test_in_space_angles_follow_too():
     tilt = "2*half"
     c1y = "-d1/2"
     """
-    arm = read(text).bind(d1=0.5, half=0.6)
+    arm = loaded(text).bind(d1=0.5, half=0.6)
     rows = [{"d": 0.5, "alpha": 1.2, "m": 3, "com": [0, -0.25, 0]}, {"a": 0.4, "m": 2}]
     plain = fb.dh(rows, convention="standard")
     found = fb.inverse_dynamics(arm, Q[:2], QD[:2], QDD[:2])
@@ -125,7 +120,7 @@ def test_numbers_without_values_wait_for_them():
 
 
 def test_a_number_is_not_put_where_a_formula_gives_it():
-    rods = read(RODS)
+    rods = loaded(RODS)
     with pytest.raises(
         fb.FreebodyError, match=r"lc1 follows from l1/2; .* set it free first: bind\(lc1='lc1'\)"
     ):
@@ -153,7 +148,7 @@ def test_a_number_is_not_put_where_a_formula_gives_it():
 
 
 def test_formulas_stay_with_the_model(tmp_path: Path):
-    rods = read(RODS)
+    rods = loaded(RODS)
     fb.save(rods, tmp_path / "rods.toml")
     again = fb.load(tmp_path / "rods.toml")
     assert again == rods
@@ -183,7 +178,7 @@ def test_derivations_put_formulas_in(method: str):
 
 
 def test_equations_relations_and_checks_put_formulas_in():
-    arm = read(RODS).bind(m="m")
+    arm = loaded(RODS).bind(m="m")
     equations = fb.equations(arm)
     assert "H₃₃ = ⅓ m₃ l₃²" in str(fb.equations(arm.bind(l3="l3")))
     assert set(equations.parameters) == {"l1", "l2", "m1", "m2", "m3", "g"}
@@ -241,7 +236,7 @@ def test_what_a_formula_gives_is_checked(line: str, is_right: bool, words: str):
         (f'lc1 = "{"(" * 60}l1{")" * 60}"', "more than 50 brackets stand inside one another"),
         (f'lc1 = "{"l1+" * 400}l1"', "at most 1000 are read"),
         ('lc1 = "__import__(\'os\')"', '"\'" has no meaning in it'),
-        ('I = "m*(l-2)"', "8: [parameters]: I1 = 'm1*(l1-2)': it is −1 with the values of 'arm'"),
+        ('I = "m*(l-2)"', "8: [parameters]: I1 = 'm1*(l1-2)': it is −1 with the values of 'robot'"),
         ('I1 = "200 g"', "a number with a unit; numbers are in SI units and without one, and a"),
         ('m3 = "l1"', "8: no parameter 'm3' in the model. Did you mean"),
         ('k = 2', "8: no parameter 'k' in the model."),
@@ -252,7 +247,7 @@ def test_what_a_formula_gives_is_checked(line: str, is_right: bool, words: str):
 def test_a_formula_that_cannot_be_is_refused(lines: str, words: str):
     text = "[planar]\nword = 'RR'\n[parameters]\nl1 = 1\nl2 = 1e2\nm1 = 1\nm2 = 3\n"
     with pytest.raises(fb.FreebodyError) as refusal:
-        read(text + lines)
+        loaded(text + lines)
     assert words in str(refusal.value)
 
 

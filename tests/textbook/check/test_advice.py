@@ -4,8 +4,8 @@ one."""
 import pytest
 
 import freebody as fb
+from freebody import AnswerError
 from freebody.errors import likely
-from freebody_textbook.check.spelling.answer_text import AnswerError
 
 NOTES = [
     "theta1",

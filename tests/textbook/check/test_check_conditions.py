@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM = fb.load("2R")
 STRETCHED = "H12 = m2 lc2^2 + m2 l1 lc2 + I2"

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
+from support.command import run
 
 ARM = fb.planar("RR")
 

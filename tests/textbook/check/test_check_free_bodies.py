@@ -6,11 +6,9 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
+from freebody import AnswerError, Inertia
 from freebody.expressions.expression import Symbol
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from support.robots import Joint, Link, Robot, loaded
 
 QUADROTOR, GYRO = fb.load("quadrotor"), fb.load("gyro")
 GYROSCOPIC, WEIGHT = "The gyroscopic moment has the wrong sign", "weight has the wrong direction"
@@ -67,8 +65,8 @@ def off_centre():
     """A free body in symbols whose centre of mass is aside."""
     inertia = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
     links, joint = (Link("base"), Link("body", inertia)), Joint("flight", "free", "base", "body")
-    made = RobotDescription("body", 3, links, (joint,), (9.81, (0.0, 0.0, -1.0)))
-    return build_model(made)
+    made = Robot("body", 3, links, (joint,), (9.81, (0.0, 0.0, -1.0)))
+    return loaded(made)
 
 
 @pytest.mark.parametrize("model", [QUADROTOR, off_centre()], ids=["quadrotor", "off_centre"])

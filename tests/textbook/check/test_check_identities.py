@@ -6,7 +6,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 NOTHING = "It claims nothing of the robot."
 

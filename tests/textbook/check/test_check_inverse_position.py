@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM, SLIDE = fb.planar("RR"), fb.planar("RP")
 COSINE = "(x² + y² - l1² - l2²)/(2 l1 l2)"

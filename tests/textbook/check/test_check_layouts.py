@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM = fb.planar("RR")
 H22, H12 = "m2*lc2^2 + I2", "m2*(lc2^2 + l1*lc2*cos(theta2)) + I2"

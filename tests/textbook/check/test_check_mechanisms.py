@@ -6,7 +6,7 @@ import functools
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 load = functools.cache(fb.load)
 SLIDE = r"\frac{l_1\sin\theta_2}{\cos(\theta_1+\theta_2)}"

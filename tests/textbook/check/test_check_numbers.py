@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
+from freebody import AnswerError
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody_textbook.check.numbers.written_units import unit_at
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from support.command import run
 
 ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.5], I=[0.031, 0.012])
 Q, QD, QDD = np.radians([30.0, 45.0]), np.array([2.0, -1.0]), np.array([0.5, 1.0])

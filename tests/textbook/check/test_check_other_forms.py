@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM = fb.planar("RR")
 CART = fb.planar("PR", m=["mc", "mp"], lc=[0, "l"], l=[0, "l"], I=[0, 0], passive=["joint2"])

@@ -9,7 +9,7 @@ import time
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 from support.own_lines import own_lines
 
 SHORT = [("2R", "kane"), ("RP", "statics"), ("elbow_arm", "lagrange")]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM, CART, ACROBOT = fb.planar("RR"), fb.load("cart_pole"), fb.load("acrobot")
 BAR = fb.load("pendulum")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 ARM = fb.planar("RR")
 

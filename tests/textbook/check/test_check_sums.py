@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody import AnswerError
 
 RIGHT = [
     ("2R", r"V = \sum_{i=1}^{2} m_i g y_{ci}"),

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody_textbook.check.spelling.answer_text import AnswerError
-from freebody_textbook.relations.quantities import Quantities
+from freebody import AnswerError
 
 ARM = fb.planar("RR")
 
@@ -92,7 +91,7 @@ SPATIAL = fb.dh(ROWS, convention="standard")
 ARMS = {"RR": ARM, "RP": fb.planar("RP"), "space": SPATIAL, "gyro": fb.load("gyro")}
 
 
-def printed(known: Quantities, x: Any) -> str:
+def printed(known: Any, x: Any) -> str:
     """A quantity as one writes it on a line."""
     if isinstance(x, tuple) and isinstance(x[0], tuple):
         return "[" + ", ".join(f"[{', '.join(str(known.form(y)) for y in row)}]" for row in x) + "]"

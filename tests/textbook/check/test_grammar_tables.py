@@ -8,7 +8,7 @@ import time
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError
+from freebody import FreebodyError
 from freebody.expressions.grammar.tables import characters, classes, spellings
 
 ARM = fb.planar("RR")

@@ -18,8 +18,8 @@ import freebody as fb
 from freebody.expressions.notations.notation import BookNotation
 from freebody.expressions.quantities.kinds import LETTERED
 from freebody.formats import toml
-from freebody.model.build import build_model
 from freebody_textbook.derive import compare
+from support.robots import loaded
 
 FOLDER = Path(__file__).parents[2] / "textbooks"
 
@@ -47,7 +47,7 @@ def model(result: dict[str, Any]) -> fb.Model:
     if "\n" not in result["robot"]:
         return fb.load(result["robot"])
     described = toml.describe("robot.toml", result["robot"], name="robot")
-    return build_model(described, physical="ignore")
+    return loaded(described, physical="ignore")
 
 
 def answered(result: dict[str, Any], lines: list[str]) -> Any:

@@ -7,13 +7,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Inertia, Parameter
 from freebody.expressions.expression import Equation, eq
 from freebody.expressions.polynomials.symbols import symbols
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
-from freebody.model.placement import shift, turn
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
 from freebody_textbook.closed_chains.first_kind import FirstKind
 from freebody_textbook.closed_chains.loops import LoopEquations
@@ -25,6 +21,7 @@ from freebody_textbook.methods.loop_forces import LoopReactions
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from support.printed_values import evaluate
+from support.robots import Joint, Link, Mount, Robot, loaded, shift, turn
 from support.symbolic import spatial_arm, with_values
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -79,7 +76,7 @@ def turned_slide() -> fb.Model:
     )
     gravity = (Parameter("g", 9.81), (0.0, -1.0))
     end = Mount("end", "rod", shift(0.5, 0.0))
-    return build_model(RobotDescription("turned", 2, links, joints, gravity, (end,), tip="end"))
+    return loaded(Robot("turned", 2, links, joints, gravity, (end,), tip="end"))
 
 
 STATES = {

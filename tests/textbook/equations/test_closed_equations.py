@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Model
 from freebody.model.loop_kinds import LOOP_KINDS
-from freebody.model.model import Model
 from support.generate import model as tree
 from support.helpers import close, numbers, path, poses, rate, second_rate, state
+from support.robots import Joint, Link, Mount, Robot, loaded
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -153,19 +154,16 @@ def test_what_a_loop_holds(kind, dim):
 def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
     """A free body whose frame B is held against frame A of the ground by a loop, and a closed
     position of it."""
-    from freebody.model.build import build_model
-    from freebody.model.description import Joint, Link, Mount, RobotDescription
-    from freebody.model.gravity import gravity_of
     from support.generate import random_inertia, random_placement
 
     rng = np.random.default_rng([dim, *kind.encode()])
-    model = build_model(
-        RobotDescription(
+    model = loaded(
+        Robot(
             "hung",
             dim,
             (Link("ground"), Link("body", random_inertia(rng, dim))),
             (Joint("free", "free" if dim == 3 else "planar", "ground", "body"),),
-            gravity_of(9.81, dim),
+            9.81,
             (
                 Mount("A", "ground", random_placement(rng, dim, True)),
                 Mount("B", "body", random_placement(rng, dim, True)),

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
-from freebody.trees.special_joints import all_driven
+from freebody import Model
 from support.closed_chains import (
     GROUND,
     Mechanism,
@@ -23,7 +22,7 @@ from support.closed_chains import (
     pin_reactions,
     ring,
 )
-from support.helpers import close, numbers
+from support.helpers import all_driven, close, numbers
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 

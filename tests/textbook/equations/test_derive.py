@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Model
 from freebody.expressions.expression import Equation, Symbol, nodes
-from freebody.model.model import Model
 from freebody_textbook.derive import compare
 from freebody_textbook.render import page
 from freebody_textbook.render.prose import cited
+from support.methods import METHODS, WAYS
 from support.printed_values import evaluate
-from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
+from support.symbolic import coupled, spatial_arm, with_values
 
 WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]
 

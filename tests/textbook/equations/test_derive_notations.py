@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.expressions.notations.notation import PRESETS, BookNotation, preset
 from freebody_textbook.derivation import Derivation
+from support.command import run
 from support.page_data import page_data
 
 ARM = fb.planar("RR")

@@ -9,9 +9,9 @@ from collections import defaultdict
 import pytest
 
 import freebody as fb
+from freebody import Model
 from freebody.expressions.expression import Symbol, nodes
 from freebody.expressions.notations.notation import PRESETS
-from freebody.model.model import Model
 from freebody_textbook.derivation import Derivation, Step
 from freebody_textbook.derive import undrawn_derivation
 from freebody_textbook.methods import METHODS

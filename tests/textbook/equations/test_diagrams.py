@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
@@ -25,6 +24,7 @@ from freebody_notes.figures.quadrotor import zxz
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.methods import METHODS
 from freebody_textbook.render.page import STYLE
+from support.command import run
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 

@@ -19,18 +19,21 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
+from freebody import (
+    Drive,
+    FreebodyError,
+    Inertia,
+    MissingValueError,
+    Model,
+    Parameter,
+    UnknownNameError,
+)
 from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody.model.build import build_model
-from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.parameters import Parameter
-from freebody.model.placement import shift, turn
 from freebody_textbook.equations.equations import Equations
 from support.extras import extra
 from support.helpers import numbers
 from support.printed_values import evaluate
+from support.robots import Joint, Link, Mimic, Robot, loaded, shift, turn
 from support.symbolic import coupled
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
@@ -403,9 +406,7 @@ def following(ratio: float, kind: str = "revolute", base: str = "fixed") -> Mode
             mimic=Mimic("first", ratio, 0.1),
         ),
     )
-    return with_values(
-        build_model(RobotDescription("gears", 2, links, joints, (9.81, (0.0, -1.0))), base=base)
-    )
+    return with_values(loaded(Robot("gears", 2, links, joints, (9.81, (0.0, -1.0))), base=base))
 
 
 @pytest.mark.parametrize(

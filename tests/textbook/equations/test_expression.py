@@ -10,7 +10,7 @@ from unicodedata import normalize
 import numpy as np
 import pytest
 
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody import FreebodyError, UnknownNameError
 from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import NoValue
 from freebody.expressions.expression import (

@@ -10,22 +10,18 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError
+from freebody import Drive, FreebodyError, Inertia, Parameter
 from freebody.expressions import expression as ex
 from freebody.expressions.naming import Naming
 from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn
 from freebody.figures.text import canonical, label
-from freebody.model.build import build_model
-from freebody.model.description import Drive, Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
-from freebody.model.placement import Placement, shift
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.drawings import illustrate
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.methods import METHODS
 from support.printed_values import evaluate
+from support.robots import Joint, Link, Mount, Placement, Robot, loaded, shift
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -53,9 +49,7 @@ def assembled(
 ) -> fb.Model:
     gravity = (Parameter("g"), (0.0, -1.0))
     root = Link("ground")
-    return build_model(
-        RobotDescription(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
-    )
+    return loaded(Robot(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip))
 
 
 def tree() -> fb.Model:

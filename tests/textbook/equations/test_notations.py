@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
+from freebody import AnswerError
 from freebody.expressions.notations.notation import PRESETS, BookNotation, notation_of, preset
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from support.command import run
 
 ARM = fb.planar("RR")
 OWN = """title = "Mine"

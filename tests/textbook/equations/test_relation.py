@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebody as fb
-from freebody.errors import FreebodyError, ModelError, ShapeError, UnknownNameError
+from freebody import FreebodyError, ModelError, ShapeError, UnknownNameError
 from freebody_textbook.relations.formula import FormulaError, parse
 from freebody_textbook.relations.formula_values import Each, value
 from freebody_textbook.relations.quantities import of_link
