@@ -16,12 +16,24 @@ __version__ = "0.1.0"
 
 _PLACES = {
     "freebody.errors": (
+        "FileError",
         "FreebodyError",
         "FreebodyWarning",
+        "KindError",
         "LoopError",
         "MassWarning",
+        "MissingArgumentError",
+        "MissingPackageError",
+        "MissingValueError",
+        "ModelError",
+        "NotFiniteError",
+        "OutOfMemoryError",
+        "OutputError",
         "PassiveJointError",
         "PhysicalWarning",
+        "ShapeError",
+        "SingularError",
+        "UnknownNameError",
     ),
     "freebody.model.inertia": ("Inertia",),
     "freebody.model.integrated_inertia": ("inertia_from", "integrated_inertia"),
@@ -113,6 +125,7 @@ _PLACES = {
     "freebody_textbook.closed_chains.loops": ("loop_equations",),
     "freebody_textbook.drawings.illustrate": ("derive",),
     "freebody_textbook.check.check": ("check",),
+    "freebody_textbook.check.spelling.answer_text": ("AnswerError",),
     "freebody_textbook.relations.quantities": ("quantities",),
     "freebody_textbook.relations.relation": ("relation",),
     "freebody_textbook.relations.functions": (

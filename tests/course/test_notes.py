@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from freebody.errors import FreebodyError, UnknownNameError
+import freebody as fb
 from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
@@ -94,7 +94,7 @@ def fails(x: Item, form: str) -> bool:
     """Whether a form is found wrong, and not merely unreadable."""
     try:
         outcome = x.check.run(form)
-    except (FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
+    except (fb.FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
         return False
     return not outcome.holds and not any(
         words in line for line in outcome.lines for words in UNREADABLE
@@ -130,7 +130,7 @@ def test_evidence_says_what_was_found(name: str, words: str):
 
 def test_an_item_is_found_by_its_number():
     assert item("3.22") is item("(3.22)") is item("eq-3.22")
-    with pytest.raises(UnknownNameError, match=r"Did you mean 'eq-3\.22'"):
+    with pytest.raises(fb.UnknownNameError, match=r"Did you mean 'eq-3\.22'"):
         item("eq-3.222")
 
 

@@ -15,9 +15,9 @@ from urllib.parse import quote
 import pytest
 from markupsafe import escape
 
+import freebody as fb
 import freebody_notes
 from freebody.cli.app import run as program
-from freebody.errors import UnknownNameError
 from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data
 from freebody_notes.errata import errata
@@ -235,7 +235,7 @@ def test_every_data_file_is_in_the_contents_and_every_check_is_used():
 
 def test_a_check_that_no_file_has_is_named():
     entry = {"title": "", "check": "pendulun"}
-    with pytest.raises(UnknownNameError, match=r"no check 'pendulun' in eq-1\.1\. Did you mean"):
+    with pytest.raises(fb.UnknownNameError, match=r"no check 'pendulun' in eq-1\.1\. Did you mean"):
         _item("eq-1.1", "1.1", entry, {"pendulum": None})
 
 

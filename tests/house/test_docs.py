@@ -4,8 +4,6 @@ wrong."""
 import doctest
 import re
 import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,9 +12,10 @@ import typer
 import xarray
 
 import freebody as fb
-from freebody.cli.app import app, run
+from freebody.cli.app import app
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
+from support.command import run
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -44,14 +43,6 @@ def examples(page: Path):
         exempt, language, body = block.groups()
         if not exempt and language in ("python", "pycon", "console"):
             yield language, text.count("\n", 0, block.start(3)), body
-
-
-def freebody(command: str, cwd: Path) -> str:
-    """Run it; returns what it warns of."""
-    words = [sys.executable, "-m", *shlex.split(command)]
-    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, f"$ {command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
-    return done.stderr
 
 
 def run_doctest(text: str, names: dict, page: str, line: int) -> None:
@@ -103,12 +94,19 @@ PROGRAM = typer.main.get_group(app)
 
 
 @pytest.mark.parametrize("command", ["", *PROGRAM.commands])
-def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
+def test_help_has_an_example_that_runs(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
     help_text = (PROGRAM.commands[command] if command else PROGRAM).epilog or ""
     examples = re.findall(rf"Example: (freebody {command}.*)", help_text)
     assert examples, f"freebody {command} --help shows no example"
+    monkeypatch.chdir(tmp_path)
     for example in examples:
-        assert freebody(example, tmp_path) == ""
+        status = run(shlex.split(example)[1:])
+        assert (status, capsys.readouterr().err) == (0, "")
 
 
 @pytest.mark.parametrize("command", PROGRAM.commands)

@@ -5,44 +5,43 @@ from __future__ import annotations
 
 import numpy as np
 
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.placement import Placement, rotate, shift
+import freebody as fb
 from support.generate import random_rotation
+from support.robots import Joint, Link, Mount, Robot, homogeneous, loaded, placed
 
 Axes = list[tuple[str, np.ndarray, np.ndarray]]
 """(R or P, direction, point) of each joint, in the axes and at the origin of a base."""
 
 
-def arm(axes: Axes, seed: int) -> Model:
+def arm(axes: Axes, seed: int) -> fb.Model:
     """The arm with these axes at zero, on a random base, with random link frames and a random
     tool."""
     rng = np.random.default_rng(seed)
-    base = pose(random_rotation(rng), rng.normal(size=3))
+    base = homogeneous(random_rotation(rng), rng.normal(size=3))
     before = np.eye(4)
     links, joints = [Link("base")], []
     for i, (kind, w, p) in enumerate(axes, 1):
         w = np.asarray(w, dtype=float) / np.linalg.norm(w)
         R = random_rotation(rng)
         along = rng.normal() * w if kind == "R" else rng.normal(size=3)  # anywhere on the axis
-        here = base @ pose(R, np.asarray(p, dtype=float) + along)
+        here = base @ homogeneous(R, np.asarray(p, dtype=float) + along)
         joints.append(
             Joint(
                 f"joint{i}",
                 "revolute" if kind == "R" else "prismatic",
                 links[-1].name,
                 f"link{i}",
-                placement(np.linalg.inv(before) @ here),
+                placed(np.linalg.inv(before) @ here),
                 tuple(R.T @ w),
             )
         )
-        links.append(Link(f"link{i}", Inertia.point(1.0, (0.0, 0.0, 0.0))))
+        links.append(Link(f"link{i}", fb.Inertia.point(1.0, (0.0, 0.0, 0.0))))
         before = here
-    tool = Mount("tool", links[-1].name, placement(pose(random_rotation(rng), rng.normal(size=3))))
-    return build_model(
-        RobotDescription(
+    tool = Mount(
+        "tool", links[-1].name, placed(homogeneous(random_rotation(rng), rng.normal(size=3)))
+    )
+    return loaded(
+        Robot(
             f"arm{seed}",
             3,
             tuple(links),
@@ -52,19 +51,6 @@ def arm(axes: Axes, seed: int) -> Model:
             tip="tool",
         )
     )
-
-
-def pose(R: np.ndarray, p: np.ndarray) -> np.ndarray:
-    """(4, 4)."""
-    T = np.eye(4)
-    T[:3, :3], T[:3, 3] = R, p
-    return T
-
-
-def placement(T: np.ndarray) -> Placement:
-    """A pose as a placement."""
-    U, _, V = np.linalg.svd(T[:3, :3])
-    return shift(*(float(x) for x in T[:3, 3])).then(rotate(U @ V))
 
 
 def direction(rng: np.random.Generator) -> np.ndarray:
@@ -90,13 +76,13 @@ def parallel(n: int, rng: np.random.Generator) -> Axes:
     return [("R", rng.choice([-1.0, 1.0]) * w, rng.normal(size=3)) for _ in range(n)]
 
 
-def apart(model: Model, a: np.ndarray, b: np.ndarray) -> float:
+def apart(model: fb.Model, a: np.ndarray, b: np.ndarray) -> float:
     """The largest joint way between two positions, whole turns left out."""
     turning = np.array([body.kind.name == "revolute" for body in model.bodies])
     way = np.abs(a - b)
     return float(np.where(turning, np.abs((a - b + np.pi) % (2 * np.pi) - np.pi), way).max())
 
 
-def holds(model: Model, solutions: np.ndarray, q: np.ndarray, tolerance: float = 1e-6) -> bool:
+def holds(model: fb.Model, solutions: np.ndarray, q: np.ndarray, tolerance: float = 1e-6) -> bool:
     """Whether q is among the solutions (k, n)."""
     return any(apart(model, row, q) < tolerance for row in solutions)

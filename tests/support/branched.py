@@ -5,10 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Drive, Joint, Link, Mimic, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.placement import rotate, shift
+from support.robots import Joint, Link, Mimic, Robot, loaded, rotate, shift
 
 
 def branched(base: str) -> fb.Model:
@@ -16,10 +13,10 @@ def branched(base: str) -> fb.Model:
     follower."""
     rng = np.random.default_rng(7)
 
-    def lump() -> Inertia:
+    def lump() -> fb.Inertia:
         a = rng.normal(size=(3, 3))
         sigma = a @ a.T * 0.05
-        return Inertia.of(
+        return fb.Inertia.of(
             float(rng.uniform(0.5, 2)),
             rng.normal(size=3) * 0.2,
             np.trace(sigma) * np.eye(3) - sigma,
@@ -29,7 +26,7 @@ def branched(base: str) -> fb.Model:
         turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
         return shift(*rng.normal(size=3) * 0.5).then(rotate(turn * np.sign(np.linalg.det(turn))))
 
-    drive = Drive(viscous=0.3, rotor=1e-3, gear=20.0, stiffness=4.0, rest=0.2)
+    drive = fb.Drive(viscous=0.3, rotor=1e-3, gear=20.0, stiffness=4.0, rest=0.2)
     joints = (
         Joint("a", "revolute", "base", "A", place(), (0.0, 0.0, 1.0), drive=drive),
         Joint("b", "spherical", "A", "B", place()),
@@ -38,9 +35,7 @@ def branched(base: str) -> fb.Model:
         Joint("e", "revolute", "D", "E", place(), (1.0, 2.0, -1.0), mimic=Mimic("c", -1.5, 0.3)),
     )
     links = tuple(Link(name, lump()) for name in ("base", "A", "B", "C", "D", "E"))
-    return build_model(
-        RobotDescription("branched", 3, links, joints, (9.81, (0.0, 0.0, -1.0))), base=base
-    )
+    return loaded(Robot("branched", 3, links, joints, (9.81, (0.0, 0.0, -1.0))), base=base)
 
 
 MODELS = {

@@ -9,15 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Loop, Mount, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.placement import Placement, rotate, shift
-from freebody.model.quantity_reader import VALUES
 from support.generate import random_inertia, random_rotation
 from support.helpers import numbers, poses
+from support.robots import Joint, Link, Loop, Mount, Robot, homogeneous, loaded, placed
 
 GROUND = "ground"
 
@@ -42,7 +36,7 @@ class Mechanism:
     """Parts (None: without mass) and the pins between them; GROUND is no part."""
 
     dim: int
-    parts: Mapping[str, Inertia | None]
+    parts: Mapping[str, fb.Inertia | None]
     pins: tuple[Pin, ...]
     gravity: tuple[float, ...]
     driven: tuple[str, ...] = ()
@@ -52,16 +46,19 @@ class Mechanism:
         return next(pin for pin in self.pins if pin.name == name)
 
 
-def mechanism_of(model: Model) -> Mechanism:
+def mechanism_of(model: fb.Model) -> Mechanism:
     """A model, its bodies' frames being the parts', with one link a body."""
     names = [body.name for body in model.bodies]
-    parts: dict[str, Inertia | None] = {}
+    keep = [*range(model.dim), 3]
+    rest = poses(model, fb.neutral(model))
+    T = {name: pose[np.ix_(keep, keep)] for name, pose in rest.items()}
+    T[GROUND] = np.eye(model.dim + 1)
+    parts: dict[str, fb.Inertia | None] = {}
     pins = []
     for k, body in enumerate(model.bodies):
         masses = model.tree.bodies[model.tree.body_of[k]].masses
         assert len(masses) <= 1
         parts[body.name] = next((_inertia(m, model.dim) for m in masses), None)
-        R, p = body.joint.placement.lower(model.tree.space, VALUES)
         parent = names[body.parent] if body.parent >= 0 else GROUND
         if body.joint.kind in ("planar", "free") and parent == GROUND:
             continue  # it holds nothing
@@ -70,7 +67,7 @@ def mechanism_of(model: Model) -> Mechanism:
                 body.joint.name,
                 body.joint.kind,
                 parent,
-                homogeneous(R, p),
+                np.linalg.inv(T[parent]) @ T[body.name],
                 body.name,
                 np.eye(model.dim + 1),
                 body.joint.axis,
@@ -92,15 +89,17 @@ def mechanism_of(model: Model) -> Mechanism:
     )
 
 
-def _inertia(mass, dim: int) -> Inertia:
+def _inertia(mass, dim: int) -> fb.Inertia:
     if dim == 2:
-        return Inertia(
+        return fb.Inertia(
             float(mass.m), tuple(map(float, mass.c)), (float(np.ravel(mass.inertia)[0]),)
         )
-    return Inertia.of(float(mass.m), tuple(map(float, mass.c)), np.array(mass.inertia, dtype=float))
+    return fb.Inertia.of(
+        float(mass.m), tuple(map(float, mass.c)), np.array(mass.inertia, dtype=float)
+    )
 
 
-def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
+def built(mechanism: Mechanism, tree: Iterable[str] | None) -> fb.Model:
     """The model whose joints are the pins named in `tree`, all others loops; None: every part is
     free.
 
@@ -127,17 +126,17 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
         frame_of[b] = T_b
         parent_of[b] = pin, a
         passive = pin.name not in mechanism.driven
-        place = _placed(np.linalg.inv(frame_of[a]) @ T_a)
+        place = placed(np.linalg.inv(frame_of[a]) @ T_a)
         joints.append(Joint(pin.name, pin.kind, a, b, place, pin.axis, passive=passive))
     order = list(mechanism.parts)
     joints.sort(key=lambda joint: order.index(joint.child))
     mounts, loops = [], []
     for part in order:
-        mounts.append(Mount(f"{part}@", part, _placed(np.linalg.inv(frame_of[part]))))
+        mounts.append(Mount(f"{part}@", part, placed(np.linalg.inv(frame_of[part]))))
     for pin in mechanism.pins:
         for side, part, T in (("a", pin.a, pin.T_a), ("b", pin.b, pin.T_b)):
             mounts.append(
-                Mount(f"{pin.name}.{side}", part, _placed(np.linalg.inv(frame_of[part]) @ T))
+                Mount(f"{pin.name}.{side}", part, placed(np.linalg.inv(frame_of[part]) @ T))
             )
         if pin.name not in chosen:
             axis = () if pin.kind == "revolute" and dim == 2 else pin.axis
@@ -146,41 +145,19 @@ def built(mechanism: Mechanism, tree: Iterable[str] | None) -> Model:
                 Loop(pin.name, kind, (f"{pin.name}.a", f"{pin.name}.b"), axis, pin.distance)
             )
     links = [Link(GROUND)] + [
-        Link(part, inertia, _placed(np.linalg.inv(frame_of[part])))
+        Link(part, inertia, placed(np.linalg.inv(frame_of[part])))
         for part, inertia in mechanism.parts.items()
     ]
-    described = RobotDescription(
+    described = Robot(
         mechanism.name,
         dim,
         tuple(links),
         tuple(joints),
-        gravity_of(mechanism.gravity, dim),
+        mechanism.gravity,
         tuple(mounts),
         tuple(loops),
     )
-    return build_model(described)
-
-
-def _placed(T: np.ndarray) -> Placement:
-    dim = len(T) - 1
-    by = shift(*(float(x) for x in T[:dim, dim]))
-    return (
-        by
-        if np.array_equal(T[:dim, :dim], np.eye(dim))
-        else by.then(rotate(_orthogonal(T[:dim, :dim])))
-    )
-
-
-def _orthogonal(R: np.ndarray) -> np.ndarray:
-    U, _, Vt = np.linalg.svd(R)
-    return U @ Vt
-
-
-def homogeneous(R, p) -> np.ndarray:
-    dim = len(p)
-    T = np.eye(dim + 1)
-    T[:dim, :dim], T[:dim, dim] = R, p
-    return T
+    return loaded(described)
 
 
 # ---------------------------------------------------------------- the same state, torque and
@@ -194,7 +171,7 @@ class Moving:
 
 
 def moving(
-    mechanism: Mechanism, model: Model, q: np.ndarray, qd: np.ndarray, at: str = "@"
+    mechanism: Mechanism, model: fb.Model, q: np.ndarray, qd: np.ndarray, at: str = "@"
 ) -> Moving:
     """The state of the parts, whose frames have the name of the part and `at`."""
     every = poses(model, q)
@@ -205,7 +182,9 @@ def moving(
     return Moving(T | {GROUND: np.eye(mechanism.dim + 1)}, V | {GROUND: np.zeros(n)})
 
 
-def coordinates(mechanism: Mechanism, model: Model, state: Moving) -> tuple[np.ndarray, np.ndarray]:
+def coordinates(
+    mechanism: Mechanism, model: fb.Model, state: Moving
+) -> tuple[np.ndarray, np.ndarray]:
     """q, q̇ of a model of the mechanism in that state."""
     q, qd = [], []
     dim = mechanism.dim
@@ -264,7 +243,7 @@ def _at(mechanism: Mechanism, state: Moving, pin: Pin, side: str):
 
 
 def drives(
-    mechanism: Mechanism, model: Model, state: Moving, torques: Mapping[str, float]
+    mechanism: Mechanism, model: fb.Model, state: Moving, torques: Mapping[str, float]
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """(tau, wrenches) with which the pins' torques (b against a) act in a model; on cut pins they
     are wrenches."""
@@ -294,7 +273,7 @@ def pin_wrench(mechanism: Mechanism, state: Moving, pin: Pin) -> np.ndarray:
 
 def pin_reactions(
     mechanism: Mechanism,
-    model: Model,
+    model: fb.Model,
     state: Moving,
     found: fb.loops.reactions.Reactions,
     torques: Mapping[str, float],

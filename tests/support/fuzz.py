@@ -22,9 +22,7 @@ from typing import Any
 
 import freebody as fb
 from freebody.cli.options import values
-from freebody.errors import FreebodyError, FreebodyWarning
 from freebody.formats.saving import as_toml
-from freebody.motion.files.csv_files import read_motion
 
 CORPUS = Path(__file__).parent.parent / "corpus"
 SECONDS = 5.0
@@ -171,7 +169,7 @@ def readers() -> dict[str, tuple[str, Callable[[Path, bytes], Any]]]:
         "urdf": (".urdf", lambda path, data: _model(path)),
         "toml": (".toml", lambda path, data: _model(path)),
         "dh": (".csv", lambda path, data: _model(path)),
-        "motion": (".csv", lambda path, data: read_motion(arm, path)),
+        "motion": (".csv", lambda path, data: fb.read_motion(arm, path)),
         "check": (".txt", lambda path, data: fb.check(arm, _text(data)).text),
         "values": (".txt", lambda path, data: values("q", _text(data))),
         "word": (".txt", lambda path, data: fb.planar(_text(data)).limits),
@@ -239,11 +237,11 @@ def fault(kind: str, data: bytes, path: Path, read: Callable[[Path, bytes], Any]
         path.write_bytes(data)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        warnings.simplefilter("ignore", FreebodyWarning)
+        warnings.simplefilter("ignore", fb.FreebodyWarning)
         try:
             with watched(path):
                 read(path, data)
-        except FreebodyError as error:
+        except fb.FreebodyError as error:
             if len(str(error)) > 5000:
                 return f"an error of {len(str(error))} characters"
         except Hang:

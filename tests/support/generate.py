@@ -9,22 +9,21 @@ from functools import lru_cache
 
 import numpy as np
 
-from freebody.model.build import build_model
-from freebody.model.description import (
-    Drive,
+import freebody as fb
+from support.robots import (
+    KINDS,
     Joint,
-    Limits,
     Link,
     Mimic,
     Mount,
     Payload,
-    RobotDescription,
+    Placement,
+    Robot,
+    loaded,
+    rotate,
+    shift,
+    turn,
 )
-from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
-from freebody.model.joints import KINDS
-from freebody.model.model import Model
-from freebody.model.placement import Placement, rotate, shift, turn
 
 MOVING = {name: kind for name, kind in KINDS.items() if kind.nv}
 SPATIAL = tuple(name for name, kind in MOVING.items() if 3 in kind.dimensions)
@@ -34,10 +33,10 @@ _WEIGHTS = dict.fromkeys(MOVING, 1.2) | {"revolute": 6.0, "continuous": 3.0, "pr
 
 
 @lru_cache(maxsize=64)
-def model(seed: int, dim: int = 3) -> Model:
+def model(seed: int, dim: int = 3) -> fb.Model:
     """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M
     never singular."""
-    return build_model(tree(seed, dim), base=base(seed))
+    return loaded(tree(seed, dim), base=base(seed))
 
 
 def base(seed: int) -> str:
@@ -45,7 +44,7 @@ def base(seed: int) -> str:
     return "free" if seed % 5 == 4 else "fixed"
 
 
-def tree(seed: int, dim: int = 3) -> RobotDescription:
+def tree(seed: int, dim: int = 3) -> Robot:
     """Links and joints of a random tree with 1 to 12 movable joints."""
     return _Tree(seed, dim).description()
 
@@ -57,16 +56,16 @@ def random_rotation(rng: np.random.Generator) -> np.ndarray:
     return Q * np.sign(np.linalg.det(Q))
 
 
-def random_inertia(rng: np.random.Generator, dim: int = 3) -> Inertia:
+def random_inertia(rng: np.random.Generator, dim: int = 3) -> fb.Inertia:
     """A physical one: the matrix of second moments about the com is a random positive definite
     one."""
     mass = float(rng.uniform(0.2, 3.0))
     com = tuple(rng.normal(scale=0.15, size=dim))
     if dim == 2:
-        return Inertia(mass, com, (float(mass * rng.uniform(0.002, 0.05)),))
+        return fb.Inertia(mass, com, (float(mass * rng.uniform(0.002, 0.05)),))
     A = rng.normal(scale=0.1, size=(3, 3))
     second = mass * (A @ A.T + 1e-3 * np.eye(3))
-    return Inertia.of(mass, com, np.trace(second) * np.eye(3) - second)
+    return fb.Inertia.of(mass, com, np.trace(second) * np.eye(3) - second)
 
 
 def random_placement(rng: np.random.Generator, dim: int = 3, general: bool = False) -> Placement:
@@ -91,7 +90,7 @@ def random_placement(rng: np.random.Generator, dim: int = 3, general: bool = Fal
     return by.then(turn("x", float(rng.uniform(-3, 3)))).then(turn("y", float(rng.uniform(-3, 3))))
 
 
-def odd_chain(n: int, seed: int, varied: bool = False) -> RobotDescription:
+def odd_chain(n: int, seed: int, varied: bool = False) -> Robot:
     """A chain of n joints without zeros and right angles: axes in any direction, offsets of cm.
 
     varied: its last third is a branch, and it has sliding joints, springs, rotors, a ball and a
@@ -102,9 +101,9 @@ def odd_chain(n: int, seed: int, varied: bool = False) -> RobotDescription:
     for i in range(n):
         kind = {3: "prismatic", 5: "spherical"}.get(i % 9, "revolute") if varied else "revolute"
         axis = rng.normal(size=3)
-        drive, mimic = Drive(), None
+        drive, mimic = fb.Drive(), None
         if varied and i % 4 == 0 and kind != "spherical":
-            drive = Drive(viscous=0.1, rotor=1e-3, gear=5.0, stiffness=2.0, rest=0.3)
+            drive = fb.Drive(viscous=0.1, rotor=1e-3, gear=5.0, stiffness=2.0, rest=0.3)
         if varied and i == n - 2:
             kind, mimic = "revolute", Mimic("joint0", -0.7, 0.2)
         joints.append(
@@ -120,9 +119,9 @@ def odd_chain(n: int, seed: int, varied: bool = False) -> RobotDescription:
             )
         )
         links.append(Link(f"link{i + 1}", random_inertia(rng)))
-    gravity = gravity_of((1.0, -2.0, -9.0), 3)
+    gravity = (1.0, -2.0, -9.0)
     tool = Mount("tool", f"link{n}", random_placement(rng, general=True))
-    return RobotDescription(f"odd{n}", 3, tuple(links), tuple(joints), gravity, (tool,), tip="tool")
+    return Robot(f"odd{n}", 3, tuple(links), tuple(joints), gravity, (tool,), tip="tool")
 
 
 class _Tree:
@@ -135,7 +134,7 @@ class _Tree:
         self.joints: list[Joint] = []
         self.massless: set[str] = set()
 
-    def description(self) -> RobotDescription:
+    def description(self) -> Robot:
         rng = self.rng
         heavy_base = base(self.seed) == "free" or rng.random() < 0.5
         self.links[0] = Link("base", random_inertia(rng, self.dim) if heavy_base else None)
@@ -156,9 +155,7 @@ class _Tree:
             rng.shuffle(joints)
             rng.shuffle(links)
         direction = rng.normal(size=self.dim)
-        gravity = gravity_of(
-            tuple(float(x) for x in 9.81 * direction / np.linalg.norm(direction)), self.dim
-        )
+        gravity = tuple(float(x) for x in 9.81 * direction / np.linalg.norm(direction))
         mounts = (
             Mount("tool", f"link{n}", random_placement(rng, self.dim)),
             Mount("ground", "base", shift(*(0.5,) * self.dim)),
@@ -168,7 +165,7 @@ class _Tree:
             if rng.random() < 0.3
             else ()
         )
-        return RobotDescription(
+        return Robot(
             f"tree{self.seed}",
             self.dim,
             tuple(links),
@@ -197,12 +194,12 @@ class _Tree:
             leader = rng.choice(following if following and rng.random() < 0.4 else leaders)
             mimic = Mimic(str(leader), float(rng.uniform(-2, 2)), float(rng.normal(scale=0.3)))
         axis: tuple[float, ...] = ()
-        if KINDS[kind].needs_axis:
+        if KINDS[kind].axis:
             axis = self.axis(kind, general)
         limits = (
-            Limits(-1.5, 2.0, 3.0, 50.0)
+            fb.Limits(-1.5, 2.0, 3.0, 50.0)
             if one_axis and MOVING[kind].ranged and rng.random() < 0.5
-            else Limits()
+            else fb.Limits()
         )
         numbers = tuple(float(rng.normal(scale=0.2)) for _ in MOVING[kind].numbers)
         self.joints.append(
@@ -214,7 +211,7 @@ class _Tree:
                 random_placement(rng, self.dim, general),
                 axis,
                 limits,
-                self.drive() if one_axis else Drive(),
+                self.drive() if one_axis else fb.Drive(),
                 mimic,
                 numbers=numbers,
             )
@@ -240,12 +237,12 @@ class _Tree:
             return tuple(float(x) for x in along)
         return tuple(float(x) for x in rng.normal(size=self.dim))
 
-    def drive(self) -> Drive:
+    def drive(self) -> fb.Drive:
         rng = self.rng
         viscous, coulomb, rotor, stiffness = (
             float(x) for x in rng.uniform(size=4) * (rng.random(4) < 0.4)
         )
-        return Drive(
+        return fb.Drive(
             viscous,
             coulomb,
             1e-3 * rotor,
@@ -269,7 +266,7 @@ class _Tree:
 
 
 # ---------------------------------------------------------------- the same robot told otherwise
-def renamed(description: RobotDescription) -> RobotDescription:
+def renamed(description: Robot) -> Robot:
     """Other names for all links and joints."""
 
     def new(name: str) -> str:
@@ -292,13 +289,13 @@ def renamed(description: RobotDescription) -> RobotDescription:
     )
 
 
-def reordered_links(description: RobotDescription, seed: int) -> RobotDescription:
+def reordered_links(description: Robot, seed: int) -> Robot:
     """Links in another order; the joints keep theirs."""
     order = np.random.default_rng(seed).permutation(len(description.links))
     return replace(description, links=tuple(description.links[i] for i in order))
 
 
-def split(description: RobotDescription, seed: int) -> RobotDescription:
+def split(description: Robot, seed: int) -> Robot:
     """Every link with a mass in two pieces, the second fixed to the first at some odd place."""
     rng = np.random.default_rng(seed)
     dim = description.dim
@@ -312,15 +309,13 @@ def split(description: RobotDescription, seed: int) -> RobotDescription:
         weld = random_placement(rng, dim, general=True)
         piece = f"{link.name}_piece"
         links.append(
-            Link(piece, _scaled(link.inertia, 1 - part), inverse(weld, dim).then(link.placement))
+            Link(piece, _scaled(link.inertia, 1 - part), weld.inverse(dim).then(link.placement))
         )
         joints.append(Joint(f"{piece}_weld", "fixed", link.name, piece, weld))
     return replace(description, links=tuple(links), joints=(*description.joints, *joints))
 
 
-def moved_frames(
-    description: RobotDescription, seed: int
-) -> tuple[RobotDescription, dict[str, np.ndarray]]:
+def moved_frames(description: Robot, seed: int) -> tuple[Robot, dict[str, np.ndarray]]:
     """Link frames moved where the meaning of q allows it, with the pose of the new frame in the old
     for each link.
 
@@ -344,56 +339,24 @@ def moved_frames(
         moves[joint.child] = shift(*(float(x) for x in along)).then(rotate(random_rotation(rng)))
     joints = []
     for joint in description.joints:
-        placement = inverse(moves[joint.parent]).then(joint.placement).then(moves[joint.child])
+        placement = moves[joint.parent].inverse().then(joint.placement).then(moves[joint.child])
         axis = (
-            tuple(matrix(moves[joint.child])[:3, :3].T @ np.array(joint.axis)) if joint.axis else ()
+            tuple(moves[joint.child].matrix()[:3, :3].T @ np.array(joint.axis))
+            if joint.axis
+            else ()
         )
         joints.append(replace(joint, placement=placement, axis=axis))
     links = tuple(
-        replace(l, placement=inverse(moves[l.name]).then(l.placement)) for l in description.links
+        replace(l, placement=moves[l.name].inverse().then(l.placement)) for l in description.links
     )
     mounts = tuple(
-        replace(m, placement=inverse(moves[m.link]).then(m.placement)) for m in description.mounts
+        replace(m, placement=moves[m.link].inverse().then(m.placement)) for m in description.mounts
     )
     return (
         replace(description, links=links, joints=tuple(joints), mounts=mounts),
-        {name: matrix(move) for name, move in moves.items()},
+        {name: move.matrix() for name, move in moves.items()},
     )
 
 
-def _scaled(inertia: Inertia, part: float) -> Inertia:
-    return Inertia(part * inertia.mass, inertia.com, tuple(part * x for x in inertia.tensor))
-
-
-def matrix(placement: Placement, dim: int = 3) -> np.ndarray:
-    """The pose of a placement without parameters, as a homogeneous matrix: by plain NumPy, one step
-    at a time."""
-    T = np.eye(dim + 1)
-    for step in placement.steps:
-        S = np.eye(dim + 1)
-        if hasattr(step, "by"):
-            S[:dim, dim] = step.by
-        elif hasattr(step, "matrix"):
-            S[:dim, :dim] = step.matrix
-        else:
-            S[:dim, :dim] = _turned(step.axis, step.angle, dim)
-        T = T @ S
-    return T
-
-
-def inverse(placement: Placement, dim: int = 3) -> Placement:
-    """The way back."""
-    T = np.linalg.inv(matrix(placement, dim))
-    return shift(*(float(x) for x in T[:dim, dim])).then(rotate(T[:dim, :dim]))
-
-
-def _turned(axis: str, angle: float, dim: int) -> np.ndarray:
-    s, c = np.sin(angle), np.cos(angle)
-    if dim == 2:
-        return np.array([[c, -s], [s, c]])
-    i = "xyz".index(axis)
-    j, k = (i + 1) % 3, (i + 2) % 3
-    R = np.eye(3)
-    R[j, j] = R[k, k] = c
-    R[k, j], R[j, k] = s, -s
-    return R
+def _scaled(inertia: fb.Inertia, part: float) -> fb.Inertia:
+    return fb.Inertia(part * inertia.mass, inertia.com, tuple(part * x for x in inertia.tensor))

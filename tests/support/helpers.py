@@ -11,10 +11,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
-from freebody.kernels.formulas import Option
-from freebody.model.model import Model
-from support.reference import reference as run
 
 # central differences of eighth order on -4 … 4
 FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
@@ -26,37 +22,45 @@ OPEN_CHAINS = [name for name in fb.models() if not fb.load(name, physical="ignor
 
 
 def numbers(
-    model: Model,
+    model: fb.Model,
     name: str,
     *arrays: Any,
     frame: str | None = None,
     reference: str = "world",
     wrenches: dict[str, np.ndarray] | None = None,
-    point: bool = False,
 ) -> np.ndarray:
-    """A quantity by the formulas on plain arrays, without the compiler."""
+    """A quantity of one output by its formula on plain arrays (..., n), without the compiler."""
     loads = wrenches or {}
-    at = model.frame(frame).name if frame is not None or model.tip is not None else None
-    option = Option(at, reference, tuple(loads), point)
-    given = (np.asarray(a, dtype=float) for a in (*arrays, *loads.values()))
-    return run(model, name, *given, option=option)
+    function = fb.formula(model, name, frame=frame, reference=reference, wrench_frames=[*loads])
+    given = [np.asarray(a, dtype=float) for a in (*arrays, *loads.values())]
+    batch = np.broadcast_shapes(*(a.shape[:-1] for a in given))
+    found = function(*(scalars(np.broadcast_to(a, (*batch, a.shape[-1]))) for a in given))
+    return _array(found, batch)
 
 
-def poses(model: Model, q: np.ndarray) -> dict[str, np.ndarray]:
+def _array(value: Any, batch: tuple[int, ...]) -> np.ndarray:
+    """Nested tuples of scalars, each an array over the batch, as one array (*batch, ...)."""
+    if isinstance(value, tuple):
+        return np.stack([_array(x, batch) for x in value], axis=len(batch))
+    return np.broadcast_to(np.asarray(value, dtype=float), batch)
+
+
+def poses(model: fb.Model, q: np.ndarray) -> dict[str, np.ndarray]:
     """The pose (..., 4, 4) of every frame; planar ones lie in the xy plane."""
-    tree = model.tree
-    batch = q.shape[:-1]
-    world = world_poses(tree, joint_poses(tree, scalars(q)))
-    result = {}
+    found = {}
     for name in model.frame_names:
-        R, p = frame_pose(tree, world, name)
-        T = np.broadcast_to(np.eye(4), (*batch, 4, 4)).copy()
-        for i in range(model.dim):
-            for j in range(model.dim):
-                T[..., i, j] = R[i][j]
-            T[..., i, 3] = p[i]
-        result[name] = T
-    return result
+        T = numbers(model, "forward_kinematics", q, frame=name)
+        found[name] = T if model.dim == 3 else _in_space(T)
+    return found
+
+
+def _in_space(T: np.ndarray) -> np.ndarray:
+    """A planar pose (..., 3, 3) as one in space."""
+    found = np.zeros((*T.shape[:-2], 4, 4))
+    found[..., 2, 2] = 1.0
+    keep = np.array([0, 1, 3])
+    found[..., keep[:, None], keep] = T
+    return found
 
 
 def scalars(array: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -65,7 +69,7 @@ def scalars(array: np.ndarray) -> tuple[np.ndarray, ...]:
 
 
 def path(
-    model: Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, h: float
+    model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray, h: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Positions (9, ..., nq) and rates at times -4h … 4h of a motion with this q, q̇ and q̈ at time
     0."""
@@ -97,7 +101,7 @@ def close(found: Any, expected: Any, tolerance: float, scale: float = 0.0, what:
         )
 
 
-def state(model: Model, seed: int, batch: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def state(model: fb.Model, seed: int, batch: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Random q, q̇, q̈; rates moderate so that differences are sharp."""
     return fb.random_state(model, seed, batch)
 
@@ -112,7 +116,7 @@ def in_space(wrench: np.ndarray, dim: int) -> tuple[np.ndarray, np.ndarray]:
     )
 
 
-def random_wrenches(model: Model, seed: int, batch: int, n: int = 3) -> dict[str, np.ndarray]:
+def random_wrenches(model: fb.Model, seed: int, batch: int, n: int = 3) -> dict[str, np.ndarray]:
     """Wrenches on up to n frames."""
     rng = np.random.default_rng(seed)
     names = rng.permutation(np.array(model.frame_names))[:n]

@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 import numpy as np
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Drive, Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.placement import Placement, rotate, shift
-from support.generate import matrix
 from support.helpers import poses
+from support.robots import Joint, Link, Placement, Robot, loaded, rotate, shift
 
 SPECIAL = (0.0, 1.0, -1.0, 0.5)  # lengths of exercises, with which linkages fold flat and align
 KINDS = ("revolute", "prismatic", "point", "fixed", "distance")
 
 
-def linkage(seed: int) -> tuple[Model, np.ndarray]:
+def linkage(seed: int) -> tuple[fb.Model, np.ndarray]:
     """A random planar tree of 2 to 6 links with 1 or 2 loops, and a guess for a closed position.
 
     In two of three, loops are placed where they close at the guess.
@@ -42,16 +33,16 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
     for k in range(n):
         mass = float(rng.uniform(0.3, 3.0))
         com = (float(rng.uniform(0, 0.5)), 0.0)
-        inertia = Inertia(mass, com, (float(rng.choice([0.0, mass * rng.uniform(0.01, 0.1)])),))
+        inertia = fb.Inertia(mass, com, (float(rng.choice([0.0, mass * rng.uniform(0.01, 0.1)])),))
         links.append(Link(f"link{k + 1}", None if rng.random() < 0.15 else inertia))
         parent = "ground" if k == 0 or rng.random() < 0.35 else f"link{rng.integers(1, k + 1)}"
         kind = str(rng.choice(["revolute", "prismatic"], p=[0.75, 0.25]))
         axis = (
             (1.0,) if kind == "revolute" else ((1.0, 0.0) if special else tuple(rng.normal(size=2)))
         )
-        drive = Drive()
+        drive = fb.Drive()
         if rng.random() < 0.15:
-            drive = Drive(
+            drive = fb.Drive(
                 *(float(x) for x in rng.uniform(0, 0.3, size=2)), stiffness=float(rng.uniform(0, 5))
             )
         joints.append(
@@ -66,8 +57,8 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
                 passive=bool(rng.random() < 0.5),
             )
         )
-    gravity = gravity_of((0.0, 0.0) if rng.random() < 0.1 else (0.3, -9.81), 2)
-    model = build_model(RobotDescription(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
+    gravity = (0.0, 0.0) if rng.random() < 0.1 else (0.3, -9.81)
+    model = loaded(Robot(f"linkage{seed}", 2, tuple(links), tuple(joints), gravity))
     guess = (
         np.where(rng.random(n) < 0.5, 0.0, rng.uniform(-1, 1, size=n))
         if special
@@ -101,16 +92,8 @@ def linkage(seed: int) -> tuple[Model, np.ndarray]:
 
 
 def _pose(placement: Placement) -> dict:
-    T = matrix(placement, 2)
+    T = placement.matrix(2)
     return {"position": T[:2, 2], "rotation": T[:2, :2]}
-
-
-def loaded(text: str, **options) -> Model:
-    """The model that a file of this text describes."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "machine.toml"
-        path.write_text(text, encoding="utf-8")
-        return fb.load(path, **options)
 
 
 def four_bar_text(turn: str, **top) -> str:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from itertools import accumulate, groupby
+from typing import Any
 
 import freebody as fb
-from freebody_textbook.derivation import Derivation
 
 MOST = 80
 """Lines given at once: `check` reads a hundred."""
@@ -26,7 +26,7 @@ class OwnLine:
     reason: str = ""
 
 
-def own_lines(model: fb.Model, derivation: Derivation, latex: bool = False) -> list[OwnLine]:
+def own_lines(model: fb.Model, derivation: Any, latex: bool = False) -> list[OwnLine]:
     """All lines, judged together with those of the steps around them."""
     rows = [
         (step.operation, line.latex() if latex else str(line))

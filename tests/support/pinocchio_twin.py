@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
 from support.extras import extra
 from support.helpers import close
 from support.real_files import FILES, REFUSED, ROBOTS
@@ -44,7 +43,7 @@ DOZEN = (
 class Theirs:
     """A file as Pinocchio reads it, its vectors in our order."""
 
-    def __init__(self, name: str, base: str, ours: Model):
+    def __init__(self, name: str, base: str, ours: fb.Model):
         root = [pin.JointModelFreeFlyer()] if base == "free" else []
         self.model = pin.buildModelFromUrdf(str(ROBOTS / name), *root, mimic=False)
         self.data = self.model.createData()
@@ -98,13 +97,13 @@ def span(joint) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=8)
-def pair(name: str, base: str) -> tuple[Model, Theirs]:
+def pair(name: str, base: str) -> tuple[fb.Model, Theirs]:
     """The file as read by freebody, to the letter, and by Pinocchio."""
     model = fb.load(str(ROBOTS / name), base=base, mimic="free", snap_angles=0, physical="ignore")
     return model, Theirs(name, base, model)
 
 
-def state(model: Model, name: str, batch: int = 2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def state(model: fb.Model, name: str, batch: int = 2) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return fb.random_state(model, sum(name.encode()), batch)
 
 
@@ -114,7 +113,7 @@ def relative(found: np.ndarray, expected: np.ndarray, what: str, tolerance: floa
     close(found, expected, tolerance, scale, what)
 
 
-def dry(model: Model) -> Model:
+def dry(model: fb.Model) -> fb.Model:
     return model.without("friction", "rotors", "springs")
 
 

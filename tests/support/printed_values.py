@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from freebody.errors import UnknownNameError
+import freebody as fb
 from freebody.expressions import evaluate as walk
 from freebody.expressions.expression import (
     Cross,
@@ -30,7 +30,7 @@ def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
 
     def symbol(node: Symbol, at: Any) -> Any:
         if node.name not in values:
-            raise UnknownNameError("value", node.name, "the values given", values)
+            raise fb.UnknownNameError("value", node.name, "the values given", values)
         return values[node.name]
 
     rules = {

@@ -1,8 +1,8 @@
 """Formulas run on NumPy arrays as they stand, without a program or a kernel: what kernels are held
 against.
 
-`fb.formula` does so with nested sequences and checked options; this takes a kernel's arrays, a
-point too, and of closed chains all equations, so it goes to the table itself.
+`helpers.numbers` does so by `fb.formula`; this takes any option of a kernel, a point too, so it
+goes to the table itself.
 """
 
 from __future__ import annotations
@@ -41,6 +41,16 @@ def reference(
         for value, output in zip(values, formula.outputs.values(), strict=True)
     )
     return results[0] if len(results) == 1 else results
+
+
+def at_point(model: Model, name: str, *arrays: Any, frame: str | None = None) -> Array:
+    """A quantity about a point, which is the last of the arrays."""
+    at = frame if name == "momentum" else model.frame(frame).name
+    found = reference(
+        model, name, *(np.asarray(a, dtype=float) for a in arrays), option=Option(at, point=True)
+    )
+    assert not isinstance(found, tuple)
+    return found
 
 
 def _array(value: Any, batch: tuple[int, ...], shape: tuple[int, ...]) -> Array:

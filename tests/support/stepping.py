@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.model.model import Model
 
 METHODS = {"semi_implicit_step": 1, "rk4_step": 4, "implicit_step": 2}
 """The order of each."""
@@ -14,7 +13,7 @@ State = tuple[np.ndarray, np.ndarray]
 
 
 def walk(
-    model: Model, method: str, state: State, tau: np.ndarray, time: float, steps: int, *more
+    model: fb.Model, method: str, state: State, tau: np.ndarray, time: float, steps: int, *more
 ) -> State:
     """The state after so many steps."""
     step = fb.kernel(model, method, wrench_frames=["tool"] if more else ())
@@ -23,7 +22,7 @@ def walk(
     return state
 
 
-def apart(model: Model, one: State, other: State) -> float:
+def apart(model: fb.Model, one: State, other: State) -> float:
     """The largest difference of two states."""
     return max(
         np.abs(fb.difference(model, one[0], other[0])).max(),

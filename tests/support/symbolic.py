@@ -2,32 +2,42 @@
 
 from __future__ import annotations
 
+import inspect
 import itertools
+import re
 from dataclasses import replace
 
 import numpy as np
 
 import freebody as fb
-from freebody.model.description import Mimic
-from freebody.model.model import Model
-from freebody_textbook.methods import METHODS as TABLE
+from support.robots import Mimic
 
-METHODS = list(TABLE)
+_TOLD = re.compile(r"^'(?P<name>[\w-]+)': .*?(?: Options: (?P<options>.*?))?$", re.MULTILINE)
+_OPTION = re.compile(r"(\w+)=('[\w-]+'(?: \| '[\w-]+')*)")
+_OPTIONS = {
+    told["name"]: {
+        name: re.findall(r"[\w-]+", choices)
+        for name, choices in _OPTION.findall(told["options"] or "")
+        if name != "values"  # it chooses only how lines are written
+    }
+    for told in _TOLD.finditer(inspect.getdoc(fb.derive) or "")
+}
+"""The options of each method with their choices, read off the documentation of `fb.derive`."""
+METHODS = list(_OPTIONS)
 """Names of all methods of derivation."""
-_SHOWN = {"values"}
-"""Options that choose only how lines are written."""
+_ENDING_ELSEWHERE = {"lagrange-first-kind", "statics", "kinematics"}
+"""Methods that end in multipliers, in forces at rest or in no torques."""
 WAYS = [
-    (method.name, dict(zip((option.name for option in options), chosen, strict=True)))
-    for method in TABLE.values()
-    if method.finds_torques and not method.at_rest and not method.closed_first
-    for options in ([option for option in method.options if option.name not in _SHOWN],)
-    for chosen in itertools.product(*(option.choices for option in options))
+    (method, dict(zip(options, chosen, strict=True)))
+    for method, options in _OPTIONS.items()
+    if method not in _ENDING_ELSEWHERE
+    for chosen in itertools.product(*options.values())
 ]
 """The ways from a motion to the torques: every method of open chains, with every choice of its
 options that makes another way."""
 
 
-def spatial_arm(seed: int, n: int) -> Model:
+def spatial_arm(seed: int, n: int) -> fb.Model:
     """A random arm by its DH table, some of its entries symbols."""
     rng = np.random.default_rng(seed)
     rows = [
@@ -45,7 +55,7 @@ def spatial_arm(seed: int, n: int) -> Model:
     return fb.dh(rows, convention=str(rng.choice(["standard", "modified"])), name=f"arm{seed}")
 
 
-def coupled(model: Model, **followers: tuple[str, float, float]) -> Model:
+def coupled(model: fb.Model, **followers: tuple[str, float, float]) -> fb.Model:
     """The arm with some joints following others, each by (joint, ratio, offset)."""
     bodies = [
         replace(body, joint=replace(body.joint, mimic=Mimic(*followers[body.joint.name])))
@@ -56,7 +66,7 @@ def coupled(model: Model, **followers: tuple[str, float, float]) -> Model:
     return replace(model, bodies=tuple(bodies))
 
 
-def with_values(model: Model) -> Model:
+def with_values(model: fb.Model) -> fb.Model:
     """Numbers for all parameters that have none; inertias between a half and one are physical."""
     rng = np.random.default_rng(3)
     return model.bind(**{name: rng.uniform(0.5, 1.0) for name in model.missing})

@@ -22,7 +22,8 @@ import numpy as np
 import typer
 
 import freebody as fb
-from freebody.cli.app import app, run
+from freebody.cli.app import app
+from support.command import run
 from support.public_calls import public_calls, state
 
 HIDES = """

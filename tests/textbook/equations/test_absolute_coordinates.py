@@ -9,11 +9,6 @@ import pytest
 import freebody as fb
 from freebody.expressions.expression import Equation, eq
 from freebody.expressions.polynomials.symbols import symbols
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
-from freebody.model.placement import shift, turn
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
 from freebody_textbook.closed_chains.first_kind import FirstKind
 from freebody_textbook.closed_chains.loops import LoopEquations
@@ -25,6 +20,7 @@ from freebody_textbook.methods.loop_forces import LoopReactions
 from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from support.printed_values import evaluate
+from support.robots import Joint, Link, Mount, Robot, loaded, shift, turn
 from support.symbolic import spatial_arm, with_values
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -69,17 +65,17 @@ def turned_slide() -> fb.Model:
     """A slide on a turned frame of an arm whose base is turned, too."""
     links = (
         Link("ground"),
-        Link("arm", Inertia.of(2.0, (0.2, 0.1), 0.3)),
-        Link("rod", Inertia.of(1.0, (0.3, -0.1), 0.1)),
+        Link("arm", fb.Inertia.of(2.0, (0.2, 0.1), 0.3)),
+        Link("rod", fb.Inertia.of(1.0, (0.3, -0.1), 0.1)),
     )
     at = shift(0.5, 0.1).then(turn("z", -np.pi / 3))
     joints = (
         Joint("pin", "revolute", "ground", "arm", turn("z", np.pi / 2), (1.0,)),
         Joint("slide", "prismatic", "arm", "rod", at, (0.0, 1.0)),
     )
-    gravity = (Parameter("g", 9.81), (0.0, -1.0))
+    gravity = (fb.Parameter("g", 9.81), (0.0, -1.0))
     end = Mount("end", "rod", shift(0.5, 0.0))
-    return build_model(RobotDescription("turned", 2, links, joints, gravity, (end,), tip="end"))
+    return loaded(Robot("turned", 2, links, joints, gravity, (end,), tip="end"))
 
 
 STATES = {

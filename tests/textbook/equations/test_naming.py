@@ -10,22 +10,17 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.naming import Naming
 from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn
 from freebody.figures.text import canonical, label
-from freebody.model.build import build_model
-from freebody.model.description import Drive, Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
-from freebody.model.placement import Placement, shift
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.drawings import illustrate
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.methods import METHODS
 from support.printed_values import evaluate
+from support.robots import Joint, Link, Mount, Placement, Robot, loaded, shift
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -45,17 +40,15 @@ def turning(name: str, parent: str, child: str, at: Placement = HERE, **more: ob
 
 
 def link(name: str, mass: str, com: str | float = 0.0, inertia: str | float = 0.0) -> Link:
-    return Link(name, Inertia.of(mass, (com, 0.0), inertia))
+    return Link(name, fb.Inertia.of(mass, (com, 0.0), inertia))
 
 
 def assembled(
     name: str, links: list[Link], joints: list[Joint], mounts: list[Mount], tip: str
 ) -> fb.Model:
-    gravity = (Parameter("g"), (0.0, -1.0))
+    gravity = (fb.Parameter("g"), (0.0, -1.0))
     root = Link("ground")
-    return build_model(
-        RobotDescription(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip)
-    )
+    return loaded(Robot(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip))
 
 
 def tree() -> fb.Model:
@@ -63,10 +56,10 @@ def tree() -> fb.Model:
     motor."""
     joints = [
         turning("pin", "ground", "trunk"),
-        Joint("slide", "prismatic", "trunk", "left", shift(Parameter("a"), 0.0), (1.0, 0.0),
-              drive=Drive(stiffness="k", rest=0.1)),
-        turning("turn", "trunk", "right", shift(Parameter("b"), 0.0), drive=Drive(viscous="beta"),
-              passive=True),
+        Joint("slide", "prismatic", "trunk", "left", shift(fb.Parameter("a"), 0.0), (1.0, 0.0),
+              drive=fb.Drive(stiffness="k", rest=0.1)),
+        turning("turn", "trunk", "right", shift(fb.Parameter("b"), 0.0),
+                drive=fb.Drive(viscous="beta"), passive=True),
     ]  # fmt: skip
     links = [
         link("trunk", "M", "c", "Jt"),
@@ -74,7 +67,7 @@ def tree() -> fb.Model:
         link("right", "mr", "cr", "Jr"),
     ]
     return assembled(
-        "tree", links, joints, [Mount("tool", "trunk", shift(Parameter("e"), 0.2))], "tool"
+        "tree", links, joints, [Mount("tool", "trunk", shift(fb.Parameter("e"), 0.2))], "tool"
     )
 
 
@@ -85,7 +78,7 @@ def cart_and_pole() -> fb.Model:
     ]
     links = [link("cart", "mc"), link("pole", "mp", "lp", "Ip")]
     return assembled(
-        "cart-pole", links, joints, [Mount("end", "pole", shift(Parameter("l"), 0.0))], "end"
+        "cart-pole", links, joints, [Mount("end", "pole", shift(fb.Parameter("l"), 0.0))], "end"
     )
 
 
@@ -216,7 +209,7 @@ def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) 
         if INVERSE not in inside:
             try:
                 return evaluate(side, values | {"g": gravity} if GRAVITY in inside else values)
-            except FreebodyError:
+            except fb.FreebodyError:
                 continue
     return None
 
