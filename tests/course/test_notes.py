@@ -3,7 +3,6 @@ fail."""
 
 import re
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +13,7 @@ from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
 from freebody_notes.run import NotesError, run
 from freebody_textbook.relations.formula import FormulaError
+from support.executed_notes import finding
 from support.notes_verdicts import VERDICTS
 
 BY_ID = {x.id: x for x in items()}
@@ -28,11 +28,6 @@ SWAPS = (
     ("= 0", "= 1"),
     ("*", "*2*"),
 )
-
-
-@cache
-def finding(name: str):
-    return run(BY_ID[name])
 
 
 def test_every_item_of_the_audit_is_there_once():

@@ -17,24 +17,30 @@ from markupsafe import escape
 
 import freebody as fb
 import freebody_notes
-from freebody.cli.app import run as program
 from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data
 from freebody_notes.errata import errata
 from freebody_notes.exercises import SOLUTIONS, exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.page import pages
-from freebody_notes.run import run, run_all
+from freebody_notes.run import run
 from freebody_notes.steps import place_of
 from freebody_notes.text import item_text, shown
 from freebody_textbook.relations.formula import as_printed
+from support import executed_notes
+from support.command import run as program
 from support.formula_font import lacking
 from support.notes_verdicts import VERDICTS
 
 
 @pytest.fixture(scope="module")
 def findings():
-    return run_all(items())
+    return executed_notes.findings()
+
+
+@pytest.fixture(autouse=True)
+def _each_item_is_executed_once(monkeypatch):
+    executed_notes.executing_once(monkeypatch)
 
 
 @pytest.fixture(scope="module")

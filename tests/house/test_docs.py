@@ -16,6 +16,7 @@ from freebody.cli.app import app
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from support.command import run
+from support.executed_notes import executing_once
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -61,6 +62,8 @@ def test_examples_run(
         needed = pytest.importorskip(NEEDS[page.name])
     if page.name == "jax.md":  # its reader sets this for good
         request.addfinalizer(lambda: needed.config.update("jax_enable_x64", False))
+    if page.name == "notes.md":
+        executing_once(monkeypatch)
     monkeypatch.chdir(tmp_path)
     names: dict = {"__name__": "example"}
     for language, line, text in examples(page):

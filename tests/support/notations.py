@@ -18,7 +18,7 @@ NOTATIONS = tuple(str(_told.value).rpartition("Notations: ")[2].rstrip(".").spli
 
 def own_notation(folder: Path, name: str, /, **entries: str | Mapping[str, str | float]) -> Path:
     """A file in the folder with these keys and tables, such as zero="down", names={"a": "l"}."""
-    texts = {key: x for key, x in entries.items() if isinstance(x, str)}
+    texts = {"title": name} | {key: x for key, x in entries.items() if isinstance(x, str)}
     tables = {key: x for key, x in entries.items() if not isinstance(x, str)}
     lines = [_line(*row) for row in texts.items()]
     for key, table in tables.items():

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
+
+import freebody as fb
 
 
 def nodes(line: Any) -> Iterator[Any]:
@@ -31,3 +34,9 @@ def lines_of(derivation: Any) -> list[Any]:
 def are_equal(first: Any, second: Any) -> bool:
     """Whether two derivations end in the same torques, exactly."""
     return all((a - b).is_zero for a, b in zip(first.tau, second.tau, strict=True))
+
+
+@lru_cache(maxsize=24)
+def derived(name: str, method: str | None = None) -> Any:
+    """The derivation of a bundled robot, the same for all tests that read it."""
+    return fb.derive(fb.load(name, physical="ignore"), method)

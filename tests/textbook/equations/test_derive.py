@@ -16,11 +16,17 @@ import pytest
 
 import freebody as fb
 from support.command import run
-from support.printed_lines import are_equal, names_in
+from support.printed_lines import are_equal, derived, names_in
 from support.printed_values import evaluate
 from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
 
-WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]
+SOME = {"RRRR", "RPRR", "PRRP", "RRPP"}
+"""The arms of four links that are derived in every run; all of them take minutes."""
+WORDS = [
+    pytest.param(word, marks=[pytest.mark.long] * (len(word) == 4 and word not in SOME))
+    for n in (1, 2, 3, 4)
+    for word in map("".join, itertools.product("RP", repeat=n))
+]
 
 
 def values_of(derivation, q, qd=None, qdd=None, **load: float) -> np.ndarray:
@@ -147,7 +153,7 @@ def test_the_table_tells_the_symbols_of_the_whole():
 )
 def test_nothing_is_passed_on_along_a_joint_without_a_motor(name, lines):
     """By the equation of motion of that joint, from which the printed reactions differ."""
-    derivation = fb.derive(fb.load(name), "newton-euler")
+    derivation = derived(name, "newton-euler")
     text = derivation.text()
     assert all(f"      {line}\n" in text for line in lines)
     told = "What vanishes by the equation of a joint without a motor is left out."
@@ -175,7 +181,7 @@ def test_the_table_tells_what_bodies_in_numbers_are_called():
 
 def test_moments_of_inertia_in_space_say_about_which_axes():
     """I₁ beside the matrix I₁ was an "entry" of it."""
-    words = {str(x.symbols[0]): x.words for x in fb.derive(fb.load("furuta")).glossary}
+    words = {str(x.symbols[0]): x.words for x in derived("furuta").glossary}
     assert words["I₁"] == "moment of inertia of body 1 about axes y and z through its centre"
     words = {x.symbols: x.words for x in fb.derive(spatial_arm(2, 3)).glossary}
     assert "entries of the inertia matrix of body 1 about its centre of mass" in words.values()
@@ -422,7 +428,7 @@ def test_what_is_not_derived_is_refused():
     ):
         fb.derive(fb.planar("RR"), "hamilton")
     with pytest.raises(fb.FreebodyError, match=r"derive 'lagrange': 'four_bar' is a closed chain"):
-        fb.derive(fb.load("four_bar"), "lagrange")
+        derived("four_bar", "lagrange")
     with pytest.raises(
         fb.FreebodyError, match=r"no route 'left' in newton-euler. Routes: centre, pivot"
     ):
@@ -504,16 +510,16 @@ def test_kinematics_ends_in_no_torques(capsys: pytest.CaptureFixture[str]):
 
 def test_no_equation_repeats_a_rule_as_a_number_of_terms():
     """T₄ = ½ m₄ v² + … had read “= ((55 terms))”."""
-    said = str(fb.derive(fb.load("bricard")))
+    said = str(derived("bricard"))
     assert "T₄ = ½ m₄ vc₄² + ½ (ω₄ · I₄ ω₄)\n" in said
     assert "((" not in said
 
 
 def test_long_lists_are_several_tables():
     """A printed page ends between tables only; one of ninety rows was cut."""
-    vectors = next(x for x in fb.derive(fb.load("ur5e")).steps if x.operation == "The vectors")
+    vectors = next(x for x in derived("ur5e").steps if x.operation == "The vectors")
     assert vectors._repr_html_().count("<math ") == 3
-    *short, _, _ = fb.derive(fb.load("2R"), "lagrange").steps  # meanings and limits
+    *short, _, _ = derived("2R", "lagrange").steps  # meanings and limits
     assert all(step._repr_html_().count("<math ") == 1 for step in short)
 
 

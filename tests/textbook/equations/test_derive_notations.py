@@ -25,6 +25,14 @@ DERIVED = [
 ]  # fmt: skip
 
 
+PRINTED = [
+    pytest.param(robot, method, notation, marks=[pytest.mark.long] * bool((i + k) % 3))
+    for i, (robot, method) in enumerate(DERIVED)
+    for k, notation in enumerate(NOTATIONS)
+]
+"""Every derivation in every notation; a third of the pairs, with each of both, in every run."""
+
+
 def lines(derivation: Any) -> list[str]:
     return [str(line) for step in derivation.steps for line in step.equations]
 
@@ -59,8 +67,7 @@ def read_in_the_notes(robot: str, method: str) -> tuple[list[int], int]:
     return [k for k, line in enumerate(before) if is_right(model, line)], len(before)
 
 
-@pytest.mark.parametrize("notation", NOTATIONS)
-@pytest.mark.parametrize(("robot", "method"), DERIVED)
+@pytest.mark.parametrize(("robot", "method", "notation"), PRINTED)
 def test_what_is_printed_in_a_notation_is_read_in_it(robot: str, method: str, notation: str):
     model = fb.load(robot)
     printed = lines(fb.derive(model, method, notation=notation))
