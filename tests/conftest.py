@@ -26,6 +26,11 @@ for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     # workers inherit it: threads of theirs that wait for each other on the same cores cost minutes
     os.environ.setdefault(threads, "1")
 
+if "FREEBODY_OPTIMISE" not in os.environ:
+    # most of the suite's time is LLVM's, most of which is its work on the speed of code that is
+    # called once; the compiler's own tests have it do all (tests/core/compiler/conftest.py)
+    os.environ["FREEBODY_OPTIMISE"], targets.OPTIMISE = "0", 0
+
 if "FREEBODY_CACHE" not in os.environ:
     # one folder for all workers of a run, which inherit it: the user's own cache is neither trusted
     # nor filled
@@ -43,11 +48,15 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 @pytest.fixture
-def numpy_kernels(monkeypatch: pytest.MonkeyPatch) -> None:
+def numpy_kernels(own_structures: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Public functions compile nothing, for tests of mechanics on many mechanisms: compiling each
-    is most of their time, and other tests compare what is compiled. Nothing that is kept with a
-    model's structure is shared with tests that run compiled code."""
+    is most of their time, and other tests compare what is compiled."""
     monkeypatch.setattr(targets, "TARGET", "numpy")
+
+
+@pytest.fixture
+def own_structures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that is kept with a model's structure is shared with other tests."""
     monkeypatch.setattr(structure, "_structures", WeakValueDictionary())
     monkeypatch.setattr(geometry, "_known", WeakValueDictionary())
 

@@ -15,7 +15,7 @@ import pytest
 import freebody as fb
 from freebody import cli
 from freebody.cli import terminal
-from freebody.cli.app import run
+from support.command import run
 
 EMPTY = '<robot name="a"><link name="x"/></robot>'
 

@@ -8,9 +8,9 @@ import pytest
 
 import freebody as fb
 from freebody.cli import INTERRUPTED
-from freebody.cli.app import run
 from freebody.cli.simulate import EXAMPLE
 from freebody.motion.simulation import simulate as module
+from support.command import run
 
 
 @pytest.fixture(autouse=True)

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from freebody.cli.app import run
 from freebody.cli.terminal import spelled
+from support.command import run
 
 COMMANDS = [
     ["derive", "2R"],

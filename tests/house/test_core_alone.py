@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 TEXTBOOK = {
+    "AnswerError",
     "check",
     "derive",
     "equations",

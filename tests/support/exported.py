@@ -11,13 +11,8 @@ import pytest
 
 from freebody.targets.text import LANGUAGES
 from support.extras import extra
+from support.languages import TOOL
 
-TOOL = {
-    "c": "cc", "cpp": "c++", "javascript": "node", "javascript-script": "node", "rust": "rustc",
-    "julia": "julia",
-    "matlab": "octave", "cuda": "nvidia-smi", "numpy": sys.executable, "jax": sys.executable,
-    "casadi": sys.executable,
-}  # fmt: skip
 NEEDS = {"jax": "jax", "casadi": "casadi"}
 STRICT = {
     "cc -std=c99": "cc -std=c99 -Wall -Wextra -Wconversion -Wdouble-promotion -pedantic -Werror",

@@ -74,7 +74,8 @@ def path(
     """Positions (9, ..., nq) and rates at times -4h … 4h of a motion with this q, q̇ and q̈ at time
     0."""
     t = h * STEPS.reshape(-1, *(1,) * np.ndim(q))
-    return fb.integrate(model, fb.integrate(model, q, t * qd), t**2 / 2 * qdd), qd + t * qdd
+    first = numbers(model, "integrate", q, t * qd)
+    return numbers(model, "integrate", first, t**2 / 2 * qdd), qd + t * qdd
 
 
 def rate(values: np.ndarray, h: float) -> np.ndarray:
@@ -104,6 +105,12 @@ def close(found: Any, expected: Any, tolerance: float, scale: float = 0.0, what:
 def state(model: fb.Model, seed: int, batch: int = 3) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Random q, q̇, q̈; rates moderate so that differences are sharp."""
     return fb.random_state(model, seed, batch)
+
+
+def all_driven(model: fb.Model) -> fb.Model:
+    """The model with a drive in every joint."""
+    leading = [body.joint.name for body in model.bodies if body.joint.mimic is None]
+    return model.replace(actuated=leading)
 
 
 def in_space(wrench: np.ndarray, dim: int) -> tuple[np.ndarray, np.ndarray]:

@@ -26,11 +26,6 @@ def names_in(lines: Any) -> set[str]:
     return {x.name for line in lines for x in symbols_in(line)}
 
 
-def lines_of(derivation: Any) -> list[Any]:
-    """All lines of a derivation in their order."""
-    return [line for step in derivation.steps for line in step.equations]
-
-
 def are_equal(first: Any, second: Any) -> bool:
     """Whether two derivations end in the same torques, exactly."""
     return all((a - b).is_zero for a, b in zip(first.tau, second.tau, strict=True))

@@ -267,15 +267,10 @@ class Loop:
         )
 
 
-DOWN = (9.81, (0.0, 0.0, -1.0))
-"""Gravity in space: its size and direction."""
-DOWN_IN_PLANE = (9.81, (0.0, -1.0))
-"""Gravity in the plane."""
-
-
 @dataclass(frozen=True)
 class Robot:
-    """Links and joints, and what goes with them; gravity is a vector, or a size and a direction."""
+    """Links and joints, and what goes with them; gravity is a size, downwards, a vector, or
+    a size and a direction."""
 
     name: str
     dim: int
@@ -300,9 +295,12 @@ class Robot:
         )
 
     def _gravity(self) -> str:
-        if np.ndim(self.gravity[-1]) == 0:
+        if isinstance(self.gravity, int | float):
+            size, direction = self.gravity, (0.0,) * (self.dim - 1) + (-1.0,)
+        elif np.ndim(self.gravity[-1]) == 0:
             return _list(self.gravity)
-        size, direction = self.gravity
+        else:
+            size, direction = self.gravity
         return _table(size=_number(size), direction=_list(direction))
 
 

@@ -1,40 +1,14 @@
-"""Arms with symbols for some of their numbers, and what is derived of them."""
+"""Arms with symbols for some of their numbers."""
 
 from __future__ import annotations
 
-import inspect
-import itertools
-import re
-from dataclasses import replace
+import tempfile
+from pathlib import Path
 
 import numpy as np
 
 import freebody as fb
-from support.robots import Mimic
-
-_TOLD = re.compile(r"^'(?P<name>[\w-]+)': .*?(?: Options: (?P<options>.*?))?$", re.MULTILINE)
-_OPTION = re.compile(r"(\w+)=('[\w-]+'(?: \| '[\w-]+')*)")
-_OPTIONS = {
-    told["name"]: {
-        name: re.findall(r"[\w-]+", choices)
-        for name, choices in _OPTION.findall(told["options"] or "")
-        if name != "values"  # it chooses only how lines are written
-    }
-    for told in _TOLD.finditer(inspect.getdoc(fb.derive) or "")
-}
-"""The options of each method with their choices, read off the documentation of `fb.derive`."""
-METHODS = list(_OPTIONS)
-"""Names of all methods of derivation."""
-_ENDING_ELSEWHERE = {"lagrange-first-kind", "statics", "kinematics"}
-"""Methods that end in multipliers, in forces at rest or in no torques."""
-WAYS = [
-    (method, dict(zip(options, chosen, strict=True)))
-    for method, options in _OPTIONS.items()
-    if method not in _ENDING_ELSEWHERE
-    for chosen in itertools.product(*options.values())
-]
-"""The ways from a motion to the torques: every method of open chains, with every choice of its
-options that makes another way."""
+from support.robots import loaded
 
 
 def spatial_arm(seed: int, n: int) -> fb.Model:
@@ -57,13 +31,16 @@ def spatial_arm(seed: int, n: int) -> fb.Model:
 
 def coupled(model: fb.Model, **followers: tuple[str, float, float]) -> fb.Model:
     """The arm with some joints following others, each by (joint, ratio, offset)."""
-    bodies = [
-        replace(body, joint=replace(body.joint, mimic=Mimic(*followers[body.joint.name])))
-        if body.joint.name in followers
-        else body
-        for body in model.bodies
-    ]
-    return replace(model, bodies=tuple(bodies))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "arm.toml"
+        fb.save(model, path)
+        text = path.read_text(encoding="utf-8")
+    for name, (leader, ratio, offset) in followers.items():
+        head = f'[[joint]]\nname = "{name}"\n'
+        assert head in text
+        mimic = f'mimic = {{ joint = "{leader}", ratio = {ratio!r}, offset = {offset!r} }}\n'
+        text = text.replace(head, head + mimic)
+    return loaded(text)
 
 
 def with_values(model: fb.Model) -> fb.Model:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import ShapeError
+from freebody import ShapeError
 from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program, settings
 from freebody.targets.call_errors import BatchError

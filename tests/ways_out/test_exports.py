@@ -24,9 +24,9 @@ import pytest
 import typer
 
 import freebody as fb
-from freebody.cli.app import app, run
-from freebody.elementary import epsilon, less, less_equal, maximum, minimum, sign, sin, sqrt, where
+from freebody.cli.app import app
 from freebody.kernels.formulas import FORMULAS
+from freebody.math import epsilon, less, less_equal, maximum, minimum, sign, sin, sqrt, where
 from freebody.program import Argument, Program, trace
 from freebody.scalars.expr import Expr
 from freebody.scalars.operations import OPERATIONS
@@ -36,6 +36,7 @@ from freebody.targets.text.statements import Spelling, lines, statements, words_
 from freebody.ways_out.self_test_samples import vectors
 from support.browser import browser
 from support.closed_chains import built, ring
+from support.command import run
 from support.exported import NEEDS, TOOL, passes, require, self_test
 from support.extras import extra
 from support.generate import model as mechanism

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, MissingValueError, ShapeError
+from freebody import FreebodyError, MissingValueError, ShapeError
 from freebody.targets import TARGETS, Kernel, KernelError
 from freebody.targets.call_errors import BatchError
 from support.hostile import JOINTS, LINKS, hostile

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 
 import freebody as fb
+from freebody import FreebodyError
 from freebody.algorithms.closed_form_inverse.quartic import zeros
 from freebody.algorithms.closed_form_inverse.solve import branches
-from freebody.errors import FreebodyError
 from freebody.inverse.ways import by_closed_form
 from support.arms import apart, arm, direction, meeting, parallel, skew
 from support.exported import passes, require
@@ -87,9 +87,9 @@ def own(model, found, q):
 
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", POSES)
-def test_every_branch(kind, seed, monkeypatch):
+@pytest.mark.usefixtures("numpy_kernels")
+def test_every_branch(kind, seed):
     """Robots that nobody tuned the recipes to, in frames that nobody would choose."""
-    monkeypatch.setenv("FREEBODY_TARGET", "numpy")
     make, count = POSES[kind]
     axes = make(np.random.default_rng(seed))
     model = arm(axes, seed)
@@ -142,8 +142,8 @@ def test_zeros_of_degree_two():
 
 
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RRR", "RRP", "RPR", "PRR", "PPR", "PRP"])
-def test_planar_words(word, monkeypatch):
-    monkeypatch.setenv("FREEBODY_TARGET", "numpy")
+@pytest.mark.usefixtures("numpy_kernels")
+def test_planar_words(word):
     model = planar(word, [0.7, 0.6, 0.3][: len(word)])
     rows = {} if len(word) == 3 else {"rows": ("vx", "vy")}
     k = fb.kernel(model, "inverse_kinematics", target="numpy", **rows)
@@ -285,10 +285,10 @@ def test_exports(name, language, tmp_path):
 
 
 @pytest.mark.parametrize("kind", ["an industrial arm", "like a UR, backwards", "a SCARA"])
+@pytest.mark.usefixtures("numpy_kernels")
 def test_many_targets_as_few(kind, monkeypatch):
     """The kernel says what is said where every candidate is looked at: singular poses, targets out
     of reach and beyond limits among them."""
-    monkeypatch.setenv("FREEBODY_TARGET", "numpy")
     model, again = (arm(POSES[kind][0](np.random.default_rng(7)), 7) for _ in range(2))
     q, _, _ = fb.random_state(model, 5, 100)
     q[:9] *= 0.0  # as singular as it gets

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Model, SingularError
 from freebody.any_chain.reactions import balance
-from freebody.errors import SingularError
-from freebody.model.model import Model
 from support.helpers import FIRST, STEPS, close, numbers
 
 ALL = (

@@ -8,17 +8,16 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import (
+from freebody import (
     FreebodyError,
     LoopError,
+    Model,
     NotFiniteError,
     ShapeError,
     SingularError,
     UnknownNameError,
 )
-from freebody.model.model import Model
-from freebody.trees.special_joints import all_driven
-from support.helpers import close, refused
+from support.helpers import all_driven, close, refused
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 

@@ -14,10 +14,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import SingularError
-from freebody.model.model import Model
+from freebody import Model, SingularError
 from support.helpers import close
-from support.linkages import four_bar_text, linkage, loaded
+from support.linkages import four_bar_text, linkage
+from support.robots import loaded
 
 GRAVITY = 9.81
 

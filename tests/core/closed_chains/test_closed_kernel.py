@@ -9,13 +9,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import SingularError
+from freebody import Model, SingularError
 from freebody.kernels import lookup, structural
 from freebody.loops.independent_equations import partition
 from freebody.loops.scaled_equations import rate_scale, row_scale
-from freebody.model.model import Model
-from freebody.trees.special_joints import all_driven
-from support.helpers import close, numbers
+from support.helpers import all_driven, close, numbers
 
 CLOSED = [
     "four_bar",

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import SingularError
-from freebody.model.model import Model
+from freebody import Model, SingularError
 from support.helpers import close, numbers, poses
 from support.linkages import linkage
 

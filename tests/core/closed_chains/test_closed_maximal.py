@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
-from freebody.trees.special_joints import all_driven
+from freebody import Model
 from support.closed_chains import GROUND, Mechanism, Pin, built, drives, homogeneous, moving
 from support.generate import random_inertia
-from support.helpers import close, numbers
+from support.helpers import all_driven, close, numbers
 from support.maximal import accelerations
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FileError
+from freebody import FileError
 
 
 def written(path: Path, header: str, *columns: np.ndarray) -> Path:

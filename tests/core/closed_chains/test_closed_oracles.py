@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
-from freebody.trees.special_joints import all_driven
+from freebody import Inertia, Model
 from support.extras import extra
-from support.helpers import close, numbers
+from support.helpers import all_driven, close, numbers
+from support.robots import Joint, Link, Loop, Robot, loaded
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -140,13 +140,9 @@ def test_a_pendulum_on_a_rod(angle):
 
 
 def particle() -> Model:
-    from freebody.model.build import build_model
-    from freebody.model.description import Joint, Link, Loop, RobotDescription
-    from freebody.model.gravity import gravity_of
-    from freebody.model.inertia import Inertia
 
-    return build_model(
-        RobotDescription(
+    return loaded(
+        Robot(
             "pendulum",
             2,
             (Link("ground"), Link("rail"), Link("bob", Inertia(1.3, (0.0, 0.0), (0.0,)))),
@@ -154,7 +150,7 @@ def particle() -> Model:
                 Joint("x", "prismatic", "ground", "rail", axis=(1.0, 0.0), passive=True),
                 Joint("y", "prismatic", "rail", "bob", axis=(0.0, 1.0), passive=True),
             ),
-            gravity_of(G, 2),
+            G,
             loops=(Loop("rod", "distance", ("ground", "bob"), distance=0.8),),
         )
     )

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.loops.equations import scaled_residual
+from support.command import run
 
 WAY = [[1.9, 1.0], [2.2, 1.2], [2.0, 0.8]]
 PLANS = {

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import FreebodyError, LoopError
 from freebody.algorithms.loop_constraints import Counting
-from freebody.errors import FreebodyError, LoopError
 from freebody.kernels.formulas import Option
 from freebody.kernels.tracing import program
 from freebody.loops.scaled_equations import rate_scale

@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import LoopError
-from freebody.model.model import Model
+from freebody import LoopError, Model
 from support.helpers import close
-from support.linkages import four_bar_text, loaded
+from support.linkages import four_bar_text
+from support.robots import loaded
 
 DIGITS = (9, 6, 4)
 TURN = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import LoopError, PassiveJointError
+from freebody import LoopError, PassiveJointError
 from freebody.loops.independent_equations import independent_rows, partition
 from freebody.model.families import FamilyError
 from support.helpers import close

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
+from freebody import Model
 from support.double_four_bar import TIP, cranks
 from support.stepping import METHODS, State, apart, walk
 

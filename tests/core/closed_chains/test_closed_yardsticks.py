@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import freebody as fb
-from freebody.errors import SingularError
+from freebody import SingularError
 from support.double_four_bar import TIP, cranks
 from support.helpers import close, poses
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FileError, ModelError, PassiveJointError
+from freebody import FileError, ModelError, PassiveJointError
 from freebody.motion.simulation.results import SimulationStopped
 from freebody.report.page import page
 from freebody.report.page_tables import drives, work

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import FreebodyError, KindError, UnknownNameError
 from freebody import math as fm
-from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.program import ProgramError
 from freebody.scalars.nodes import GraphError
 from freebody.targets.call_errors import BatchError

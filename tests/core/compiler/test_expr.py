@@ -6,7 +6,7 @@ from operator import neg
 import numpy as np
 import pytest
 
-from freebody.elementary import cos, sign, sin, sqrt
+from freebody.math import cos, sign, sin, sqrt
 from freebody.scalars.expr import Expr, Graph
 from freebody.scalars.nodes import GraphError
 

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.elementary import sin
-from freebody.errors import ShapeError
+from freebody import ShapeError
+from freebody.math import sin
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, KernelError, compile_program, settings
 from freebody.targets.call_errors import BatchError

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.build import build_model
 from support.generate import odd_chain
+from support.robots import loaded
 
 
 def chain(n: int) -> fb.Model:
@@ -58,7 +58,7 @@ def test_each_joint_costs_as_much_more_than_the_one_before(quantity: str, joints
 def test_robots_without_zeros():
     """Operations of 30 joints with axes in any direction: from frame to frame, in the robot's own
     frames, they are 27 000 and 8 700."""
-    model = build_model(odd_chain(30, 1))
+    model = loaded(odd_chain(30, 1))
     for quantity, most in (("mass_matrix", 11_200), ("inverse_dynamics", 5_200)):
         program = fb.kernel(model, quantity, target="numpy").program
         assert sum(program.operations.values()) < most, quantity

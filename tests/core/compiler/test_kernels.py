@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import ShapeError
+from freebody import ShapeError
 from freebody.math import cos, sin, sqrt
 from freebody.targets import TARGETS, settings
 from freebody.targets.target import target_named

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, OutOfMemoryError
+from freebody import FreebodyError, OutOfMemoryError
 from support.programs import environment
 
 MANY = 10**13

@@ -11,8 +11,7 @@ import math
 import numpy as np
 import pytest
 
-from freebody import elementary
-from freebody.errors import FreebodyError
+from freebody import FreebodyError, elementary
 from freebody.program import Argument, trace
 from freebody.scalars.dual import Dual, slopes
 from freebody.scalars.expr import Expr, Graph

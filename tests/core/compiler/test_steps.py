@@ -9,20 +9,17 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import FreebodyError, Model
 from freebody.algorithms.aba import aba
 from freebody.algorithms.crba import bias, crba
 from freebody.algorithms.kinematics import coordinate_rates
 from freebody.algorithms.regrouped_parameters import lightened
-from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.model import Model
 from freebody.program import Argument, trace
 from support import generate
 from support.helpers import numbers
 from support.reference import reference
+from support.robots import Joint, Link, Robot, loaded
 from support.stepping import METHODS, State, apart, walk
 
 # ---------------------------------------------------------------- orders
@@ -219,7 +216,7 @@ def one_body(kind: str, mass: float, com: tuple, moments: tuple, g: float) -> Mo
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
     joint = Joint("joint", kind, "world", "body")
-    return build_model(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
+    return loaded(Robot(kind, 3, (Link("world"), link), (joint,), g))
 
 
 def test_heavy_top():
@@ -259,7 +256,7 @@ def slide(**drive: float) -> Model:
     joint = Joint(
         "rail", "prismatic", "world", "cart", axis=(1.0, 0.0, 0.0), drive=fb.Drive(**drive)
     )
-    return build_model(RobotDescription("cart", 3, links, (joint,), gravity_of(9.81, 3)))
+    return loaded(Robot("cart", 3, links, (joint,), 9.81))
 
 
 @pytest.mark.parametrize("damping", [0.0, 3.0, 1e3, 1e9])

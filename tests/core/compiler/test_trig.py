@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody import FreebodyError, UnknownNameError
 from freebody.scalars.rational import exactly, rational_axis, rational_rotation, rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing
 from support.generate import random_rotation

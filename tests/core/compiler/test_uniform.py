@@ -9,8 +9,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from freebody.elementary import cos, sign, sin, sqrt
-from freebody.errors import ShapeError
+from freebody import ShapeError
+from freebody.math import cos, sign, sin, sqrt
 from freebody.program import Argument, passes, trace
 from freebody.program.passes import hoist
 from freebody.targets import compile_program

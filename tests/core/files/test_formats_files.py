@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
+from freebody import Model, Parameter
 from freebody.formats.loading import read
-from freebody.model.model import Model
-from freebody.model.parameters import Parameter
 from support.real_files import ROBOTS
 
 TABLE = "# convention: standard\njoint,a,alpha,m\nR,1,90 deg,2\nP,0.5,0,1\n"

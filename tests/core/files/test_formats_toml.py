@@ -11,16 +11,15 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Limits, Model, Parameter
 from freebody.formats import dh_csv, toml
 from freebody.formats.saving import as_toml
 from freebody.formats.toml_table import line_of, lines
 from freebody.model.build import build_model
-from freebody.model.description import Limits, Mimic
+from freebody.model.description import Mimic
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.joints.prismatic import SLIDING
 from freebody.model.joints.revolute import TURNING
-from freebody.model.model import Model
-from freebody.model.parameters import Parameter
 from freebody.model.placement import Rotate, Shift
 from support.real_files import FILES, REFUSED, ROBOTS
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
+from freebody import Model
 from support.extras import extra
 from support.real_files import FILES, REFUSED, ROBOTS
 

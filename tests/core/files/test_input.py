@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
+from freebody import read_motion
 from freebody.cli.options import values as positions
 from freebody.formats import read_file
 from freebody.formats.read_file import number
 from freebody.kernels.formulas import FORMULAS, Formula
 from freebody.kernels.formulas.record import Output
-from freebody.motion.files.csv_files import read_motion
 from freebody.trees.public_calls import evaluate
+from support.command import run
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '

@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.description import Limits
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
+from freebody import Inertia, Limits, Parameter
 from support.generate import random_inertia
 from support.helpers import close, numbers, refused
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyWarning, SingularError
+from freebody import FreebodyWarning, SingularError
 from support.helpers import refused
 
 

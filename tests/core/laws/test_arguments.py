@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import KindError
+from freebody import KindError
+from support.command import run
 
 FUNCTIONS = {
     name: getattr(fb, name)

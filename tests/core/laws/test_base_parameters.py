@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Model
 from freebody.algorithms.regressor import regressor
-from freebody.model.model import Model
 from freebody_textbook.equations.base_parameters import base_parameters, by_base_parameters
 from support.printed_values import evaluate
 from support.symbolic import spatial_arm, with_values

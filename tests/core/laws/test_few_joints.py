@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
-from freebody.cli.app import run
+from support.command import run
 from support.few_joints import DELTA, delta, delta_points, five_axes, palletiser
 
 SCARA = fb.load("scara")

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.elementary import acos, atan2, cos, exp, log, sign, sin, sqrt, tanh, where
-from freebody.errors import FreebodyError
+from freebody import FreebodyError
+from freebody.math import acos, atan2, cos, exp, log, sign, sin, sqrt, tanh, where
 from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program
 from freebody.targets.llvm import fastcall, machine

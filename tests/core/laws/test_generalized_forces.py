@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, NotFiniteError, PassiveJointError, ShapeError
+from freebody import FreebodyError, NotFiniteError, PassiveJointError, ShapeError
 from support.branched import MODELS
 from support.springs import K, loaded, springs
 

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import elementary
-from freebody.elementary import atan2, log, maximum, sin, sqrt, where
-from freebody.errors import FreebodyError
+from freebody import FreebodyError, elementary
+from freebody.math import atan2, log, maximum, sin, sqrt, where
 from freebody.program import Argument, trace
 from freebody.program.derivative import jacobian
 from freebody.program.gradient import gradient

@@ -10,14 +10,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.model import Model
-from freebody.model.placement import Placement
+from freebody import Model
 from support import generate
 from support.extras import extra
 from support.helpers import close, numbers, poses
 from support.real_files import FILES, ROBOTS
+from support.robots import Joint, Link, Placement, Robot, loaded
 
 mujoco = extra("mujoco", "MuJoCo")
 
@@ -117,7 +115,7 @@ def pose(tag: Element, T: np.ndarray) -> None:
     tag.set("quat", text(quaternion))
 
 
-def mjcf(description: RobotDescription) -> str:
+def mjcf(description: Robot) -> str:
     """A description without massless links as MJCF: fixed links are bodies without a joint."""
     root = Element("mujoco")
     SubElement(root, "compiler", angle="radian", autolimits="false")
@@ -137,11 +135,11 @@ def attach(
     parent: Element,
     link: Link,
     joint: Joint | None,
-    description: RobotDescription,
+    description: Robot,
     links: dict[str, Link],
 ) -> None:
     body = SubElement(parent, "body", name=link.name)
-    pose(body, generate.matrix(joint.placement if joint else Placement()))
+    pose(body, (joint.placement if joint else Placement()).matrix())
     if joint and joint.kind != "fixed":
         drive = joint.drive
         extra = {
@@ -166,7 +164,7 @@ def attach(
                 SubElement(body, "joint", name=name, type="slide", axis=text(joint.axis))
     if link.inertia is not None:
         m, c, tensor = link.inertia.numbers()
-        T = generate.matrix(link.placement)
+        T = link.placement.matrix()
         turned = T[:3, :3] @ tensor @ T[:3, :3].T
         full = turned[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
         SubElement(
@@ -201,11 +199,9 @@ def test_the_trees_hold_every_kind_but_free():
 def test_random_trees(seed: int):
     description = generate.tree(seed)
     bare = description.payloads == ()
-    model = build_model(description, mimic="free").without("friction")
+    model = loaded(description, mimic="free").without("friction")
     if not bare:  # a payload is a link fixed to its frame
-        model = build_model(generate.replace(description, payloads=()), mimic="free").without(
-            "friction"
-        )
+        model = loaded(generate.replace(description, payloads=()), mimic="free").without("friction")
     theirs = Theirs(mjcf(description), model)
     for state in zip(*fb.random_state(model, seed, 2), strict=True):
         theirs.check(*state)
@@ -221,7 +217,7 @@ def test_random_trees_on_a_free_base(seed: int):
         for link in description.links
     )
     description = generate.replace(description, links=links, payloads=())
-    model = build_model(description, mimic="free", base="free").without("friction")
+    model = loaded(description, mimic="free", base="free").without("friction")
     xml = mjcf(description).replace('<body name="base"', '<body name="base" ', 1)
     start = re.search(r'<body name="base"[^>]*>', xml).end()
     theirs = Theirs(f'{xml[:start]}<freejoint name="base"/>{xml[start:]}', model)

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import (
+from freebody import (
     MissingValueError,
+    Model,
     NotFiniteError,
     ShapeError,
     SingularError,
     UnknownNameError,
 )
-from freebody.model.model import Model
 from freebody.trees import special_joints
 from support import generate
 

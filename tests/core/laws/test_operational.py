@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import SingularError
-from freebody.model.description import Drive
+from freebody import Drive, SingularError
 from support.branched import MODELS
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")

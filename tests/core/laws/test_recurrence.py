@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from freebody.elementary import minimum, sin
+from freebody.math import minimum, sin
 from freebody.program import Argument, trace
 from freebody.targets import compile_program
 from freebody.targets.in_turn import Placed, in_turn, recurrence

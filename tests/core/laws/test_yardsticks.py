@@ -9,13 +9,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.placement import shift
+from freebody import Inertia, Model
 from support.helpers import close, numbers
+from support.robots import Joint, Link, Robot, loaded, shift
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -32,9 +28,7 @@ def revolutes(
         joints.append(
             Joint(f"j{i}", "revolute", above, f"b{i}", shift(*map(float, offset)), AXES[axis])
         )
-    return build_model(
-        RobotDescription("rbdl", 3, tuple(links), tuple(joints), gravity_of(gravity, 3)), tip="b0"
-    )
+    return loaded(Robot("rbdl", 3, tuple(links), tuple(joints), gravity), tip="b0")
 
 
 def half_digit(found, printed, digits: int) -> None:
@@ -216,7 +210,7 @@ def test_double_pendulum_newton(qd: tuple, tau: tuple, q1: float, inertia: float
 def pivoted(inertia: Inertia, kind: str, gravity: float) -> Model:
     links = (Link("world"), Link("body", inertia))
     joints = (Joint("pivot", kind, "world", "body"),)
-    return build_model(RobotDescription(kind, 3, links, joints, gravity_of(gravity, 3)))
+    return loaded(Robot(kind, 3, links, joints, gravity))
 
 
 def spin(model: Model, w0: tuple[float, ...], duration: float) -> tuple[np.ndarray, np.ndarray]:

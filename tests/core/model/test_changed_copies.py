@@ -18,7 +18,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
-from freebody.errors import FreebodyError, MissingValueError
+from freebody import FreebodyError, MissingValueError
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.gravity import gravity_of

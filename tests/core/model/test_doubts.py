@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
+from freebody import Inertia, Motion
 from freebody.formats.loading import settled
 from freebody.kernels.formulas import FORMULAS
 from freebody.model.doubts import (
@@ -29,8 +29,7 @@ from freebody.model.doubts import (
     SPEEDS,
     Doubt,
 )
-from freebody.model.inertia import Inertia
-from freebody.motion.motion import Motion, motion_of
+from support.command import run
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning"),
@@ -100,7 +99,7 @@ def having(kind: str) -> fb.Model:
 def swing(model: fb.Model) -> Motion:
     """Well within all limits."""
     t = np.linspace(0.0, 1.0, 21)
-    return motion_of(model, t, 0.1 * np.sin(np.pi * t)[:, None] ** 2 * np.ones(model.nv))
+    return fb.Motion.of(model, t, 0.1 * np.sin(np.pi * t)[:, None] ** 2 * np.ones(model.nv))
 
 
 @cache
@@ -221,7 +220,7 @@ def test_what_bars_the_verdict_and_the_exit_status_stand_in_the_table(kind: str)
 def test_a_position_limit_that_is_known_is_judged_whatever_else_is_doubtful(kind: str):
     model = having(kind)
     t = np.linspace(0.0, 9.0, 41)
-    far = motion_of(model, t, np.outer(np.sin(np.pi * t / 9.0) ** 2, [2.5, 0.0, 0.0]))
+    far = fb.Motion.of(model, t, np.outer(np.sin(np.pi * t / 9.0) ** 2, [2.5, 0.0, 0.0]))
     outcome = fb.study(model, far).verdict.outcome
     assert outcome == ("not judged" if kind == "estimated limits" else "not feasible")
 
@@ -507,7 +506,7 @@ def test_by_estimates_a_motion_is_compared_but_not_judged(
 
 def test_nothing_is_said_of_a_torque_that_is_none():
     model = arm().replace(gravity=0.0)
-    still = motion_of(model, np.linspace(0, 1, 11), np.zeros((11, 3)))
+    still = fb.Motion.of(model, np.linspace(0, 1, 11), np.zeros((11, 3)))
     assert fb.study(model, still).worst.text == (
         "No drive needs a torque or force during the motion."
     )

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import MissingValueError
 from freebody.any_chain.reactions import Reactions
-from freebody.errors import MissingValueError
 from freebody.kernels.formulas import Option
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.structural import fetch

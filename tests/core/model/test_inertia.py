@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import freebody as fb
-from freebody.errors import ModelError
-from freebody.model.inertia import Inertia, combined
-from freebody.model.parameters import Parameter
+from freebody import Inertia, ModelError, Parameter
+from freebody.model.inertia import combined
 from support.generate import random_inertia, random_rotation
 from support.helpers import refused
 

@@ -12,22 +12,18 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Inertia, Limits, Parameter
 from freebody.expressions.polynomials.symbols import symbols
 from freebody.figures.snapshot import clear_pose
 from freebody.inverse.problem.solutions import turning_coordinates
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Limits, Link, Mimic, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
-from freebody.model.parameters import Parameter
-from freebody.model.placement import rpy, shift
 from freebody_textbook.derive import compare
 from freebody_textbook.equations.base_parameters import base_parameters
-from support import generate
+from support import generate, robots
 from support.extras import extra
 from support.helpers import close
+from support.robots import Joint, Link, Mimic, Robot, loaded, rpy, shift
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -35,15 +31,15 @@ PITCH = 0.03
 AXIS = (0.0, 0.6, 0.8)
 
 
-def described(*joints: Joint) -> RobotDescription:
+def described(*joints: Joint) -> Robot:
     """A chain of links with masses, or none where the name says so."""
     rng = np.random.default_rng(3)
     links = [Link("base")]
     for joint in joints:
         inertia = None if joint.child.startswith("no_mass") else generate.random_inertia(rng)
         links.append(Link(joint.child, inertia))
-    gravity = gravity_of((1.0, 2.0, -9.0), 3)
-    return RobotDescription("chain", 3, tuple(links), joints, gravity)
+    gravity = (1.0, 2.0, -9.0)
+    return Robot("chain", 3, tuple(links), joints, gravity)
 
 
 def screw(name: str, parent: str, child: str, pitch: object = PITCH) -> Joint:
@@ -71,7 +67,7 @@ def dynamics(model: fb.Model, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) ->
 
 def test_pinocchio_has_the_same_helical_and_universal_joint():
     pin = extra("pinocchio", "Pinocchio")
-    model = build_model(described(*THREE))
+    model = loaded(described(*THREE))
     theirs = pin.Model()
     theirs.gravity.linear[:] = model.gravity
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0)
@@ -83,7 +79,7 @@ def test_pinocchio_has_the_same_helical_and_universal_joint():
     ]
     last = 0
     for k, kind in enumerate(kinds):
-        T = generate.matrix(THREE[k].placement) if k < 3 else np.eye(4)
+        T = THREE[k].placement.matrix() if k < 3 else np.eye(4)
         last = theirs.addJoint(last, kind, pin.SE3(T), str(k))
         body = model.bodies[k] if k < 2 else model.bodies[2]
         if k != 2:
@@ -101,7 +97,7 @@ def test_pinocchio_has_the_same_helical_and_universal_joint():
 
 def test_they_are_chains_of_revolute_and_prismatic_joints():
     """A screw is a turn, and a slide that follows it; the others are free to do both."""
-    q, qd, qdd = fb.random_state(build_model(described(*THREE)), 1, 4)
+    q, qd, qdd = fb.random_state(loaded(described(*THREE)), 1, 4)
     s, u, c = THREE
     parts = (
         replace(s, name="s", kind="revolute", child="no_mass_1", numbers=()),
@@ -111,9 +107,9 @@ def test_they_are_chains_of_revolute_and_prismatic_joints():
         replace(c, name="c1", kind="revolute", child="no_mass_3"),
         Joint("c2", "prismatic", "no_mass_3", "c", axis=(1.0, 2.0, 3.0)),
     )
-    whole = build_model(described(*THREE))
+    whole = loaded(described(*THREE))
     masses = {body.name: body.inertias for body in whole.bodies}
-    made = build_model(described(*parts))
+    made = loaded(described(*parts))
     made = replace(
         made,
         bodies=tuple(replace(body, inertias=masses.get(body.name, ())) for body in made.bodies),
@@ -126,15 +122,15 @@ def test_a_universal_loop_is_a_universal_joint():
     """A free body that such a loop holds moves as one on the joint, also beyond a quarter turn, and
     is held by the same wrench."""
     at = shift(0.1, 0.0, 0.2).then(rpy(0.3, 0.2, 0.1))
-    jointed = build_model(described(Joint("u", "universal", "base", "a", at)))
-    free = build_model(described(Joint("f", "free", "base", "a")))
+    jointed = loaded(described(Joint("u", "universal", "base", "a", at)))
+    free = loaded(described(Joint("f", "free", "base", "a")))
     free = replace(
         free, bodies=tuple(replace(b, inertias=jointed.bodies[0].inertias) for b in free.bodies)
     )
     held = free.with_frame(
         "hook",
-        rotation=generate.matrix(at)[:3, :3],
-        position=generate.matrix(at)[:3, 3],
+        rotation=at.matrix()[:3, :3],
+        position=at.matrix()[:3, 3],
         frame="base",
     )
     held = held.with_loop("u", "universal", ("hook", "a"))
@@ -161,7 +157,7 @@ def test_a_cardan_shaft_obeys_hookes_law():
     and the torque that it passes on."""
     bend = 0.6
     turned = shift(0.0, 0.0, 0.0).then(rpy(bend, 0.0, 0.0))
-    tree = build_model(
+    tree = loaded(
         described(
             Joint("driving", "continuous", "base", "a", axis=(0.0, 0.0, 1.0)),
             Joint("driven", "continuous", "base", "b", turned, (0.0, 0.0, 1.0)),
@@ -181,7 +177,7 @@ def test_a_cardan_shaft_obeys_hookes_law():
 
 # ---------------------------------------------------------------- the pitch is a number
 def test_a_pitch_is_a_number_like_others():
-    model = build_model(described(screw("s", "base", "a")))
+    model = loaded(described(screw("s", "base", "a")))
     found = fb.parameters(model)["s.pitch"]
     assert (found.value, found.unit) == (PITCH, "m/rad")
     q, qd, qdd = fb.random_state(model, 0)
@@ -242,13 +238,13 @@ def test_numbers_that_do_not_fit_the_kind():
         (screw("s", "base", "a", float("nan")), r"joint 's': pitch: nan is not a finite number\."),
     ):  # fmt: skip
         with pytest.raises(fb.FreebodyError, match=text):
-            build_model(described(joint))
+            loaded(described(joint))
 
 
 def test_new_kinds_are_drawn_where_they_are_seen():
     """Each joint bent or drawn out, its symbol a solid on its axis or a cross; the rod of what has
     moved along an axis is there."""
-    model = build_model(described(*THREE))
+    model = loaded(described(*THREE))
     figure = fb.kinematic_diagram(model, show="vectors")
     q = clear_pose(model)
     assert np.all(np.abs(q) > 0.1)
@@ -279,6 +275,14 @@ def test_a_kind_of_one_axis_names_its_primitive(name):
     assert kind.turns + kind.slides == (kind.motion.turns != kind.motion.slides)
 
 
+def test_the_table_that_mechanisms_are_made_from_is_the_package_s_own():
+    assert list(robots.KINDS) == list(KINDS)
+    for name, kind in KINDS.items():
+        numbers = tuple(number.name for number in kind.numbers)
+        own = robots.Kind(kind.dimensions, kind.nv, kind.needs_axis, kind.ranged, numbers)
+        assert robots.KINDS[name] == own
+
+
 def alone(kind: str, seed: int = 0) -> fb.Model:
     """A body on a joint of that kind, on a body that turns."""
     rng = np.random.default_rng(seed)
@@ -286,7 +290,7 @@ def alone(kind: str, seed: int = 0) -> fb.Model:
     axis = tuple(rng.normal(size=3)) if own.needs_axis else ()
     at = generate.random_placement(rng, general=True)
     last = Joint("j", kind, "a", "b", at, axis, numbers=(0.1,) * len(own.numbers))
-    return build_model(described(Joint("r", "revolute", "base", "a", axis=(0.0, 1.0, 0.0)), last))
+    return loaded(described(Joint("r", "revolute", "base", "a", axis=(0.0, 1.0, 0.0)), last))
 
 
 @pytest.mark.parametrize("kind", generate.SPATIAL)
@@ -346,7 +350,7 @@ def test_a_derivation_takes_a_joint_apart_under_names_of_its_own():
         Joint("c.theta", "revolute", "a", "a.theta", shift(0.3, 0.0, 0.0), at),
         Joint("x", "planar", "a.theta", "b"),
     )
-    single = symbols(build_model(described(*joints))).model
+    single = symbols(loaded(described(*joints))).model
     assert single.joint_names == ("c.theta′", "c.d", "c.theta", "x′", "y", "x.theta")
     assert single.frame_names[:4] == ("base", "a", "a.theta", "b")
     assert len(set(single.frame_names)) == 7
@@ -354,28 +358,28 @@ def test_a_derivation_takes_a_joint_apart_under_names_of_its_own():
 
 def test_which_coordinates_repeat_after_a_whole_turn():
     """Not those of a screw, nor of a turn that a slide or a screw follows."""
-    model = build_model(described(*THREE))
+    model = loaded(described(*THREE))
     assert turning_coordinates(model).tolist() == [False, True, True, True, False]
     led = (
         Joint("r", "revolute", "base", "a", axis=(0.0, 0.0, 1.0)),
         Joint("t", "revolute", "a", "b", axis=(1.0, 0.0, 0.0), mimic=Mimic("r", 2.0)),
     )
-    assert turning_coordinates(build_model(described(*led))).tolist() == [True]
+    assert turning_coordinates(loaded(described(*led))).tolist() == [True]
     for kind in ("prismatic", "helical"):
         numbers = (0.1,) * len(KINDS[kind].numbers)
         follower = replace(led[1], kind=kind, numbers=numbers)
-        assert turning_coordinates(build_model(described(led[0], follower))).tolist() == [False]
+        assert turning_coordinates(loaded(described(led[0], follower))).tolist() == [False]
 
 
 def test_turns_of_a_screw_beyond_the_starts_are_not_called_out_of_reach():
-    made = build_model(described(screw("s", "base", "a")))
+    made = loaded(described(screw("s", "base", "a")))
     target = fb.forward_kinematics(made, [20.0])
     none = fb.inverse_kinematics(made, target)
     assert not len(none.q)
     assert "Out of reach" not in str(none)
     assert "Starts lie within ±π of s" in str(none)
     close(fb.inverse_kinematics(made, target, q0=[19.0]).q, [[20.0]], 1e-9)
-    limited = build_model(described(replace(screw("s", "base", "a"), limits=Limits(-30.0, 30.0))))
+    limited = loaded(described(replace(screw("s", "base", "a"), limits=Limits(-30.0, 30.0))))
     close(fb.inverse_kinematics(limited, target).q, [[20.0]], 1e-9)
     far = fb.inverse_kinematics(limited, fb.forward_kinematics(limited, [300.0]))
     assert "Starts lie" not in str(far)
@@ -433,8 +437,8 @@ def helix(*, with_slide: bool = False) -> fb.Model:
     if with_slide:
         joints.append(Joint("slide", "prismatic", "arm", "rod", axis=(1.0, 0.0, 0.0)))
         links.append(Link("rod", Inertia.point(1.0, (0.0, 0.0, 0.0))))
-    gravity = gravity_of((0.0, 0.0, -9.81), 3)
-    return build_model(RobotDescription("helix", 3, tuple(links), tuple(joints), gravity))
+    gravity = (0.0, 0.0, -9.81)
+    return loaded(Robot("helix", 3, tuple(links), tuple(joints), gravity))
 
 
 @pytest.mark.parametrize("with_slide", [False, True])

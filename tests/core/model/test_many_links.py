@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.formats.loading import read
-from freebody.model.build import build_model
+from support.command import run
+from support.robots import loaded
 
 BODY = (
     '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" '
@@ -165,5 +165,5 @@ def test_a_cycle_of_thousands_of_links_is_said_shortly(tmp_path):
         warnings.catch_warnings(),
         pytest.raises(fb.FreebodyError, match="the links form a cycle") as refusal,
     ):
-        build_model(read(path))
+        loaded(read(path))
     assert len(str(refusal.value)) < 500

@@ -12,11 +12,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import FileError, FreebodyError
+from freebody import FileError, FreebodyError, Inertia
 from freebody.formats.masses import located
-from freebody.model.inertia import Inertia
-from freebody.motion.motion import motion_of
+from support.command import run
 from support.extras import extra
 
 LENGTHS = (0.4, 0.3, 0.2)
@@ -99,7 +97,7 @@ def test_a_robot_without_masses_does_not_pass(capsys: pytest.CaptureFixture[str]
 def test_speeds_are_judged_without_masses():
     model = fb.load(arm(["", "", ""]))
     t = np.linspace(0, 1, 21)
-    verdict = fb.study(model, motion_of(model, t, np.outer(t**2, [2.0, 0, 0]))).verdict
+    verdict = fb.study(model, fb.Motion.of(model, t, np.outer(t**2, [2.0, 0, 0]))).verdict
     assert verdict.text.startswith(
         "Not feasible: the speed of j0 is 4 rad/s at t = 1 s, 133 % of its limit of 3 rad/s."
     )

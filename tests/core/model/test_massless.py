@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import SingularError
+from freebody import SingularError
 from freebody.trees import special_joints
 from support import generate
 

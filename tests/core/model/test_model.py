@@ -13,25 +13,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FileError, ModelError
+from freebody import Drive, FileError, Inertia, Limits, ModelError, Parameter
 from freebody.model.build import build_model
-from freebody.model.description import (
-    Drive,
-    Joint,
-    Limits,
-    Link,
-    Loop,
-    Mimic,
-    Mount,
-    Payload,
-    RobotDescription,
-)
-from freebody.model.inertia import Inertia
+from freebody.model.description import Joint, Link, Loop, Mimic, Mount, Payload, RobotDescription
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
-from freebody.model.parameters import Parameter
 from freebody.model.placement import Placement, shift
-from support import generate
+from support import generate, robots
 from support.helpers import close, numbers, refused
 
 Z = (0.0, 0.0, 1.0)
@@ -587,8 +575,8 @@ def test_payload_as_point_mass():
 
 def test_placements():
     assert Placement().steps == shift(0.0, 0.0, 0.0).steps == ()
-    there = shift(1.0, 2.0, 3.0)
-    assert generate.matrix(there.then(generate.inverse(there))) == pytest.approx(np.eye(4))
+    there = robots.shift(1.0, 2.0, 3.0)
+    assert there.then(there.inverse()).matrix() == pytest.approx(np.eye(4))
 
 
 # ---------------------------------------------------------------- drives that no motor has

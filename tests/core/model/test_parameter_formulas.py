@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.formats import toml
-from freebody.model.build import build_model
+from support.command import run
 from support.page_data import page_data
+from support.robots import loaded
 
 RODS = """
 name = "rods"
@@ -34,7 +34,7 @@ Q, QD, QDD = (0.3, -0.7, 1.1), (1.0, 0.4, -0.6), (0.5, 2.0, -1.0)
 
 
 def read(text: str) -> fb.Model:
-    return build_model(toml.describe("arm.toml", text, name="arm"))
+    return loaded(toml.describe("arm.toml", text, name="arm"))
 
 
 def in_numbers(l1: float = 1.0, l2: float = 0.8, r: float = 0.01, rho: float = 7850.0) -> fb.Model:

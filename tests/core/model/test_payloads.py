@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.model.inertia import Inertia
+from freebody import Inertia
+from support.command import run
 from support.helpers import refused
 
 ARM = fb.load("2R").to_space()

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from support.command import run
 
 NAMES = ["2R", "3R", "3RRR", "acrobot", "ball_and_beam", "bricard", "cart_pole", "cylindrical_arm",
          "double_four_bar", "elbow_arm", "five_bar", "five_bar_rods", "four_bar", "furuta",
@@ -29,7 +30,6 @@ def test_models_lists_names_and_sources():
 
 
 def test_every_bundled_model_tells_what_is_worth_seeing(tmp_path, capsys):
-    from freebody.cli.app import run
 
     assert run(["models"]) == 0
     listed = " ".join(capsys.readouterr().out.split())

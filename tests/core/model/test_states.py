@@ -9,12 +9,10 @@ from hypothesis import strategies as st
 from scipy.linalg import expm
 
 import freebody as fb
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Limits, Link, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
+from freebody import Inertia, Limits, Model
 from support import generate
 from support.helpers import numbers, poses
+from support.robots import Joint, Link, Robot, loaded
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -26,7 +24,7 @@ def single(kind: str, limits: Limits = NO_LIMITS) -> Model:
     axis = (0.0, 0.0, 1.0) if kind in ("revolute", "prismatic", "continuous") else ()
     links = (Link("world"), Link("body", Inertia.sphere(1.0, 0.1)))
     joints = (Joint("joint", kind, "world", "body", axis=axis, limits=limits),)
-    return build_model(RobotDescription(kind, 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
+    return loaded(Robot(kind, 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
 
 
 @pytest.mark.parametrize("seed", TREES)
@@ -126,7 +124,7 @@ def test_neutral(seed: int):
     standing = poses(model, q)
     for joint in generate.tree(seed).joints:
         if joint.mimic is None:
-            expected = standing[joint.parent] @ generate.matrix(joint.placement)
+            expected = standing[joint.parent] @ joint.placement.matrix()
             assert standing[joint.child] == pytest.approx(expected, abs=1e-13)
 
 
@@ -216,7 +214,7 @@ def test_positions_of_a_model_without_numbers_move_as_those_of_one_with_them():
         Joint("hinge", "revolute", "body", "arm", axis=(0.0, 0.0, 1.0)),
         Joint("ball", "spherical", "arm", "foot"),
     )
-    symbolic = build_model(RobotDescription("symbolic", 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
+    symbolic = loaded(Robot("symbolic", 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
     assert symbolic.missing
     bound = symbolic.bind(m=1.0)
     q, v, _ = fb.random_state(bound, 5, 4)

@@ -15,10 +15,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import MissingValueError, SingularError
+from freebody import Inertia, MissingValueError, SingularError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.structural import fetch
-from freebody.model.inertia import Inertia
 from freebody.model.structure import Structure
 from freebody.targets.kernel import compile_program
 from support import generate

@@ -9,12 +9,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Limits, Link, Mimic, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
-from freebody.model.placement import shift
+from freebody import Inertia, Limits, Model
+from support.command import run
+from support.robots import Joint, Link, Mimic, Mount, Robot, loaded, shift
 
 TURN = Limits(-2.0, 2.0, 3.1, 57.0)
 
@@ -43,8 +40,8 @@ def robot(*rows: str, mimics: dict[str, str] | None = None, **how: Any) -> Model
         for name in names
     )
     build = {name: how.pop(name) for name in ("tip", "mimic", "base") if name in how}
-    described = RobotDescription("robot", 3, links, tuple(joints), (9.81, (0.0, 0.0, -1.0)), **how)
-    return build_model(described, **build)
+    described = Robot("robot", 3, links, tuple(joints), (9.81, (0.0, 0.0, -1.0)), **how)
+    return loaded(described, **build)
 
 
 ARM = ("a base", "b a", "c b")

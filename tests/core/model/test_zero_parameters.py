@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
+from freebody import Model
 from freebody_textbook.methods import METHODS
 
 RR = {"l": ["l1", "l2"], "lc": ["l1", "l2"], "m": ["m1", "m2"]}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.description import Limits
+from freebody import Limits
 
 ARM = {"l": [0.4, 0.3], "lc": [0.2, 0.15], "m": [2.0, 1.0], "I": [0.03, 0.01]}
 POINTS = {"l": [1.0, 1.0], "lc": [1.0, 1.0], "m": [0.0, 1.0], "I": [0.0, 0.0]}

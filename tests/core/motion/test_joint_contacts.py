@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 import freebody as fb
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody import FreebodyError, UnknownNameError
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.joint_contacts import complementary

@@ -9,10 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError
-from freebody.motion.files.csv_files import read_motion
+from freebody import FreebodyError, Motion, read_motion
 from freebody.motion.files.measured_motions import noise, recognised, smooth
-from freebody.motion.motion import Motion
 from freebody.report.studied_motion import filtered
 
 ARM = fb.planar(

@@ -11,15 +11,10 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
-from freebody.errors import FileError, FreebodyError
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.motion.files.csv_files import read_motion
-from freebody.motion.files.tables import motion_from_table
-from freebody.motion.motion import motion_of
+from freebody import FileError, FreebodyError, read_motion
 from freebody.motion.ranges import position_columns, ranges
 from support.helpers import OPEN_CHAINS
+from support.robots import Joint, Link, Robot, loaded
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -84,7 +79,7 @@ def test_a_quintic_is_differentiated_exactly():
     model = fb.load("2R")
     t = np.sort(np.random.default_rng(0).uniform(0, 2, 12))
     q = np.stack([t**5 - t, 3 * t**2], axis=-1)
-    motion = motion_of(model, t, q)
+    motion = fb.Motion.of(model, t, q)
     np.testing.assert_allclose(motion.qd, np.stack([5 * t**4 - 1, 6 * t], axis=-1), atol=1e-8)
     np.testing.assert_allclose(motion.qdd, np.stack([20 * t**3, 6 + 0 * t], axis=-1), atol=1e-6)
     np.testing.assert_allclose(motion.at(1.0)[0], [0.0, 3.0], atol=1e-9)
@@ -93,12 +88,12 @@ def test_a_quintic_is_differentiated_exactly():
 def test_quaternions_are_differentiated_whatever_their_sign():
     links = Link("base"), Link("ball", fb.Inertia(2.0, (0.1, 0, 0.2), (0.02, 0, 0, 0.03, 0, 0.04)))
     joints = (Joint("socket", "spherical", "base", "ball"),)
-    model = build_model(RobotDescription("ball", 3, links, joints, gravity_of(9.81, 3)))
+    model = loaded(Robot("ball", 3, links, joints, 9.81))
     t = np.linspace(0, 1, 101)
     w = np.array([0.3, -0.2, 2.0])  # constant, in body axes
     quaternion = Rotation.from_rotvec(t[:, None] * w).as_quat(scalar_first=True)
     flipped = quaternion * np.where(np.arange(101) % 3 == 0, -1.0, 1.0)[:, None]
-    motion = motion_of(model, t, flipped)
+    motion = fb.Motion.of(model, t, flipped)
     np.testing.assert_allclose(motion.qd, np.broadcast_to(w, (101, 3)), atol=1e-8)
     np.testing.assert_allclose(motion.qdd, 0, atol=1e-5)
 
@@ -286,26 +281,26 @@ def test_a_dataset_is_a_motion_too():
         {"joint1": ("time", t**2), "joint2": ("time", t), "joint2.v": ("time", 1 + 0 * t)},
         {"time": t},
     )
-    motion = motion_from_table(model, data)
+    motion = fb.Motion.of(model, data)
     np.testing.assert_allclose(motion.qd, np.stack([2 * t, 1 + 0 * t], axis=-1), atol=1e-10)
     with pytest.raises(FreebodyError, match=r"^motion: the table: there is no column for 'joint2'"):
-        motion_from_table(model, data.drop_vars(["joint2", "joint2.v"]))
+        fb.Motion.of(model, data.drop_vars(["joint2", "joint2.v"]))
     with pytest.raises(FreebodyError, match=r"needs a one-dimensional 'time'"):
-        motion_from_table(model, xr.Dataset({"joint1": 1.0}))
+        fb.Motion.of(model, xr.Dataset({"joint1": 1.0}))
     with pytest.raises(
         FreebodyError, match=r"'joint1' holds a value that is not finite\. \(sample 7\)"
     ):
-        motion_from_table(model, data.assign(joint1=data.joint1.where(data.time < 1)))
+        fb.Motion.of(model, data.assign(joint1=data.joint1.where(data.time < 1)))
 
 
 def test_arrays_are_checked():
     model = fb.load("2R")
     with pytest.raises(FreebodyError, match=r"motion: t must increase; t\[2\] = 1 follows 1\."):
-        motion_of(model, [0, 1, 1, 2], np.zeros((4, 2)))
+        fb.Motion.of(model, [0, 1, 1, 2], np.zeros((4, 2)))
     with pytest.raises(
         FreebodyError, match=r"motion: q has 3 rows, t has 4; they must be as many\."
     ):
-        motion_of(model, [0, 1, 2, 3], np.zeros((3, 2)))
+        fb.Motion.of(model, [0, 1, 2, 3], np.zeros((3, 2)))
     with pytest.raises(
         FreebodyError, match=r"default_motion: duration is -1, expected seconds above 0\."
     ):

@@ -11,9 +11,7 @@ import pytest
 import xarray as xr
 
 import freebody as fb
-from freebody.errors import FileError, FreebodyError
-from freebody.motion.files.csv_files import read_motion
-from freebody.motion.files.tables import motion_from_table
+from freebody import FileError, FreebodyError, read_motion
 
 ARM = fb.planar(
     "RP", l=[0.5, 0], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1], limits=[(-3.2, 3.2), (0.0, 0.9)]
@@ -160,11 +158,11 @@ def test_the_units_of_a_dataset_count():
         angle = ("time", np.degrees(Q[:, 0]), {"units": unit})
         return xr.Dataset({"joint1": angle, "joint2": ("time", Q[:, 1])}, {"time": T})
 
-    np.testing.assert_allclose(motion_from_table(ARM, data("deg")).q, Q, rtol=1e-12)
+    np.testing.assert_allclose(fb.Motion.of(ARM, data("deg")).q, Q, rtol=1e-12)
     with pytest.raises(
         FreebodyError, match=r"motion: the table: 'joint1': 'furlong' is not a unit of an angle"
     ):
-        motion_from_table(ARM, data("furlong"))
+        fb.Motion.of(ARM, data("furlong"))
 
 
 def test_what_is_advised_for_arrays_works():

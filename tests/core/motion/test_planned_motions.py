@@ -15,13 +15,13 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.cli.plan import PlannerName
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
 from freebody.motion.planning.point_to_point import PROFILES
 from freebody.report.replay import replayed
 from freebody.report.studied_motion import with_peaks
+from support.command import run
 from support.extras import extra
 
 ARM = fb.load("ur5e")

@@ -9,16 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import (
-    FreebodyError,
-    NotFiniteError,
-    ShapeError,
-    SingularError,
-    UnknownNameError,
-)
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
+from freebody import FreebodyError, NotFiniteError, ShapeError, SingularError, UnknownNameError
+from support.robots import Joint, Link, Mimic, Robot, loaded
 
 
 def pendulum(**friction: float) -> fb.Model:
@@ -35,7 +27,7 @@ def body(
     xx, yy, zz = moments
     link = Link("body", fb.Inertia(mass, com, (xx, 0.0, 0.0, yy, 0.0, zz)))
     joint = Joint("joint", kind, "world", "body")
-    return build_model(RobotDescription(kind, 3, (Link("world"), link), (joint,), gravity_of(g, 3)))
+    return loaded(Robot(kind, 3, (Link("world"), link), (joint,), g))
 
 
 def test_pendulum_of_the_iftomm_library():
@@ -148,7 +140,6 @@ def test_methods_agree(method: str):
 
 def test_followers_feel_their_friction():
     """A follower of ratio r with friction c adds r c tanh(r q̇ / width) to its leader's torque."""
-    from freebody.model.description import Mimic
     from freebody.motion.friction import smooth_friction
 
     links = tuple(
@@ -166,7 +157,7 @@ def test_followers_feel_their_friction():
             mimic=Mimic("a", -2.0, 0.1),
         ),
     )
-    model = build_model(RobotDescription("pair", 3, links, joints, gravity_of(9.81, 3)))
+    model = loaded(Robot("pair", 3, links, joints, 9.81))
     smooth, friction = smooth_friction(model, 0.1)
     rate = np.array([[0.03], [-0.5]])
     expected = np.tanh(rate / 0.1) + 2.0 * 3.0 * np.tanh(2.0 * rate / 0.1)

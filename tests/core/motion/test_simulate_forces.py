@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError
+from freebody import FreebodyError
 from support.springs import K, loaded, springs
 
 ARM = fb.load("2R")

@@ -10,15 +10,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
+from freebody import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
 from freebody.math import less
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.placement import Placement, Shift
 from freebody.motion.simulation import stepped
 from freebody.motion.simulation import steps as steps_of_many
 from support import generate
+from support.robots import Joint, Link, Placement, Robot, Shift, loaded
 
 T = np.linspace(0.0, 0.1, 6)
 ROD = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.75], g=0)  # 1 kg m² about its pin
@@ -583,7 +580,7 @@ def baby_boot() -> fb.Model:
         ),
     )
     links = (Link("world"), rod, plate)
-    return build_model(RobotDescription("baby boot", 3, links, joints, gravity_of(9.81, 3)))
+    return loaded(Robot("baby boot", 3, links, joints, 9.81))
 
 
 @pytest.mark.parametrize("options", [{"tolerance": 1e-12}, {"step": 2e-4}])

@@ -10,7 +10,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import freebody as fb
-from freebody.errors import FreebodyError
+from freebody import FreebodyError
 
 ROD = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.75], g=0)  # 1 kg m² about its pin
 

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, FreebodyWarning
+from freebody import FreebodyError, FreebodyWarning
 
 ROD = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.75], g=0)  # 1 kg m² about its pin
 ARM = fb.planar(

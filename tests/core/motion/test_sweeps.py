@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run as run_command
 from freebody.kernels import lookup
 from freebody.sweeps import run, samples
 from freebody.sweeps.reductions import QUANTILE_ERROR
+from support.command import run as run_command
 
 ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.15], m=[2.0, 1.0], I=[0.03, 0.01])
 STATES = dict(zip(("q", "qd", "qdd"), fb.random_state(ARM, 3, 150), strict=True))

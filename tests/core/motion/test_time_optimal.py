@@ -16,12 +16,12 @@ from scipy.interpolate import CubicSpline, PPoly
 from scipy.optimize import brentq
 
 import freebody as fb
-from freebody.cli.app import run
 from freebody.motion.optimal.geometric_path import grid, sampled
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.targets import in_turn
 from freebody.targets import in_turn as recurrences
 from support import real_files
+from support.command import run
 from support.extras import extra
 
 WAY = [[0.0, 0.0], [1.0, -0.5], [0.4, 1.0], [-0.8, 0.3]]

@@ -12,7 +12,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 import freebody as fb
-from freebody.cli.app import run
+from support.command import run
 
 FRICTION = {"viscous": 0.4, "coulomb": 0.5}
 

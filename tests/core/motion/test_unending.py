@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.errors import FreebodyError, FreebodyWarning
+from freebody import FreebodyError, FreebodyWarning
 
 ARM = fb.planar("RR", l=[0.4, 0.3], lc=[0.2, 0.1], m=[2, 1], I=[0.1, 0.1])
 STILL = np.zeros(2)

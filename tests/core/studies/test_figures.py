@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import FreebodyError, MissingValueError, ShapeError, UnknownNameError
+from freebody import FreebodyError, MissingValueError, ShapeError, UnknownNameError
 from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, Turn
 from freebody.figures.kinematic import robot_drawing
 from freebody.figures.labelling import Crowd, Wanted, overlaps
@@ -25,6 +24,7 @@ from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
 from freebody.outputs.number_text import significant
 from freebody_textbook.drawings.illustrate import illustrations
+from support.command import run
 
 Q2, QD2, QDD2 = [0.6, 0.9], [1.0, -0.5], [2.0, 3.0]
 ROBOTS = ("2R", "3R", "RP", "pendulum", "ur5e", "panda", "scara", "gyro", "quadrotor")

@@ -8,14 +8,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Inertia, Model
 from freebody.expressions.expression import Equation, Symbol, nodes
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.model import Model
 from freebody_textbook.derive import compare
+from support.methods import METHODS
 from support.printed_values import evaluate
-from support.symbolic import METHODS
+from support.robots import Joint, Link, Robot, loaded
 
 SYMBOLIC = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
 PLAIN = Inertia.of("M", [0, 0, 0], ["J", 0, 0, "J", 0, "J"])
@@ -32,8 +30,8 @@ def bodies(*kinds: str) -> Model:
     names = [f"body{k}" for k in range(1, len(kinds) + 1)]
     links = [Link(name, x) for name, x in zip(names, (SYMBOLIC, PLAIN), strict=False)]
     joints = [Joint(f"joint_{n}", kind, "base", n) for n, kind in zip(names, kinds, strict=True)]
-    made = RobotDescription("bodies", 3, (Link("base"), *links), tuple(joints), DOWN)
-    return build_model(made)
+    made = Robot("bodies", 3, (Link("base"), *links), tuple(joints), DOWN)
+    return loaded(made)
 
 
 def turned(angles: np.ndarray) -> np.ndarray:

@@ -19,9 +19,9 @@ import pytest
 import xarray as xr
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.targets.text import LANGUAGES
+from support.command import run
 from support.extras import extra
+from support.languages import TOOL
 
 CODE = "__import__('builtins').__dict__.__setitem__('hacked', True)"
 HOSTILE = {
@@ -157,7 +157,7 @@ def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(
     assert code[2] == code[3]
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", TOOL)
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
     assert texts[0].isascii()

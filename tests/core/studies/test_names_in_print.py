@@ -13,16 +13,13 @@ import numpy as np
 import pytest
 
 import freebody as fb
+from freebody import Inertia, Parameter
 from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting import literal
 from freebody.figures.plots import Plot, plot
 from freebody.figures.text import html, marked, plain, runs
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Mount, RobotDescription
-from freebody.model.inertia import Inertia
-from freebody.model.parameters import Parameter
-from freebody.model.placement import shift
 from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from support.robots import Joint, Link, Mount, Robot, loaded, shift
 
 ROBOTS = sorted(Path(fb.__file__).parent.glob("robots/*.toml"))
 SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
@@ -55,7 +52,7 @@ def four_bar(name: str) -> fb.Model:
         Mount(f"{name} end", f"{name}2", shift(Parameter("l2", 0.5), 0.0)),
         Mount(f"{name} tip", f"{name}3", shift(0.4, 0.0)),
     )
-    made = RobotDescription(
+    made = Robot(
         name,
         2,
         tuple(links),
@@ -65,7 +62,7 @@ def four_bar(name: str) -> fb.Model:
         tip=f"{name} end",
         source=f"by {name}.",
     )
-    return build_model(made).with_loop(f"{name} pin", "revolute", (f"{name} tip", f"{name} end"))
+    return loaded(made).with_loop(f"{name} pin", "revolute", (f"{name} tip", f"{name} end"))
 
 
 # ---------------------------------------------------------------- the functions

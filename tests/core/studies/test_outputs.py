@@ -23,12 +23,12 @@ import pytest
 import xarray as xr
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.errors import FileError, OutputError
+from freebody import FileError, OutputError
 from freebody.outputs import files, folder
 from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
 from freebody.outputs.text import as_meant, csv_text, harmless, legal
+from support.command import run
 from support.hostile import JOINTS, LINKS, LIVING, hostile_study, pages
 from support.sources import SOURCES, place
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.model.model import Model
+from freebody import Model
 
 BLOCK = """name = "block"
 [[link]]

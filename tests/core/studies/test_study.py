@@ -12,9 +12,8 @@ import xarray as xr
 from scipy.linalg import expm
 
 import freebody as fb
-from freebody.elementary import cos, sin
-from freebody.errors import FreebodyError, MissingValueError, UnknownNameError
-from freebody.motion.motion import motion_of
+from freebody import FreebodyError, MissingValueError, UnknownNameError
+from freebody.math import cos, sin
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.driven_runs import land
@@ -164,7 +163,7 @@ def test_an_inverted_pendulum_drifts_as_it_must():
     """The linearised error of a uniform rod held upright grows as exp(sqrt(3 g / 2 l) t)."""
     model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[1 / 12])
     t = np.linspace(0, 4, 201)
-    motion = motion_of(model, t, np.full((201, 1), np.pi / 2) + 1e-3 * np.sin(t)[:, None])
+    motion = fb.Motion.of(model, t, np.full((201, 1), np.pi / 2) + 1e-3 * np.sin(t)[:, None])
     found = replays.replayed(model, motion)
     rate = np.sqrt(1.5 * 9.81)
     assert found.amplification == pytest.approx(rate * 4 / np.log(10), abs=1.0)
@@ -204,7 +203,7 @@ def test_the_worst_pose_of_a_planar_arm_is_stretched_out():
 def test_a_singular_pose_on_the_way_is_found():
     model = fb.load("2R")
     t = np.linspace(0, 2, 201)
-    study = fb.study(model, motion_of(model, t, np.stack([0 * t, t - 0.5], axis=-1)))
+    study = fb.study(model, fb.Motion.of(model, t, np.stack([0 * t, t - 0.5], axis=-1)))
     assert study.singularity.time == pytest.approx(0.5, abs=1e-9)
     assert study.singularity.rows == "position"
     assert study.singularity.text == (
@@ -230,7 +229,7 @@ def test_a_motion_beyond_the_limits_is_studied_and_said():
     limits = [fb.Limits(-1, 1, velocity=0.5, effort=3.0)]
     model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=limits)
     t = np.linspace(0, 2, 41)
-    study = fb.study(model, motion_of(model, t, t[:, None]))
+    study = fb.study(model, fb.Motion.of(model, t, t[:, None]))
     assert study.checked
     assert study.warnings == (
         "the speed of joint1 is 1 rad/s at t = 2 s, 200 % of its limit of 0.5 rad/s.",

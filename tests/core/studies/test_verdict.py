@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.app import run
-from freebody.motion.motion import Motion, motion_of
+from freebody import Motion
 from freebody.report.series import bearing_loads
 from freebody.report.summary import parted
 from freebody.report.time_scaling import at_pace, pace
+from support.command import run
 
 ARM = """<robot name="arm">
   <link name="base"/>
@@ -40,7 +40,7 @@ def arm(velocity: float = 3.0, effort: float = 20.0) -> str:
 def swing(model: fb.Model, size: float = 0.5, seconds: float = 2.0) -> Motion:
     t = np.linspace(0.0, seconds, 201)
     wave = size * np.sin(np.pi * t / seconds)[:, None] ** 2
-    return motion_of(model, t, wave * np.linspace(1.0, -0.6, model.nv))
+    return fb.Motion.of(model, t, wave * np.linspace(1.0, -0.6, model.nv))
 
 
 def full(coulomb: float = 0.4, effort: float = np.inf, velocity: float = np.inf) -> fb.Model:
@@ -108,7 +108,7 @@ def test_a_motion_on_its_limit_is_within_it():
         "R", l=[1], lc=[0.5], m=[1], I=[0.1], limits=[fb.Limits(0, 1, velocity=1.0, effort=50)]
     )
     t = np.linspace(0, 1, 41)
-    study = fb.study(model, motion_of(model, t, t[:, None]))
+    study = fb.study(model, fb.Motion.of(model, t, t[:, None]))
     assert study.verdict.outcome == "feasible"
     assert study.verdict.factor == pytest.approx(1.0, abs=1e-6)
     assert "cannot be run any faster" in study.verdict.text
@@ -207,10 +207,10 @@ def test_work_of_a_lift_and_of_a_cycle():
     up = (
         -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 8) ** 2
     )  # from hanging to level, rate 0 at both ends
-    lift = fb.study(model, motion_of(model, t, up[:, None])).summary
+    lift = fb.study(model, fb.Motion.of(model, t, up[:, None])).summary
     assert float(lift["net_work"][0]) == pytest.approx(2 * 9.81 * 0.5, rel=1e-5)
     cycle = -np.pi / 2 + np.pi / 2 * np.sin(np.pi * t / 4) ** 2
-    both = fb.study(model, motion_of(model, t, cycle[:, None])).summary
+    both = fb.study(model, fb.Motion.of(model, t, cycle[:, None])).summary
     assert float(both["net_work"][0]) == pytest.approx(0.0, abs=1e-4)
     assert float(both["work_done"][0]) == pytest.approx(
         2 * 9.81 * 0.5, rel=1e-4

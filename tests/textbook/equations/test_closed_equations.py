@@ -12,7 +12,7 @@ import freebody as fb
 from support.generate import model as tree
 from support.generate import random_inertia, random_placement
 from support.helpers import close, numbers, path, poses, rate, second_rate, state
-from support.robots import DOWN, DOWN_IN_PLANE, Joint, Link, Mount, Robot, loaded
+from support.robots import Joint, Link, Mount, Robot, loaded
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -171,7 +171,7 @@ def hung(kind: str, dim: int) -> tuple[fb.Model, np.ndarray]:
             dim,
             (Link("ground"), Link("body", random_inertia(rng, dim))),
             (Joint("free", "free" if dim == 3 else "planar", "ground", "body"),),
-            DOWN if dim == 3 else DOWN_IN_PLANE,
+            9.81,
             (
                 Mount("A", "ground", random_placement(rng, dim, True)),
                 Mount("B", "body", random_placement(rng, dim, True)),

@@ -16,9 +16,10 @@ import pytest
 
 import freebody as fb
 from support.command import run
+from support.methods import METHODS, WAYS
 from support.printed_lines import are_equal, derived, names_in
 from support.printed_values import evaluate
-from support.symbolic import METHODS, WAYS, coupled, spatial_arm, with_values
+from support.symbolic import coupled, spatial_arm, with_values
 
 SOME = {"RRRR", "RPRR", "PRRP", "RRPP"}
 """The arms of four links that are derived in every run; all of them take minutes."""

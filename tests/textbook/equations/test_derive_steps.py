@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 
 import freebody as fb
+from support.methods import METHODS
 from support.notations import NOTATIONS
 from support.own_lines import own_lines
 from support.printed_lines import symbols_in
-from support.symbolic import METHODS
 
 
 def step(derivation: Any, operation: str) -> Any:

@@ -14,7 +14,8 @@ import pytest
 import freebody as fb
 from support.browser import browser
 from support.formula_font import lacking
-from support.symbolic import METHODS, spatial_arm
+from support.methods import METHODS
+from support.symbolic import spatial_arm
 
 pytestmark = [
     pytest.mark.browser,

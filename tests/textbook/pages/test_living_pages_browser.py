@@ -18,7 +18,8 @@ from freebody_notes.run import run_all
 from freebody_textbook.living.line_values import line_values
 from freebody_textbook.living.living import is_diagnosed
 from support.browser import browser
-from support.symbolic import METHODS, coupled
+from support.methods import METHODS
+from support.symbolic import coupled
 
 pytestmark = [
     pytest.mark.browser,

@@ -20,6 +20,7 @@ import numpy as np
 
 from freebody.program.passes import optimise
 from freebody.program.program import Argument, Program
+from freebody.targets import settings
 from freebody.targets.finite_check import plainly
 from freebody.targets.kernel import BatchLoop, Kernel, signature
 from freebody.targets.llvm import cache as disk
@@ -142,7 +143,7 @@ def _target(level: str | None) -> Target:
             dtype: tuple(n for n in WIDTHS if n * real.bits <= LONGEST_VECTOR)
             for dtype, real in REALS.items()
         },
-        variant=lambda _: fastcall.available(),
+        variant=lambda _: (fastcall.available(), settings.OPTIMISE),
         loops=True,
         missing=partial(_missing, level),
     )

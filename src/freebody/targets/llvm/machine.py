@@ -8,6 +8,7 @@ from functools import cache
 from typing import Any
 
 from freebody.errors import FreebodyError, listed
+from freebody.targets import settings
 from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 from freebody.targets.llvm.llvm_lock import library, to_compile
 
@@ -43,6 +44,8 @@ class Host:
     cpu: str
     features: str
     llvm: str
+    effort: int = 2
+    """LLVM's on the machine code, 0 to 3."""
 
     @property
     def has(self) -> frozenset[str]:
@@ -101,7 +104,7 @@ def lacking(level: str) -> str:
 
 def at_level(level: str | None) -> Host:
     """The host; with a level a CPU that reaches it and has no more."""
-    here = host()
+    here = replace(host(), effort=settings.OPTIMISE)
     if level is None:
         return here
     wanted = LEVELS[level]
@@ -123,12 +126,12 @@ def host() -> Host:
     )
 
 
-def object_code(text: str, opt: int = 2, here: Host | None = None) -> bytes:
-    """A relocatable object for the host, or a level of it."""
-    llvm, here = library(), here or host()
+def object_code(text: str, opt: int | None = None, here: Host | None = None) -> bytes:
+    """A relocatable object for the host, or a level of it; opt: an effort of its own."""
+    llvm, here = library(), here or at_level(None)
     with (
         to_compile(text),
-        code_generator(opt, here=here) as machine,
+        code_generator(here.effort if opt is None else opt, here=here) as machine,
         llvm.create_context() as context,
     ):
         # a context keeps all constants that were ever read in it: one for each text
