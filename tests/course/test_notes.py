@@ -3,17 +3,17 @@ fail."""
 
 import re
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
-from freebody import FreebodyError, UnknownNameError
+import freebody as fb
 from freebody_notes.checks import Answer, ByReading, Digits, Related
 from freebody_notes.contents import item, items
 from freebody_notes.item import Item, Outcome
 from freebody_notes.run import NotesError, run
 from freebody_textbook.relations.formula import FormulaError
+from support.executed_notes import finding
 from support.notes_verdicts import VERDICTS
 
 BY_ID = {x.id: x for x in items()}
@@ -28,11 +28,6 @@ SWAPS = (
     ("= 0", "= 1"),
     ("*", "*2*"),
 )
-
-
-@cache
-def finding(name: str):
-    return run(BY_ID[name])
 
 
 def test_every_item_of_the_audit_is_there_once():
@@ -94,7 +89,7 @@ def fails(x: Item, form: str) -> bool:
     """Whether a form is found wrong, and not merely unreadable."""
     try:
         outcome = x.check.run(form)
-    except (FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
+    except (fb.FreebodyError, ValueError, KeyError, IndexError, np.linalg.LinAlgError):
         return False
     return not outcome.holds and not any(
         words in line for line in outcome.lines for words in UNREADABLE
@@ -130,7 +125,7 @@ def test_evidence_says_what_was_found(name: str, words: str):
 
 def test_an_item_is_found_by_its_number():
     assert item("3.22") is item("(3.22)") is item("eq-3.22")
-    with pytest.raises(UnknownNameError, match=r"Did you mean 'eq-3\.22'"):
+    with pytest.raises(fb.UnknownNameError, match=r"Did you mean 'eq-3\.22'"):
         item("eq-3.222")
 
 

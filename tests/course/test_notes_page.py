@@ -15,17 +15,19 @@ from urllib.parse import quote
 import pytest
 from markupsafe import escape
 
+import freebody as fb
 import freebody_notes
-from freebody import UnknownNameError, notes_figure
 from freebody_notes.contents import _item, chapters, item, items
 from freebody_notes.data import data
 from freebody_notes.errata import errata
 from freebody_notes.exercises import SOLUTIONS, exercises, solution
+from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.page import pages
-from freebody_notes.run import run, run_all
+from freebody_notes.run import run
 from freebody_notes.steps import place_of
 from freebody_notes.text import item_text, shown
 from freebody_textbook.relations.formula import as_printed
+from support import executed_notes
 from support.command import run as program
 from support.formula_font import lacking
 from support.notes_verdicts import VERDICTS
@@ -33,7 +35,12 @@ from support.notes_verdicts import VERDICTS
 
 @pytest.fixture(scope="module")
 def findings():
-    return run_all(items())
+    return executed_notes.findings()
+
+
+@pytest.fixture(autouse=True)
+def _each_item_is_executed_once(monkeypatch):
+    executed_notes.executing_once(monkeypatch)
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +241,7 @@ def test_every_data_file_is_in_the_contents_and_every_check_is_used():
 
 def test_a_check_that_no_file_has_is_named():
     entry = {"title": "", "check": "pendulun"}
-    with pytest.raises(UnknownNameError, match=r"no check 'pendulun' in eq-1\.1\. Did you mean"):
+    with pytest.raises(fb.UnknownNameError, match=r"no check 'pendulun' in eq-1\.1\. Did you mean"):
         _item("eq-1.1", "1.1", entry, {"pendulum": None})
 
 

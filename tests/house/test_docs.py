@@ -4,8 +4,6 @@ wrong."""
 import doctest
 import re
 import shlex
-import subprocess
-import sys
 import tomllib
 from pathlib import Path
 
@@ -18,6 +16,7 @@ from freebody.cli.app import app
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from support.command import run
+from support.executed_notes import executing_once
 
 ROOT = Path(__file__).parents[2]
 PAGES = (
@@ -47,14 +46,6 @@ def examples(page: Path):
             yield language, text.count("\n", 0, block.start(3)), body
 
 
-def freebody(command: str, cwd: Path) -> str:
-    """Run it; returns what it warns of."""
-    words = [sys.executable, "-m", *shlex.split(command)]
-    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, timeout=300, check=False)
-    assert done.returncode == 0, f"$ {command}\n{done.stdout[-2000:]}{done.stderr[-2000:]}"
-    return done.stderr
-
-
 def run_doctest(text: str, names: dict, page: str, line: int) -> None:
     said: list[str] = []
     test = doctest.DocTestParser().get_doctest(text, names, page, page, line)
@@ -71,6 +62,8 @@ def test_examples_run(
         needed = pytest.importorskip(NEEDS[page.name])
     if page.name == "jax.md":  # its reader sets this for good
         request.addfinalizer(lambda: needed.config.update("jax_enable_x64", False))
+    if page.name == "notes.md":
+        executing_once(monkeypatch)
     monkeypatch.chdir(tmp_path)
     names: dict = {"__name__": "example"}
     for language, line, text in examples(page):
@@ -104,12 +97,19 @@ PROGRAM = typer.main.get_group(app)
 
 
 @pytest.mark.parametrize("command", ["", *PROGRAM.commands])
-def test_help_has_an_example_that_runs(command: str, tmp_path: Path):
+def test_help_has_an_example_that_runs(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+):
     help_text = (PROGRAM.commands[command] if command else PROGRAM).epilog or ""
     examples = re.findall(rf"Example: (freebody {command}.*)", help_text)
     assert examples, f"freebody {command} --help shows no example"
+    monkeypatch.chdir(tmp_path)
     for example in examples:
-        assert freebody(example, tmp_path) == ""
+        status = run(shlex.split(example)[1:])
+        assert (status, capsys.readouterr().err) == (0, "")
 
 
 @pytest.mark.parametrize("command", PROGRAM.commands)

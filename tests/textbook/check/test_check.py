@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 from support.command import run
 from support.extras import extra
 
@@ -400,7 +399,7 @@ UNREADABLE = [
 @pytest.mark.parametrize(("answer", "words"), UNREADABLE, ids=range(len(UNREADABLE)))
 def test_what_cannot_be_read_is_refused_at_once(answer: str, words: str):
     begun = time.process_time()
-    with pytest.raises(AnswerError) as refused:
+    with pytest.raises(fb.AnswerError) as refused:
         fb.check(ARM, answer)
     assert time.process_time() - begun < 1.0
     assert words in str(refused.value)
@@ -417,7 +416,7 @@ def test_what_is_nothing_may_have_a_power(nothing: str):
 
 
 def test_errors_point_at_the_place():
-    with pytest.raises(AnswerError) as refused:
+    with pytest.raises(fb.AnswerError) as refused:
         fb.check(ARM, "H22 = m2 lc2^2 + I2\nH12 = θ̇₁ * L1 + I2")
     assert str(refused.value).splitlines()[1:] == ["    H12 = θ̇₁ * L1 + I2", "               ^^"]
 

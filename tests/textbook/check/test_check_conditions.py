@@ -6,7 +6,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM = fb.load("2R")
 STRETCHED = "H12 = m2 lc2^2 + m2 l1 lc2 + I2"
@@ -126,7 +125,7 @@ def test_what_holds_in_equilibrium_does_not_hold_in_motion():
 )
 def test_a_zero_behind_the_paragraph_of_a_condition_is_not_taken_for_one_there(condition, line):
     assert fb.check(ARM, f"{condition}\n{line}")
-    with pytest.raises(AnswerError, match="was said of the paragraph before"):
+    with pytest.raises(fb.AnswerError, match="was said of the paragraph before"):
         fb.check(ARM, f"{condition}\n{line}\n\n{line}")
 
 

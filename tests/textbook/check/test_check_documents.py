@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
 from support.command import run
 
@@ -167,7 +166,7 @@ def test_comments_titles_and_declarations_state_nothing(form: str, text: str):
     ],
 )
 def test_no_term_is_taken_for_words(text: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(ARM, text)
 
 
@@ -183,9 +182,9 @@ def test_derivatives_of_the_energies_are_read():
     for text in right:
         assert fb.check(ARM, text), text
         assert not fb.check(ARM, text.replace(" = ", " = -", 1)), text
-    with pytest.raises(AnswerError, match="defined by itself"):
+    with pytest.raises(fb.AnswerError, match="defined by itself"):
         fb.check(ARM, "L = L + ∂L/∂q1 - ∂L/∂q1")
-    with pytest.raises(AnswerError, match="not a coordinate to differentiate by"):
+    with pytest.raises(fb.AnswerError, match="not a coordinate to differentiate by"):
         fb.check(ARM, "∂L/∂θ12 = 0")
 
 
@@ -213,7 +212,7 @@ def test_what_is_written_with_a_name_without_value_is_not_judged(text: str):
     verdict = fb.check(ARM, f"{text}\n\nG2 = m2 g lc2 c12", form="markdown")
     assert [equation.name for equation in verdict.equations] == ["G2"]
     assert not verdict
-    with pytest.raises(AnswerError):
+    with pytest.raises(fb.AnswerError):
         fb.check(ARM, text)
 
 
@@ -236,7 +235,7 @@ NOT_ALL = [
 def test_no_part_of_an_equation_is_left_out_unseen(text: str, form: str):
     try:
         verdict = fb.check(ARM, text, form=form)
-    except AnswerError:
+    except fb.AnswerError:
         return
     assert not verdict, verdict
     assert verdict.left_out
@@ -306,7 +305,7 @@ HOSTILE = [
 @pytest.mark.parametrize(("text", "form"), HOSTILE, ids=range(len(HOSTILE)))
 def test_hostile_documents_are_refused_in_bounded_time(text: str, form: str):
     begun = time.process_time()
-    with pytest.raises(AnswerError):
+    with pytest.raises(fb.AnswerError):
         fb.check(ARM, text, form=form)
     assert time.process_time() - begun < 20.0  # in minutes or never, if not in one pass
 
@@ -331,7 +330,7 @@ $$V = m_1 g l_{c1} s_1 + m_2 g y_{c2}$$
 
 
 def test_a_sine_of_another_angle_is_no_s1():
-    with pytest.raises(AnswerError, match="s_1 is a symbol"):
+    with pytest.raises(fb.AnswerError, match="s_1 is a symbol"):
         fb.check(ARM, "s_1 = sin(theta2)\nV = s_1")
 
 
@@ -396,7 +395,7 @@ def test_commands_of_its_own_are_put_in(text: str):
 )
 def test_commands_that_grow_without_end_are_refused(text: str):
     begun = time.process_time()
-    with pytest.raises(AnswerError, match="stands for itself, or for a text that is too long"):
+    with pytest.raises(fb.AnswerError, match="stands for itself, or for a text that is too long"):
         fb.check(ARM, text, form="latex")
     assert time.process_time() - begun < 2.0
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM = fb.load("2R")
 NAMES = {"tau_g": "-G", "E_tot": "T + V"}
@@ -53,5 +52,5 @@ def test_a_wrong_line_about_it_is_not_right(line: str):
     ],
 )
 def test_what_says_nothing_about_the_robot_is_refused(line: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(ARM, line, names=NAMES)

@@ -6,8 +6,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError, Inertia
-from freebody.expressions.expression import Symbol
 from support.robots import Joint, Link, Robot, loaded
 
 QUADROTOR, GYRO = fb.load("quadrotor"), fb.load("gyro")
@@ -63,7 +61,7 @@ def test_what_holds_near_hover_only_is_told_so(line: str):
 
 def off_centre():
     """A free body in symbols whose centre of mass is aside."""
-    inertia = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
+    inertia = fb.Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
     links, joint = (Link("base"), Link("body", inertia)), Joint("flight", "free", "base", "body")
     made = Robot("body", 3, links, (joint,), (9.81, (0.0, 0.0, -1.0)))
     return loaded(made)
@@ -75,11 +73,13 @@ def test_a_derivation_is_an_answer(model):
     another sign."""
     steps = fb.derive(model).steps
     chosen = [s for s in steps if s.operation.startswith(("The equations of", "Rates of the"))]
-    printed = [line for step in chosen for line in step.equations if isinstance(line.lhs, Symbol)]
+    printed = [line for step in chosen for line in step.equations if hasattr(line.lhs, "name")]
     assert len(printed) == 12
-    for line in printed:
-        assert fb.check(model, str(line)), line
-        assert not fb.check(model, f"{line.lhs} = -({line.rhs})"), line
+    verdict = fb.check(model, "\n".join(map(str, printed)))
+    assert verdict, verdict
+    assert len(verdict.equations) == 12
+    verdict = fb.check(model, "\n".join(f"{line.lhs} = -({line.rhs})" for line in printed))
+    assert [x.equal for x in verdict.equations] == [False] * 12, verdict
 
 
 GYRO_LINES = [
@@ -116,5 +116,5 @@ def test_the_gyroscopic_moment_of_a_gyro_is_named():
     ],
 )
 def test_what_is_not_about_the_body_is_refused(line: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(QUADROTOR, line)

@@ -6,7 +6,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 NOTHING = "It claims nothing of the robot."
 
@@ -47,7 +46,7 @@ def test_a_wrong_one_is_not_right(line: str):
 
 @pytest.mark.parametrize("line", ["sin θ2 = 0", "c1 c2 = 0", "c1² + s1² = 2", "s12 = sin(θ1+θ2)"])
 def test_an_equation_for_a_pose_and_an_abbreviation_are_no_identities(line: str):
-    with pytest.raises(AnswerError):
+    with pytest.raises(fb.AnswerError):
         fb.check(fb.load("2R"), line)
 
 

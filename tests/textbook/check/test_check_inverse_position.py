@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM, SLIDE = fb.planar("RR"), fb.planar("RP")
 COSINE = "(x² + y² - l1² - l2²)/(2 l1 l2)"
@@ -103,7 +102,7 @@ def test_two_lines_are_of_one_posture():
     ],
 )
 def test_what_is_no_position_is_refused(line: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(ARM, line)
 
 
@@ -141,7 +140,7 @@ def test_where_a_function_is_steep_or_loops_divide_by_nothing_wrong_is_wrong(rob
 )
 def test_what_cancels_hides_no_mistake(robot, line):
     """Where rounding could, the line is left unread; smaller terms that cancel do no harm."""
-    with pytest.raises(AnswerError, match="rounding could hide a mistake"):
+    with pytest.raises(fb.AnswerError, match="rounding could hide a mistake"):
         fb.check(fb.load(robot), line)
     assert fb.check(ARM, "G2 = m2 g lc2 c12 + 100 sqrt(l1) - 100 sqrt(l1)")
 

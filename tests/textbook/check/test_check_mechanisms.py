@@ -6,7 +6,6 @@ import functools
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 load = functools.cache(fb.load)
 SLIDE = r"\frac{l_1\sin\theta_2}{\cos(\theta_1+\theta_2)}"
@@ -81,7 +80,7 @@ REFUSED = [
 
 @pytest.mark.parametrize(("robot", "answer", "words"), REFUSED)
 def test_what_may_mean_something_else_is_refused(robot: str, answer: str, words: str):
-    with pytest.raises(AnswerError) as refused:
+    with pytest.raises(fb.AnswerError) as refused:
         fb.check(load(robot), answer)
     assert words in str(refused.value)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 RIGHT = [
     ("pendulum", "H = I θ̇", "centre of mass"),
@@ -64,7 +63,7 @@ def test_a_length_called_like_a_momentum_is_not_read_as_one():
     arm, line = fb.load("2R"), "H12 = m2 (lc2^2 + L1 lc2 c2) + I2"
     assert fb.check(arm, line, names={"L1": "l1"})
     assert fb.check(arm, f"L1 = l1\n{line}")
-    with pytest.raises(AnswerError, match="no symbol 'L1'"):
+    with pytest.raises(fb.AnswerError, match="no symbol 'L1'"):
         fb.check(arm, f"L2 = I2 ω2\n{line}")
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 BAR = fb.load("four_bar")
 MOTION = "θ1 = 40°, θ̇1 = 0, θ̈1 = 0"
@@ -63,5 +62,5 @@ def test_a_wrong_number_is_not_right(answer: str):
     ],
 )
 def test_what_is_missing_or_does_not_fit_is_told(answer: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(BAR, answer)

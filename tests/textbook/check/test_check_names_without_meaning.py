@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 NO_TIP = """
 name = "two_wheels"
@@ -56,14 +55,14 @@ def test_of_a_mechanism_without_tip_it_is_told_that_it_has_none(line: str, tmp_p
     file = tmp_path / "two_wheels.toml"
     file.write_text(NO_TIP)
     model = fb.load(file)
-    with pytest.raises(AnswerError, match=r"'two_wheels' has no tip.*r_c1"):
+    with pytest.raises(fb.AnswerError, match=r"'two_wheels' has no tip.*r_c1"):
         fb.check(model, line)
     assert fb.check(model, "x_c1 = lc1 c1")
 
 
 @pytest.mark.parametrize("line", ["F = 0", "F_x = m3 d̈3", "F3 = m3 d̈3", "τ = Jᵀ F"])
 def test_a_force_on_a_closed_chain_is_refused_in_words(line: str):
-    with pytest.raises(AnswerError, match=r"may be a force from outside.*is f_12.*λ_1"):
+    with pytest.raises(fb.AnswerError, match=r"may be a force from outside.*is f_12.*λ_1"):
         fb.check(fb.load("slider_crank"), line)
 
 

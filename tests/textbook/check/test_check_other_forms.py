@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM = fb.planar("RR")
 CART = fb.planar("PR", m=["mc", "mp"], lc=[0, "l"], l=[0, "l"], I=[0, 0], passive=["joint2"])
@@ -188,12 +187,12 @@ def test_symbols_that_are_right_by_chance_only_are_not_right():
     ],
 )
 def test_what_is_given_by_itself_is_refused(answer: str, words: str):
-    with pytest.raises(AnswerError, match=re.escape(words)):
+    with pytest.raises(fb.AnswerError, match=re.escape(words)):
         fb.check(ARM, answer)
 
 
 def test_names_of_ones_own_hide_no_circle():
-    with pytest.raises(AnswerError, match="defined by itself"):
+    with pytest.raises(fb.AnswerError, match="defined by itself"):
         fb.check(ARM, "H22 = A", names={"A": "H22"})
 
 
@@ -272,7 +271,7 @@ def test_the_acrobot_in_its_own_words():
 
 
 def test_a_driven_arm_has_no_equation_without_torque():
-    with pytest.raises(AnswerError, match="neither side is one of the quantities"):
+    with pytest.raises(fb.AnswerError, match="neither side is one of the quantities"):
         fb.check(ARM, "0 = H21 θ̈1 + H22 θ̈2 + G2")
 
 

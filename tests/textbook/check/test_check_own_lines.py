@@ -9,7 +9,6 @@ import time
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 from support.own_lines import own_lines
 
 SHORT = [("2R", "kane"), ("RP", "statics"), ("elbow_arm", "lagrange")]
@@ -200,7 +199,7 @@ def test_derivatives_by_all_coordinates_are_vectors_and_matrices():
 )
 def test_an_option_of_another_type_is_refused_with_its_name(options):
     (name,) = options
-    with pytest.raises(AnswerError, match=name):
+    with pytest.raises(fb.AnswerError, match=name):
         fb.check(fb.load("2R"), "H22 = m2 lc2^2 + I2", **options)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM, CART, ACROBOT = fb.planar("RR"), fb.load("cart_pole"), fb.load("acrobot")
 BAR = fb.load("pendulum")
@@ -94,7 +93,7 @@ def test_a_quotient_for_a_polynomial_is_wrong():
     ],
 )
 def test_what_tells_nothing_is_refused(line: str, words: str):
-    with pytest.raises(AnswerError, match=words.replace("(", r"\(")):
+    with pytest.raises(fb.AnswerError, match=words.replace("(", r"\(")):
         fb.check(ARM, line)
 
 

@@ -23,7 +23,7 @@ from support.answers import (
     rewritten,
 )
 
-SHORT, LONG = 80, 1000
+SHORT, LONG = 40, 1000
 
 
 def are_equal(count: int) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM = fb.planar("RR")
 
@@ -56,7 +55,7 @@ def test_nothing_beside_a_pose_is_passed_over():
     ],
 )
 def test_what_is_no_singular_pose_is_not_judged(text: str):
-    with pytest.raises(AnswerError):
+    with pytest.raises(fb.AnswerError):
         fb.check(ARM, text)
 
 

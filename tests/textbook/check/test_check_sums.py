@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 RIGHT = [
     ("2R", r"V = \sum_{i=1}^{2} m_i g y_{ci}"),
@@ -68,7 +67,7 @@ def test_a_mistake_in_a_sum_is_shown_where_it_is_written():
     ],
 )
 def test_what_is_no_sum_over_the_bodies_is_refused(line: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(fb.load("2R"), line)
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
 
 ARM = fb.planar("RR")
 
@@ -53,7 +52,7 @@ def test_vectors_stand_in_round_brackets_too(form: str):
     assert fb.check(ARM, f"v_c2 = {form.format(*entries)}")
     assert not fb.check(ARM, f"v_c2 = {form.format(*reversed(entries))}")
     assert fb.check(ARM, "tau = M (θ̈1, θ̈2)^T + c + G")
-    with pytest.raises(AnswerError, match="G2 is one number, not a vector"):
+    with pytest.raises(fb.AnswerError, match="G2 is one number, not a vector"):
         fb.check(ARM, f"G2 = {form.format(1, 2)}")
 
 
@@ -82,7 +81,7 @@ def test_a_mistake_in_a_vector_is_named_in_its_entry():
     ],
 )
 def test_vectors_that_do_not_fit_are_refused(answer: str, words: str):
-    with pytest.raises(AnswerError, match=words):
+    with pytest.raises(fb.AnswerError, match=words):
         fb.check(ARM, answer)
 
 
@@ -143,7 +142,7 @@ def test_each_known_quantity_is_checked(name: str):
 )
 def test_names_of_vectors_may_be_ones_own_for_numbers(answer: str):
     if answer.startswith("s1"):
-        with pytest.raises(AnswerError, match="s1 is a symbol of the model"):
+        with pytest.raises(fb.AnswerError, match="s1 is a symbol of the model"):
             fb.check(ARM, answer)
     else:
         assert fb.check(ARM, answer)

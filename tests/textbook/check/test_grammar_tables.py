@@ -8,7 +8,6 @@ import time
 import pytest
 
 import freebody as fb
-from freebody import FreebodyError
 from freebody.expressions.grammar.tables import characters, classes, spellings
 
 ARM = fb.planar("RR")
@@ -49,6 +48,6 @@ def test_spellings_mean_the_same(answer: str):
 )  # fmt: skip
 def test_long_texts_are_read_in_bounded_time(piece: str):
     begun = time.process_time()
-    with pytest.raises(FreebodyError):
+    with pytest.raises(fb.FreebodyError):
         fb.check(ARM, piece * (19_000 // max(1, len(piece.strip()))))
     assert time.process_time() - begun < 6.0

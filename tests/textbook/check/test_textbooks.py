@@ -15,10 +15,8 @@ from typing import Any
 import pytest
 
 import freebody as fb
-from freebody.expressions.notations.notation import BookNotation
-from freebody.expressions.quantities.kinds import LETTERED
-from freebody.formats import toml
-from freebody_textbook.derive import compare
+from support.notations import own_notation
+from support.printed_lines import are_equal
 from support.robots import loaded
 
 FOLDER = Path(__file__).parents[2] / "textbooks"
@@ -46,23 +44,21 @@ def named(result: dict[str, Any]) -> str:
 def model(result: dict[str, Any]) -> fb.Model:
     if "\n" not in result["robot"]:
         return fb.load(result["robot"])
-    described = toml.describe("robot.toml", result["robot"], name="robot")
-    return loaded(described, physical="ignore")
+    return loaded(result["robot"], physical="ignore")
 
 
-def answered(result: dict[str, Any], lines: list[str]) -> Any:
+def answered(result: dict[str, Any], lines: list[str], folder: Path) -> Any:
     text, absolute = "\n".join(lines), result.get("absolute", False)
-    names = {kind.key: kind.name for kind in LETTERED}
-    letters = {names[x]: tuple(y.split()) for x, y in result.get("letters", {}).items()}
-    notation = BookNotation("book", parameters=result.get("parameters", {}), letters=letters)
+    own = {key: result[key] for key in ("parameters", "letters") if key in result}
+    notation = own_notation(folder, "book", **own)
     return fb.check(
         model(result), text, names=result["names"] or None, absolute=absolute, notation=notation
     )
 
 
 @pytest.mark.parametrize("result", RESULTS, ids=named)
-def test_a_books_lines_are_right(result: dict[str, Any]):
-    verdict = answered(result, result["lines"])
+def test_a_books_lines_are_right(result: dict[str, Any], tmp_path: Path):
+    verdict = answered(result, result["lines"], tmp_path)
     assert verdict, verdict
     assert verdict.unchecked in ((), tuple(result.get("unchecked", ())))
 
@@ -98,10 +94,10 @@ WITH_MISTAKES = [
 
 
 @pytest.mark.parametrize("result", WITH_MISTAKES)
-def test_a_books_lines_with_a_mistake_are_not(result: dict[str, Any]):
+def test_a_books_lines_with_a_mistake_are_not(result: dict[str, Any], tmp_path: Path):
     for k, line in planted(result):
         lines = [*result["lines"][:k], line, *result["lines"][k + 1 :]]
-        assert not answered(result, lines), lines[k]
+        assert not answered(result, lines, tmp_path), lines[k]
 
 
 def test_there_are_enough_published_results():
@@ -116,8 +112,8 @@ ROBOTS = {result["robot"]: result for result in RESULTS if "mistake" not in resu
 def test_the_books_robots_are_derived_equal(result: dict[str, Any]):
     made = model(result)
     first = fb.derive(made, "lagrange")
-    assert compare(first, fb.derive(made, "recursive"))
-    assert compare(first, fb.derive(made, "newton-euler"))
+    assert are_equal(first, fb.derive(made, "recursive"))
+    assert are_equal(first, fb.derive(made, "newton-euler"))
 
 
 def test_absolute_angles_are_those_of_planar_trees():

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import Inertia, Parameter
 from freebody.expressions.expression import Equation, eq
 from freebody.expressions.polynomials.symbols import symbols
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
@@ -66,15 +65,15 @@ def turned_slide() -> fb.Model:
     """A slide on a turned frame of an arm whose base is turned, too."""
     links = (
         Link("ground"),
-        Link("arm", Inertia.of(2.0, (0.2, 0.1), 0.3)),
-        Link("rod", Inertia.of(1.0, (0.3, -0.1), 0.1)),
+        Link("arm", fb.Inertia.of(2.0, (0.2, 0.1), 0.3)),
+        Link("rod", fb.Inertia.of(1.0, (0.3, -0.1), 0.1)),
     )
     at = shift(0.5, 0.1).then(turn("z", -np.pi / 3))
     joints = (
         Joint("pin", "revolute", "ground", "arm", turn("z", np.pi / 2), (1.0,)),
         Joint("slide", "prismatic", "arm", "rod", at, (0.0, 1.0)),
     )
-    gravity = (Parameter("g", 9.81), (0.0, -1.0))
+    gravity = (fb.Parameter("g", 9.81), (0.0, -1.0))
     end = Mount("end", "rod", shift(0.5, 0.0))
     return loaded(Robot("turned", 2, links, joints, gravity, (end,), tip="end"))
 

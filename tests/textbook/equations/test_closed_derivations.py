@@ -14,6 +14,7 @@ from freebody_textbook.closed_chains.first_kind import FirstKind, multiplier_nam
 from freebody_textbook.closed_chains.linear import product
 from freebody_textbook.closed_chains.statics import LoopStatics
 from freebody_textbook.derive import compare
+from support.printed_lines import derived
 from support.printed_values import evaluate
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -289,11 +290,11 @@ def test_open_chain_has_no_multipliers():
 
 
 def test_every_force_is_named():
-    text = " ".join(fb.derive(fb.load("five_bar"), METHOD).text().split())
+    text = " ".join(derived("five_bar", METHOD).text().split())
     assert "λ₁ and λ₂ are the force of body 4 on body 3 at P, by components." in text
     assert "f₃₄ = [−λ₁, −λ₂]ᵀ" in text
     assert "f = n − m = 4 − 2 = 2" in text
-    rods = fb.derive(fb.load("five_bar_rods"), METHOD)
+    rods = derived("five_bar_rods", METHOD)
     assert "Φ₁ = (x + b − l₁ cos θ₁)² + (y − l₁ sin θ₁)² − l₃² = 0" in rods.text()
     assert ("2.33", "2.34", "5.21") in [step.notes for step in rods.steps]
     assert "it pulls body 1 at B towards body 4" in " ".join(rods.text().split())
@@ -306,14 +307,14 @@ def test_other_methods_name_those_for_closed_chains():
 
 def test_of_legs_that_are_alike_the_lines_of_one_are_told():
     """Six legs of the Stewart platform; three of the 3RRR robot have lines of their own."""
-    steps = fb.derive(fb.load("stewart")).steps
+    steps = derived("stewart").steps
     spoken = {str(line.lhs) for step in steps for line in step.equations}
     assert {"∂L/∂θ₇", "∂L/∂d₉", "τ₉", "ω₈", "V₉"} <= spoken
     assert not {"∂L/∂θ₁₀", "∂L/∂d₁₂", "τ₂₄", "ω₁₁", "V₁₂"} & spoken
     told = [step.reason for step in steps if "the same" in step.reason]
     assert sum("bodies 10 to 12" in reason for reason in told) == 1
     assert len(told) > 10
-    operations = [step.operation for step in fb.derive(fb.load("3RRR")).steps]
+    operations = [step.operation for step in derived("3RRR").steps]
     assert {"The equation of θ₄", "The equation of θ₆", "The equation of θ₈"} <= {*operations}
 
 
@@ -365,7 +366,7 @@ def test_newton_and_euler_end_in_the_first_kind(name):
 
 
 def test_a_platform_that_no_joint_holds_has_no_reaction():
-    said = fb.derive(fb.load("3RRR"), "newton-euler").text()
+    said = derived("3RRR", "newton-euler").text()
     assert "   m₃ g − f₃₅ − f₃₇ − f₃₉ = m₃ v̇c₃\n" in said
     assert "   0 = 1.5 ẍ − λ₁ − λ₃ − λ₅\n" in said
     assert "21 for 21 equations. No joint holds body 3." in " ".join(said.split())
@@ -405,7 +406,7 @@ def test_forces_in_the_loops_of_a_motion_are_reactions(name):
 
 def test_printed_multipliers_solve_their_system():
     """λ by k over Δ, as they stand in the lines, against A λ = k."""
-    derivation = fb.derive(fb.load("five_bar"), "newton-euler")
+    derivation = derived("five_bar", "newton-euler")
     (step,) = [x for x in derivation.steps if x.operation == "The forces in the loop"]
     lines = {str(x.lhs): x for x in step.equations}
     symbols = derivation.equations.symbols
@@ -510,14 +511,15 @@ def test_more_drives_than_freedoms_leave_a_system():
 @pytest.mark.parametrize("name", ["slider_crank", "five_bar_rods"])
 @pytest.mark.parametrize("method", [METHOD, "statics"])
 def test_every_form_is_written(name, method):
-    derivation = fb.derive(fb.load(name), method)
-    for text in (derivation.text(), derivation.markdown(), derivation.latex(), derivation.html()):
+    derivation = derived(name, method)
+    page = derivation.html()
+    for text in (derivation.text(), derivation.markdown(), derivation.latex(), page):
         assert "λ" in text or r"\lambda" in text
-    assert "/work" not in derivation.html()
+    assert "/work" not in page
 
 
 def test_kinematics_of_parallel_robots():
-    text = " ".join(fb.derive(fb.load("five_bar_rods"), "kinematics").text().split())
+    text = " ".join(derived("five_bar_rods", "kinematics").text().split())
     for line in (
         "J_a v + J_b θ̇ = 0",
         "det J_b = 4 l₁ l₂",
@@ -525,6 +527,6 @@ def test_kinematics_of_parallel_robots():
         "(2.35), (2.37)–(2.40)",
     ):
         assert line in text
-    text = " ".join(fb.derive(fb.load("five_bar"), "kinematics").text().split())
+    text = " ".join(derived("five_bar", "kinematics").text().split())
     assert "J₂₂ = −(l₂ cos(θ₁+θ₃) sin θ₄)/Δ" in text
     assert "θ₁ − θ₂ + θ₃ − θ₄ = 0" in text

@@ -9,30 +9,41 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import Model
-from freebody.model.loop_kinds import LOOP_KINDS
 from support.generate import model as tree
+from support.generate import random_inertia, random_placement
 from support.helpers import close, numbers, path, poses, rate, second_rate, state
 from support.robots import Joint, Link, Mount, Robot, loaded
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
-KINDS = [(kind.name, dim) for kind in LOOP_KINDS.values() for dim in kind.dimensions]
+HELD = {
+    2: {"revolute": 2, "prismatic": 2, "point": 2, "fixed": 3, "distance": 1},
+    3: {
+        "revolute": 5,
+        "prismatic": 5,
+        "universal": 4,
+        "spherical": 3,
+        "fixed": 6,
+        "distance": 1,
+    },
+}
+"""How many motions each kind of loop takes away, by the dimension of the space."""
+KINDS = [(kind, dim) for dim, held in HELD.items() for kind in held]
+HAVE_AXIS = {("prismatic", 2), ("prismatic", 3), ("revolute", 3)}
 H = 0.01
 
 
 @lru_cache(maxsize=64)
-def looped(seed: int, dim: int, kinds: tuple[str, ...] = ()) -> Model:
+def looped(seed: int, dim: int, kinds: tuple[str, ...] = ()) -> fb.Model:
     """A random tree with loops between random frames, which nothing closes."""
     model = tree(seed, dim)
     rng = np.random.default_rng([seed, dim, 5])
-    names = [kind.name for kind in LOOP_KINDS.values() if dim in kind.dimensions]
-    for k, kind in enumerate(kinds or rng.choice(names, size=2)):
+    for k, kind in enumerate(kinds or rng.choice([*HELD[dim]], size=2)):
         while True:
             a, b = (str(x) for x in rng.choice(model.frame_names, size=2, replace=False))
             if model.frame(a).body != model.frame(b).body:
                 break
-        axis = tuple(rng.normal(size=dim)) if dim in LOOP_KINDS[kind].axis_in else ()
+        axis = tuple(rng.normal(size=dim)) if (str(kind), dim) in HAVE_AXIS else ()
         if k % 2 and axis:
             axis = tuple(np.eye(dim)[int(rng.integers(dim))] * rng.choice([-1.0, 1.0]))
         distance = float(rng.uniform(0.2, 1.5)) if kind == "distance" else None
@@ -54,7 +65,7 @@ def test_derivatives_of_mixed_loops(seed, dim):
     check_derivatives(looped(seed, dim), seed)
 
 
-def check_derivatives(model: Model, seed: int) -> None:
+def check_derivatives(model: fb.Model, seed: int) -> None:
     """Φ̇ = Φ_q q̇ and Φ̈ = Φ_q q̈ - c along motions through states that are not closed; and the
     third derivative."""
     q, qd, qdd = state(model, seed, 4)
@@ -113,6 +124,14 @@ def test_power_of_the_multipliers(seed, dim):
 
 
 # ---------------------------------------------------------------- what the kinds mean
+def test_every_kind_is_tried():
+    model = fb.load("2R")
+    with pytest.raises(fb.UnknownNameError) as told:
+        model.with_loop("again", "knot", (model.tip, model.tip))
+    kinds = str(told.value).rpartition("kinds: ")[2].rstrip(".").split(", ")
+    assert set(HELD[2]) | set(HELD[3]) == set(kinds)
+
+
 @pytest.mark.parametrize(("kind", "dim"), KINDS)
 def test_what_a_loop_holds(kind, dim):
     """Closed loops, seen in the poses of their frames."""
@@ -135,27 +154,16 @@ def test_what_a_loop_holds(kind, dim):
         assert np.abs(R - np.eye(3)).max() > 1e-3
     if kind == "universal":
         close(R[0, 1], 0.0, 1e-12, 1.0)  # x of A across y of B
-    held = {
-        "revolute": 5,
-        "prismatic": 5,
-        "universal": 4,
-        "spherical": 3,
-        "fixed": 6,
-        "distance": 1,
-    }
-    if dim == 2:
-        held = {"revolute": 2, "prismatic": 2, "point": 2, "fixed": 3, "distance": 1}
-    assert model.tree.constraints == held[kind]
+    held = HELD[dim][kind]
+    assert model.tree.constraints == held
     found = fb.mobility(model, q)
     freedom = 6 if dim == 3 else 3
-    assert found.gruebler == found.instantaneous == found.generic == freedom - held[kind]
+    assert found.gruebler == found.instantaneous == found.generic == freedom - held
 
 
-def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
+def hung(kind: str, dim: int) -> tuple[fb.Model, np.ndarray]:
     """A free body whose frame B is held against frame A of the ground by a loop, and a closed
     position of it."""
-    from support.generate import random_inertia, random_placement
-
     rng = np.random.default_rng([dim, *kind.encode()])
     model = loaded(
         Robot(
@@ -170,7 +178,7 @@ def hung(kind: str, dim: int) -> tuple[Model, np.ndarray]:
             ),
         )
     )
-    axis = tuple(rng.normal(size=dim)) if dim in LOOP_KINDS[kind].axis_in else ()
+    axis = tuple(rng.normal(size=dim)) if (str(kind), dim) in HAVE_AXIS else ()
     model = model.with_loop(
         "hold", kind, ("A", "B"), axis=axis, distance=0.7 if kind == "distance" else None
     )

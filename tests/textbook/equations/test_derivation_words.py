@@ -6,6 +6,7 @@ import re
 import pytest
 
 import freebody as fb
+from support.printed_lines import derived
 
 SLIDES = {
     "lagrange": "a prismatic joint adds nothing",
@@ -53,23 +54,23 @@ def test_coriolis_is_spoken_of_where_something_slides_on_a_turning_body(word: st
 
 def test_the_inertia_of_a_point_is_not_listed():
     """Euler's equation of a point has none either."""
-    said = fb.derive(fb.load("gantry_crane"), "newton-euler").text()
+    said = derived("gantry_crane", "newton-euler").text()
     assert not re.search(r"I[₁₂₃₄] = ", said)
-    assert "I₂ = [" in fb.derive(fb.load("furuta"), "newton-euler").text()
+    assert "I₂ = [" in derived("furuta", "newton-euler").text()
 
 
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane", "statics"])
 def test_a_joint_without_motor_is_spoken_of_in_every_method(method: str):
-    said = " ".join(fb.derive(fb.load("acrobot"), method).text().split())
+    said = " ".join(derived("acrobot", method).text().split())
     assert re.findall("angle (θ.), passive", said) == ["θ₁"]
     assert "no motor" in said
     if method != "statics":
         assert "Joint 1 has no motor. An equation with 0 on the left is a condition" in said
-    assert "condition on the motion" not in fb.derive(fb.load("2R"), method).text()
+    assert "condition on the motion" not in derived("2R", method).text()
 
 
 def given(name: str, method: str | None = None) -> str:
-    return fb.derive(fb.load(name), method).given
+    return derived(name, method).given
 
 
 @pytest.mark.parametrize(
@@ -112,16 +113,14 @@ def test_masses_that_are_numbers_are_listed_and_have_a_unit():
         assert "m₂ = 1\n" in fb.derive(gyro, method).text()
     assert "Numbers without a unit are in SI units." in given("gyro")
     assert "SI units" not in given("2R")
-    assert not re.search(r"m₂ = |I₂ = ", fb.derive(fb.load("2R"), "lagrange").text())
+    assert not re.search(r"m₂ = |I₂ = ", derived("2R", "lagrange").text())
 
 
 def test_the_table_leaves_out_what_no_equation_has():
-    table = [str(x) for row in fb.derive(fb.load("2R"), "statics").glossary for x in row.symbols]
+    table = [str(x) for row in derived("2R", "statics").glossary for x in row.symbols]
     assert "lc₁" in table
     assert "I₁" not in table
-    assert "z" in [
-        str(x) for r in fb.derive(fb.load("2R"), "recursive").glossary for x in r.symbols
-    ]
+    assert "z" in [str(x) for r in derived("2R", "recursive").glossary for x in r.symbols]
     words = {str(x): row.words for row in fb.derive(fb.load("cart_pole"), "statics").glossary
              for x in row.symbols}  # fmt: skip
     assert words["l₂"].endswith("body 2; also distance from joint 2 to the tip")
@@ -134,12 +133,12 @@ def test_the_table_leaves_out_what_no_equation_has():
     [("five_bar", ["m", "N"]), ("five_bar_rods", ["m²", "N/m"]), ("bricard", ["m, 1", "N, N m"])],
 )
 def test_loop_equations_and_their_multipliers_have_units(name, units):
-    rows = fb.derive(fb.load(name), "lagrange-first-kind").glossary
+    rows = derived(name, "lagrange-first-kind").glossary
     assert [r.unit for r in rows if str(r.symbols[0]) in ("Φ_k", "λ_k")] == units
 
 
 def test_one_loop_is_told_in_the_singular():
-    text = fb.derive(fb.load("five_bar"), "newton-euler").text()
+    text = derived("five_bar", "newton-euler").text()
     assert "Cut the loop: its force is unknown" in text
     assert "the loops" not in text
     assert "n₀₁ is 0 by the equation" in fb.derive(fb.load("cart_pole"), "recursive").text()
@@ -160,12 +159,12 @@ def test_an_inverse_is_in_lowest_terms():
 
 def test_a_component_of_the_tip_is_not_said_to_be_its_motion():
     told = "only ẋ is counted of the tip"
-    assert told in " ".join(fb.derive(fb.load("four_bar"), "kinematics").text().split())
-    assert "counted" not in fb.derive(fb.load("five_bar"), "kinematics").text()
+    assert told in " ".join(derived("four_bar", "kinematics").text().split())
+    assert "counted" not in derived("five_bar", "kinematics").text()
 
 
 def test_many_coordinates_are_not_a_column():
-    stewart, small = fb.derive(fb.load("stewart")), fb.derive(fb.load("four_bar"))
+    stewart, small = derived("stewart"), derived("four_bar")
     assert not stewart.steps[0].equations
     assert "q holds the joint variables" in stewart.steps[0].reason
     assert len(small.steps[0].equations) == 2
@@ -173,8 +172,8 @@ def test_many_coordinates_are_not_a_column():
 
 def test_a_count_below_one_is_not_the_last_word():
     told = "With redundant ones it moves all the same"
-    assert told in " ".join(fb.derive(fb.load("bricard")).text().split())
-    assert told not in fb.derive(fb.load("four_bar")).text()
+    assert told in " ".join(derived("bricard").text().split())
+    assert told not in derived("four_bar").text()
 
 
 def test_one_body_is_spoken_of_as_one():

@@ -7,6 +7,7 @@ import itertools
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
@@ -14,16 +15,19 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import Model
-from freebody.expressions.expression import Equation, Symbol, nodes
-from freebody_textbook.derive import compare
-from freebody_textbook.render import page
-from freebody_textbook.render.prose import cited
+from support.command import run
 from support.methods import METHODS, WAYS
+from support.printed_lines import are_equal, derived, names_in
 from support.printed_values import evaluate
 from support.symbolic import coupled, spatial_arm, with_values
 
-WORDS = ["".join(w) for n in (1, 2, 3, 4) for w in itertools.product("RP", repeat=n)]
+SOME = {"RRRR", "RPRR", "PRRP", "RRPP"}
+"""The arms of four links that are derived in every run; all of them take minutes."""
+WORDS = [
+    pytest.param(word, marks=[pytest.mark.long] * (len(word) == 4 and word not in SOME))
+    for n in (1, 2, 3, 4)
+    for word in map("".join, itertools.product("RP", repeat=n))
+]
 
 
 def values_of(derivation, q, qd=None, qdd=None, **load: float) -> np.ndarray:
@@ -33,7 +37,7 @@ def values_of(derivation, q, qd=None, qdd=None, **load: float) -> np.ndarray:
     return np.stack([np.broadcast_to(t.evaluate(known), shape) for t in derivation.tau], axis=-1)
 
 
-def ends_alike(model: Model) -> None:
+def ends_alike(model: fb.Model) -> None:
     """Every method ends in the closed form, and that has the kernels' values at random states."""
     found = [fb.derive(model, method, **options) for method, options in WAYS]
     for derivation, way in zip(found, WAYS, strict=True):
@@ -62,7 +66,7 @@ def test_every_way_ends_in_the_closed_form_in_space(seed):
 def test_bundled_robots_are_derived(names):
     model = fb.load(names, physical="ignore")
     first = fb.derive(model, "newton-euler")
-    assert compare(first, fb.derive(model, "recursive"))
+    assert are_equal(first, fb.derive(model, "recursive"))
 
 
 COUPLED = [
@@ -150,7 +154,7 @@ def test_the_table_tells_the_symbols_of_the_whole():
 )
 def test_nothing_is_passed_on_along_a_joint_without_a_motor(name, lines):
     """By the equation of motion of that joint, from which the printed reactions differ."""
-    derivation = fb.derive(fb.load(name), "newton-euler")
+    derivation = derived(name, "newton-euler")
     text = derivation.text()
     assert all(f"      {line}\n" in text for line in lines)
     told = "What vanishes by the equation of a joint without a motor is left out."
@@ -178,7 +182,7 @@ def test_the_table_tells_what_bodies_in_numbers_are_called():
 
 def test_moments_of_inertia_in_space_say_about_which_axes():
     """I₁ beside the matrix I₁ was an "entry" of it."""
-    words = {str(x.symbols[0]): x.words for x in fb.derive(fb.load("furuta")).glossary}
+    words = {str(x.symbols[0]): x.words for x in derived("furuta").glossary}
     assert words["I₁"] == "moment of inertia of body 1 about axes y and z through its centre"
     words = {x.symbols: x.words for x in fb.derive(spatial_arm(2, 3)).glossary}
     assert "entries of the inertia matrix of body 1 about its centre of mass" in words.values()
@@ -257,12 +261,9 @@ def test_without_gravity_there_is_no_g(method, options):
     for model in (fb.planar("RRP").replace(gravity=0), spatial_arm(1, 2).replace(gravity=0)):
         derivation = fb.derive(model, method, **options)
         shown = [line for step in derivation.steps for line in step.equations]
-        names = {node.name for line in shown for node in nodes(line) if isinstance(node, Symbol)}
+        names = names_in(shown)
         names |= {
-            x.name
-            for meaning in derivation.glossary
-            for x in meaning.symbols
-            if isinstance(x, Symbol)
+            x.name for meaning in derivation.glossary for x in meaning.symbols if hasattr(x, "name")
         }
         assert "g" not in names
         assert not re.search(r"\bgravity G|weight|-g\b", derivation.text())
@@ -332,10 +333,17 @@ def test_virtual_work_of_a_load():
     assert "d/dt (∂L/∂θ̇₂) − ∂L/∂θ₂ = Q₂" in lines
 
 
-def test_numbers_of_equations_are_drawn_together():
-    assert cited(("3.22", "3.20", "3.21")) == "(3.20)–(3.22)"
-    assert cited(("3.16", "3.17", "4.1")) == "(3.16), (3.17), (4.1)"
-    assert cited(("3.9", "3.10", "3.11", "5.7")) == "(3.9)–(3.11), (5.7)"
+@pytest.mark.parametrize(
+    ("notes", "cited"),
+    [
+        (("3.22", "3.20", "3.21"), "(3.20)–(3.22)"),
+        (("3.16", "3.17", "4.1"), "(3.16), (3.17), (4.1)"),
+        (("3.9", "3.10", "3.11", "5.7"), "(3.9)–(3.11), (5.7)"),
+    ],
+)
+def test_numbers_of_equations_are_drawn_together(notes: tuple[str, ...], cited: str):
+    step = replace(fb.derive(fb.planar("R")).steps[0], notes=notes)
+    assert f"[notes {cited}]" in step.text()
 
 
 def test_only_arms_of_the_notes_cite_their_free_bodies():
@@ -349,11 +357,10 @@ def test_only_arms_of_the_notes_cite_their_free_bodies():
 def test_the_table_explains_every_parameter_and_coordinate(model, method):
     derivation = fb.derive(model, method)
     explained = {
-        x.name for meaning in derivation.glossary for x in meaning.symbols if isinstance(x, Symbol)
+        x.name for meaning in derivation.glossary for x in meaning.symbols if hasattr(x, "name")
     }
     ring = set(derivation.equations.symbols.ring.names)
-    shown: list[Equation] = [line for step in derivation.steps for line in step.equations]
-    used = {node.name for line in shown for node in nodes(line) if isinstance(node, Symbol)}
+    used = names_in(line for step in derivation.steps for line in step.equations)
     loads = {"fx", "fy", "fz"}
     assert (used & ring) - explained - loads == set()
     assert all(meaning.words for meaning in derivation.glossary)
@@ -405,15 +412,14 @@ def test_latex_compiles_and_fits(method, tmp_path: Path):
 
 
 # ---------------------------------------------------------------- comparison and refusals
-def test_two_methods_are_compared_term_by_term():
-    model = fb.planar("RR")
-    comparison = compare(fb.derive(model, "lagrange"), fb.derive(model, "newton-euler"))
-    assert comparison
-    assert "tau1: 18 terms, identical" in str(comparison) or "identical" in str(comparison)
-    with pytest.raises(
-        fb.FreebodyError, match="one derivation has a load on the tip, the other has none"
-    ):
-        compare(fb.derive(model, "lagrange"), fb.derive(model, "newton-euler", load=True))
+def test_two_methods_are_compared_term_by_term(capsys: pytest.CaptureFixture[str]):
+    lagrange = ["derive", "RR", "--method", "lagrange", "--compare"]
+    assert run([*lagrange, "newton-euler"]) == 0
+    told = capsys.readouterr().out
+    assert len(re.findall(r"tau[12]: \d+ terms, identical", told)) == 2
+    assert run([*lagrange, "statics"]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "one derivation has a load on the tip, the other has none" in told
 
 
 def test_what_is_not_derived_is_refused():
@@ -423,7 +429,7 @@ def test_what_is_not_derived_is_refused():
     ):
         fb.derive(fb.planar("RR"), "hamilton")
     with pytest.raises(fb.FreebodyError, match=r"derive 'lagrange': 'four_bar' is a closed chain"):
-        fb.derive(fb.load("four_bar"), "lagrange")
+        derived("four_bar", "lagrange")
     with pytest.raises(
         fb.FreebodyError, match=r"no route 'left' in newton-euler. Routes: centre, pivot"
     ):
@@ -463,7 +469,7 @@ def test_kinematics_has_the_kernels_values(model):
     kinematics_has_the_kernels_values(model)
 
 
-def kinematics_has_the_kernels_values(model: Model) -> None:
+def kinematics_has_the_kernels_values(model: fb.Model) -> None:
     """Jacobian, position and acceleration of the tip."""
     derivation = fb.derive(model, "kinematics")
     bound = with_values(model)
@@ -496,25 +502,26 @@ def kinematics_has_the_kernels_values(model: Model) -> None:
         np.testing.assert_allclose(inverse @ J, np.broadcast_to(np.eye(n), J.shape), atol=1e-10)
 
 
-def test_kinematics_ends_in_no_torques():
-    model = fb.planar("RR")
-    with pytest.raises(fb.FreebodyError, match="kinematics does not give joint torques"):
-        compare(fb.derive(model, "kinematics"), fb.derive(model, "lagrange"))
+def test_kinematics_ends_in_no_torques(capsys: pytest.CaptureFixture[str]):
+    assert fb.derive(fb.planar("RR"), "kinematics").tau == ()
+    assert run(["derive", "RR", "--method", "kinematics", "--compare", "lagrange"]) == 2
+    told = " ".join(capsys.readouterr().err.split())
+    assert "kinematics does not give joint torques" in told
 
 
 def test_no_equation_repeats_a_rule_as_a_number_of_terms():
     """T₄ = ½ m₄ v² + … had read “= ((55 terms))”."""
-    said = str(fb.derive(fb.load("bricard")))
+    said = str(derived("bricard"))
     assert "T₄ = ½ m₄ vc₄² + ½ (ω₄ · I₄ ω₄)\n" in said
     assert "((" not in said
 
 
 def test_long_lists_are_several_tables():
     """A printed page ends between tables only; one of ninety rows was cut."""
-    vectors = next(x for x in fb.derive(fb.load("ur5e")).steps if x.operation == "The vectors")
-    assert page.html([vectors.equations]).count("<math ") == 3
-    *short, _, _ = fb.derive(fb.load("2R"), "lagrange").steps  # meanings and limits
-    assert all(page.html([step.equations]).count("<math ") == 1 for step in short)
+    vectors = next(x for x in derived("ur5e").steps if x.operation == "The vectors")
+    assert vectors._repr_html_().count("<math ") == 3
+    *short, _, _ = derived("2R", "lagrange").steps  # meanings and limits
+    assert all(step._repr_html_().count("<math ") == 1 for step in short)
 
 
 def test_no_comma_begins_a_line_of_the_table():

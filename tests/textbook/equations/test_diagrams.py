@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures import svg, text
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
@@ -119,12 +118,12 @@ def test_robots_in_space_draw(name):
 
 def test_unknown_figures_and_elements_are_named():
     with pytest.raises(
-        UnknownNameError, match=r"no figure '3.9' in the notes. Did you mean '3.[12]'"
+        fb.UnknownNameError, match=r"no figure '3.9' in the notes. Did you mean '3.[12]'"
     ):
         fb.notes_figure("3.9")
     figure = fb.notes_figure("fig-1.2")
     assert figure.named("s_{1}") is figure.named("s_1")
-    with pytest.raises(UnknownNameError, match=r"no element 's_9' in 'A planar two-link arm'"):
+    with pytest.raises(fb.UnknownNameError, match=r"no element 's_9' in 'A planar two-link arm'"):
         figure.named("s_9")
 
 
@@ -251,14 +250,16 @@ def test_clear_pose_is_within_the_limits():
 
 def test_bad_requests_are_explained(arm):
     with pytest.raises(
-        UnknownNameError, match="no choice 'frames' in kinematic_diagram of a model in 2D"
+        fb.UnknownNameError, match="no choice 'frames' in kinematic_diagram of a model in 2D"
     ):
         fb.kinematic_diagram(arm, show="frames")
-    with pytest.raises(FreebodyError, match="show is empty; name one of geometry"):
+    with pytest.raises(fb.FreebodyError, match="show is empty; name one of geometry"):
         fb.kinematic_diagram(arm, show=[])
-    with pytest.raises(ShapeError, match=r"q has shape \(3,\)"):
+    with pytest.raises(fb.ShapeError, match=r"q has shape \(3,\)"):
         fb.kinematic_diagram(arm, [0, 0, 0])
-    with pytest.raises(ShapeError, match=r"q has shape \(5, 4, 2\), expected \(2,\): one sample"):
+    with pytest.raises(
+        fb.ShapeError, match=r"q has shape \(5, 4, 2\), expected \(2,\): one sample"
+    ):
         fb.kinematic_diagram(arm, np.zeros((5, 4, 2)))
 
 
@@ -388,7 +389,7 @@ def test_five_bar_closes(figures):
         1.5
     )
     with pytest.raises(
-        FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only if"
+        fb.FreebodyError, match=r"B and D are .* m apart; bars of 0.3 m and 0.3 m meet only if"
     ):
         five_bar((1.0, 1.0, 0.3, 0.3))
 

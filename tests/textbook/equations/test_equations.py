@@ -19,17 +19,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import (
-    Drive,
-    FreebodyError,
-    Inertia,
-    MissingValueError,
-    Model,
-    Parameter,
-    UnknownNameError,
-)
-from freebody.expressions.polynomials.symbols import RATE, SECOND
-from freebody_textbook.equations.equations import Equations
 from support.extras import extra
 from support.helpers import numbers
 from support.printed_values import evaluate
@@ -38,19 +27,19 @@ from support.symbolic import coupled
 
 WORDS = ["".join(w) for n in (1, 2, 3) for w in itertools.product("RP", repeat=n)]
 DRIVES = [
-    Drive(Parameter("b1"), Parameter("k1"), Parameter("J1"), 10.0),
-    Drive(stiffness=Parameter("s2"), rest=0.2),
-    Drive(viscous=0.3),
+    fb.Drive(fb.Parameter("b1"), fb.Parameter("k1"), fb.Parameter("J1"), 10.0),
+    fb.Drive(stiffness=fb.Parameter("s2"), rest=0.2),
+    fb.Drive(viscous=0.3),
 ]
 INERTIA = tuple(f"{{}}{axes}" for axes in ("xx", "xy", "xz", "yy", "yz", "zz"))
 
 
-def planar(word: str, **changes: Any) -> Model:
+def planar(word: str, **changes: Any) -> fb.Model:
     """A planar word with values for all its parameters."""
     return with_values(fb.planar(word, **changes))
 
 
-def with_values(model: Model, seed: int = 0) -> Model:
+def with_values(model: fb.Model, seed: int = 0) -> fb.Model:
     """Values for the parameters that have none: products of inertia small, the rest about 1."""
     rng = np.random.default_rng(seed)
     small = ("xy", "xz", "yz")
@@ -61,7 +50,7 @@ def with_values(model: Model, seed: int = 0) -> Model:
     return model.bind(**values)
 
 
-def spatial(seed: int, joints: int, named: bool) -> Model:
+def spatial(seed: int, joints: int, named: bool) -> fb.Model:
     """A random arm in space, its table and inertias in numbers or by name."""
     rng = np.random.default_rng([seed, joints])
     rows = []
@@ -95,12 +84,12 @@ MODELS = {
 }
 
 
-def state(model: Model, n: int = 3) -> tuple[np.ndarray, ...]:
+def state(model: fb.Model, n: int = 3) -> tuple[np.ndarray, ...]:
     rng = np.random.default_rng(7)
     return tuple(rng.uniform(-2, 2, size=(n, model.nv)) for _ in range(3))
 
 
-def values(eqs: Equations, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> dict[str, Any]:
+def values(eqs: Any, q: np.ndarray, qd: np.ndarray, qdd: np.ndarray) -> dict[str, Any]:
     return eqs.symbols.values(q, qd, qdd)
 
 
@@ -319,9 +308,9 @@ def test_numbers() -> None:
     some = fb.equations(fb.planar("RR")).substitute(l1=0.5, I2=0)
     assert "H₂₂ = m₂ lc₂²" in some.text().splitlines()
     assert "h = 0.5 m₂ lc₂ sin θ₂" in some.text()
-    with pytest.raises(UnknownNameError, match="Did you mean 'l1'"):
+    with pytest.raises(fb.UnknownNameError, match="Did you mean 'l1'"):
         fb.equations(fb.planar("RR")).substitute(l11=2)
-    with pytest.raises(MissingValueError, match="I1"):
+    with pytest.raises(fb.MissingValueError, match="I1"):
         fb.equations(fb.planar("RR"), numbers=True)
 
 
@@ -376,33 +365,33 @@ def test_operations_are_counted() -> None:
 
 def test_views_and_names_are_checked() -> None:
     eqs = fb.equations(fb.planar("R"))
-    with pytest.raises(UnknownNameError, match="Did you mean 'expanded'"):
+    with pytest.raises(fb.UnknownNameError, match="Did you mean 'expanded'"):
         eqs.text("expand")
-    with pytest.raises(UnknownNameError, match=r"no naming 'other'.*Namings: notes, standard"):
+    with pytest.raises(fb.UnknownNameError, match=r"no naming 'other'.*Namings: notes, standard"):
         eqs.text(names="other")
 
 
 # ---------------------------------------------------------------- what has no closed form, and
 # joints that follow
-def following(ratio: float, kind: str = "revolute", base: str = "fixed") -> Model:
+def following(ratio: float, kind: str = "revolute", base: str = "fixed") -> fb.Model:
     """Two links, the second joint follows the first."""
-    bar = Inertia(Parameter("m1"), (0.5, 0.0), (Parameter("I1"),))
+    bar = fb.Inertia(fb.Parameter("m1"), (0.5, 0.0), (fb.Parameter("I1"),))
     links = (
-        Link("base", Inertia(2.0, (0.1, 0.0), (0.3,)) if base == "free" else None),
+        Link("base", fb.Inertia(2.0, (0.1, 0.0), (0.3,)) if base == "free" else None),
         Link("a", bar),
-        Link("b", Inertia(Parameter("m2"), (0.3, 0.0), (Parameter("I2"),))),
+        Link("b", fb.Inertia(fb.Parameter("m2"), (0.3, 0.0), (fb.Parameter("I2"),))),
     )
     axis = (1.0,) if kind == "revolute" else (1.0, 0.0)
     joints = (
-        Joint("first", "revolute", "base", "a", axis=(1.0,), drive=Drive(coulomb=0.3)),
+        Joint("first", "revolute", "base", "a", axis=(1.0,), drive=fb.Drive(coulomb=0.3)),
         Joint(
             "second",
             kind,
             "a",
             "b",
-            shift(Parameter("l1"), 0.0).then(turn("z", 0.2)),
+            shift(fb.Parameter("l1"), 0.0).then(turn("z", 0.2)),
             axis,
-            drive=Drive(0.1, 0.2),
+            drive=fb.Drive(0.1, 0.2),
             mimic=Mimic("first", ratio, 0.1),
         ),
     )
@@ -429,20 +418,20 @@ def test_following_joints(ratio: float, kind: str, base: str) -> None:
 
 def test_following_by_a_fraction_is_refused() -> None:
     with pytest.raises(
-        FreebodyError,
+        fb.FreebodyError,
         match=r"joint 'second' of 'gears' turns 0.5 times as far as 'first'.*mimic=.free.",
     ):
         fb.equations(following(0.5))
     turned = coupled(fb.planar("RR"), joint2=("joint1", 1.0, 0.2))
     assert "1.96013 lc₂ cos 2θ₁" in str(fb.equations(turned))  # twice the cosine of 0.2
     swapped = coupled(fb.planar("PR"), joint2=("joint1", 2.0, 0.0))
-    with pytest.raises(FreebodyError, match=r"turns as 'joint1' slides: .*turning joint lead"):
+    with pytest.raises(fb.FreebodyError, match=r"turns as 'joint1' slides: .*turning joint lead"):
         fb.equations(swapped)
 
 
 def test_joints_without_closed_form_are_refused() -> None:
     with pytest.raises(
-        FreebodyError, match="is free: closed forms need coordinates that are numbers"
+        fb.FreebodyError, match="is free: closed forms need coordinates that are numbers"
     ):
         fb.equations(fb.load("quadrotor"))
 
@@ -505,8 +494,8 @@ def test_sympy_is_imported_only_when_asked_for() -> None:
 def test_coordinates_by_name() -> None:
     symbols = fb.equations(fb.planar("RPR")).symbols
     assert symbols.coordinates == ("theta1", "d2", "theta3")
-    assert f"theta1{RATE}" in symbols.ring.names
-    assert f"d2{SECOND}" in symbols.ring.names
+    assert "theta1_d" in symbols.ring.names
+    assert "d2_dd" in symbols.ring.names
 
 
 def test_an_arm_of_many_joints_is_told_to_be_too_long_at_once() -> None:

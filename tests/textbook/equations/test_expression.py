@@ -10,7 +10,7 @@ from unicodedata import normalize
 import numpy as np
 import pytest
 
-from freebody import FreebodyError, UnknownNameError
+import freebody as fb
 from freebody.expressions import expression as ex
 from freebody.expressions.evaluate import NoValue
 from freebody.expressions.expression import (
@@ -174,7 +174,7 @@ def test_evaluate() -> None:
     np.testing.assert_allclose(
         evaluate(ex.transposed(ex.matrix([[1, 2], [3, "b"]])), at), [[1, 3], [2, 3]]
     )
-    with pytest.raises(UnknownNameError, match="no quantity 'c'"):
+    with pytest.raises(fb.UnknownNameError, match="no quantity 'c'"):
         value(sym("c"), at)
     with pytest.raises(NoValue, match="for print only") as told:
         evaluate(add("a", d_dt("a")), at)
@@ -206,7 +206,7 @@ def test_sympy() -> None:
     )
     assert to_sympy(ex.matrix([["a", 1]])) == sympy.Matrix([[a, 1]])
     assert to_sympy(ex.sgn("a")) == sympy.sign(a)
-    with pytest.raises(FreebodyError, match="no counterpart"):
+    with pytest.raises(fb.FreebodyError, match="no counterpart"):
         to_sympy(cross("a", "b"))
 
 

@@ -15,6 +15,7 @@ from freebody.expressions import evaluate as walk
 from freebody.expressions.expression import Expression, Function, Symbol, Vector, nodes
 from freebody.scalars.trig import Trig
 from freebody_textbook.derivation import Derivation
+from support.printed_lines import derived
 from support.symbolic import spatial_arm
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -113,7 +114,7 @@ def test_a_load_on_the_tip_is_carried_inward():
 
 
 def test_a_loop_to_the_ground_is_turned_to_the_last_body():
-    derivation = fb.derive(fb.load("bricard"))
+    derivation = derived("bricard")
     assert "terms)" not in derivation.text()
     last = [step.operation for step in derivation.steps].index("Inward: body 1")
     values = line_by_line(replace(derivation, steps=derivation.steps[: last + 1]))
@@ -124,7 +125,7 @@ def test_a_loop_to_the_ground_is_turned_to_the_last_body():
 
 @pytest.mark.parametrize("method", ["newton-euler", "recursive"])
 def test_long_arms_are_modular_without_being_asked(method):
-    derivation = fb.derive(fb.load("ur5e"), method)
+    derivation = derived("ur5e", method)
     text = derivation.text()
     assert "terms)" not in text
     assert "ω₃ = R₂³ ω₂ + θ̇₃ z₃ = [ω₂x cos θ₃ + ω₂y sin θ₃, ω₂y cos θ₃ − ω₂x sin θ₃" in text

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import Drive, FreebodyError, Inertia, Parameter
 from freebody.expressions import expression as ex
 from freebody.expressions.naming import Naming
 from freebody.expressions.printed_names import sym
@@ -41,13 +40,13 @@ def turning(name: str, parent: str, child: str, at: Placement = HERE, **more: ob
 
 
 def link(name: str, mass: str, com: str | float = 0.0, inertia: str | float = 0.0) -> Link:
-    return Link(name, Inertia.of(mass, (com, 0.0), inertia))
+    return Link(name, fb.Inertia.of(mass, (com, 0.0), inertia))
 
 
 def assembled(
     name: str, links: list[Link], joints: list[Joint], mounts: list[Mount], tip: str
 ) -> fb.Model:
-    gravity = (Parameter("g"), (0.0, -1.0))
+    gravity = (fb.Parameter("g"), (0.0, -1.0))
     root = Link("ground")
     return loaded(Robot(name, 2, (root, *links), tuple(joints), gravity, tuple(mounts), tip=tip))
 
@@ -57,10 +56,10 @@ def tree() -> fb.Model:
     motor."""
     joints = [
         turning("pin", "ground", "trunk"),
-        Joint("slide", "prismatic", "trunk", "left", shift(Parameter("a"), 0.0), (1.0, 0.0),
-              drive=Drive(stiffness="k", rest=0.1)),
-        turning("turn", "trunk", "right", shift(Parameter("b"), 0.0), drive=Drive(viscous="beta"),
-              passive=True),
+        Joint("slide", "prismatic", "trunk", "left", shift(fb.Parameter("a"), 0.0), (1.0, 0.0),
+              drive=fb.Drive(stiffness="k", rest=0.1)),
+        turning("turn", "trunk", "right", shift(fb.Parameter("b"), 0.0),
+                drive=fb.Drive(viscous="beta"), passive=True),
     ]  # fmt: skip
     links = [
         link("trunk", "M", "c", "Jt"),
@@ -68,7 +67,7 @@ def tree() -> fb.Model:
         link("right", "mr", "cr", "Jr"),
     ]
     return assembled(
-        "tree", links, joints, [Mount("tool", "trunk", shift(Parameter("e"), 0.2))], "tool"
+        "tree", links, joints, [Mount("tool", "trunk", shift(fb.Parameter("e"), 0.2))], "tool"
     )
 
 
@@ -79,7 +78,7 @@ def cart_and_pole() -> fb.Model:
     ]
     links = [link("cart", "mc"), link("pole", "mp", "lp", "Ip")]
     return assembled(
-        "cart-pole", links, joints, [Mount("end", "pole", shift(Parameter("l"), 0.0))], "end"
+        "cart-pole", links, joints, [Mount("end", "pole", shift(fb.Parameter("l"), 0.0))], "end"
     )
 
 
@@ -210,7 +209,7 @@ def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) 
         if INVERSE not in inside:
             try:
                 return evaluate(side, values | {"g": gravity} if GRAVITY in inside else values)
-            except FreebodyError:
+            except fb.FreebodyError:
                 continue
     return None
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from freebody import AnswerError
-from freebody.expressions.notations.notation import PRESETS, BookNotation, notation_of, preset
 from support.command import run
+from support.notations import NOTATIONS, own_notation
 
 ARM = fb.planar("RR")
 OWN = """title = "Mine"
@@ -89,19 +88,19 @@ def test_ones_own_notation_is_a_small_file(own: Path, answer: str):
     assert not fb.check(ARM, changed, notation=own)
 
 
-def test_one_parameter_may_be_a_formula():
-    rod = BookNotation("rod", parameters={"lc2": "l2/2", "I2": "m2*l2^2/12"})
+def test_one_parameter_may_be_a_formula(tmp_path: Path):
+    rod = own_notation(tmp_path, "rod", parameters={"lc2": "l2/2", "I2": "m2*l2^2/12"})
     assert fb.check(ARM, "H22 = m2 l2^2/3", notation=rod)
     assert fb.check(ARM, "H22 = m2 lc2^2 + I2", notation=rod)
     assert not fb.check(ARM, "H22 = m2 l2^2/4", notation=rod)
     assert not fb.check(ARM, "H22 = m2 l2^2/3")
-    point = BookNotation("point", parameters={"I": "0", "lc": "l"})
+    point = own_notation(tmp_path, "point", parameters={"I": "0", "lc": "l"})
     assert fb.check(ARM, "H11 = m1 l1² + m2 (l1² + l2² + 2 l1 l2 c2)", notation=point)
 
 
 @pytest.mark.parametrize("zero", ["down", "up"])
-def test_angles_may_be_measured_from_the_vertical(zero: str):
-    style = BookNotation("tedrake", zero=zero)
+def test_angles_may_be_measured_from_the_vertical(tmp_path: Path, zero: str):
+    style = own_notation(tmp_path, "tedrake", zero=zero)
     sign = "" if zero == "down" else "-"
     right = f"G1 = {sign}(m1 lc1 + m2 l1) g s1 {sign or '+'} m2 g lc2 s12"
     assert fb.check(ARM, right, notation=style)
@@ -147,24 +146,27 @@ def test_a_malformed_notation_is_refused_with_its_place(tmp_path: Path, text: st
 @pytest.mark.parametrize(
     ("letters", "right"),
     [
-        ({"M": ("C",)}, "C22 = m2 lc2^2 + I2"),
-        ({"g": ("C",)}, "C2 = m2 g lc2 c12"),
-        ({"M": ("J",)}, "J22 = m2 lc2^2 + I2"),
-        ({"c": ("H",)}, "H2 = m2 l1 lc2 s2 θ̇1²"),
+        ({"mass": "C"}, "C22 = m2 lc2^2 + I2"),
+        ({"gravity": "C"}, "C2 = m2 g lc2 c12"),
+        ({"mass": "J"}, "J22 = m2 lc2^2 + I2"),
+        ({"velocity": "H"}, "H2 = m2 l1 lc2 s2 θ̇1²"),
     ],
 )
-def test_a_letter_that_is_given_to_one_quantity_is_no_others(letters: dict, right: str):
-    style = BookNotation("own", letters=letters)
+def test_a_letter_that_is_given_to_one_quantity_is_no_others(
+    tmp_path: Path, letters: dict, right: str
+):
+    style = own_notation(tmp_path, "own", letters=letters)
     assert fb.check(ARM, right, notation=style)
     assert not fb.check(ARM, right.replace("= ", "= 2 "), notation=style)
 
 
 def test_presets_are_files_that_name_their_source():
-    for name in PRESETS:
-        assert preset(name).name == name
-        assert preset(name).title
-        assert preset(name).source
-    assert notation_of(None) is preset("notes")
+    plain = fb.derive(ARM, "lagrange").text()
+    assert fb.derive(ARM, "lagrange", notation="notes").text() == plain
+    told = [fb.derive(ARM, "lagrange", notation=name).text() for name in NOTATIONS[1:]]
+    sources = {text.partition("\nLetters: ")[2] for text in told}
+    assert len(sources) == len(told) >= 6
+    assert all(len(source) > 20 for source in sources)
     with pytest.raises(fb.FreebodyError, match=r"no notation 'crag'.*Did you mean 'craig'"):
         fb.check(ARM, "H22 = 0", notation="crag")
 
@@ -183,14 +185,14 @@ def test_the_command_takes_a_notation(own: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_letters_that_a_notation_does_not_have_are_ones_own():
-    with pytest.raises(AnswerError, match="D22 is taken for a name of your own"):
+    with pytest.raises(fb.AnswerError, match="D22 is taken for a name of your own"):
         fb.check(ARM, "D22 = m2 lc2^2 + I2", notation="craig")
 
 
-def test_a_letter_that_derivations_have_for_forces_may_be_gravitys():
+def test_a_letter_that_derivations_have_for_forces_may_be_gravitys(tmp_path: Path):
     """Khalil and Dombre call gravity's torques Q and those of the motors Γ."""
-    letters = {"tau": ("Gamma",), "M": ("A",), "g": ("Q",)}
-    style = BookNotation("khalil", letters=letters, terms="matrix")
+    letters = {"torque": "Gamma", "mass": "A", "gravity": "Q"}
+    style = own_notation(tmp_path, "khalil", letters=letters, terms="matrix")
     steps = fb.derive(ARM, "lagrange", notation=style).steps
     assert str(steps[0].equations[1]) == "Γ = [Γ₁, Γ₂]ᵀ"
     closed = next(step for step in steps if step.operation == "The closed form")

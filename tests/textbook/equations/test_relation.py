@@ -7,11 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebody as fb
-from freebody import FreebodyError, ModelError, ShapeError, UnknownNameError
-from freebody_textbook.relations.formula import FormulaError, parse
-from freebody_textbook.relations.formula_values import Each, value
-from freebody_textbook.relations.quantities import of_link
-from freebody_textbook.relations.relation import agrees, printed_numbers
 
 
 @pytest.fixture(scope="module")
@@ -63,10 +58,8 @@ def test_gravity_by_the_base_or_by_weights_gives_the_same_torques():
 
 
 def test_links_in_letters(arm):
-    second = of_link(arm, 2)
-    assert second["omega_i"] is arm["omega2"]
-    assert second["omega_h"] is arm["omega1"]
-    assert second["f_hi"] is arm["f12"]
+    for same in ("omega_i = omega2", "omega_h = omega1", "f_hi = f12"):
+        assert fb.relation(arm, same, link=2)
     for i in (1, 2):
         assert fb.relation(arm, "omega_i_d = omega_h_d + theta_i_dd", link=i)
 
@@ -79,7 +72,7 @@ def test_axes_and_rates_in_the_world():
 
 
 def test_quantities_refuse_what_they_have_no_names_for():
-    with pytest.raises(FreebodyError, match="is free"):
+    with pytest.raises(fb.FreebodyError, match="is free"):
         fb.quantities(fb.load("quadrotor"))
 
 
@@ -108,17 +101,16 @@ def test_shapes_that_do_not_fit(arm, formula, words):
 
 
 def test_a_relation_needs_an_equals_sign_and_known_names(arm):
-    with pytest.raises(FormulaError, match="has no ="):
+    with pytest.raises(fb.FreebodyError, match="has no ="):
         fb.relation(arm, "s1 + s2")
-    with pytest.raises(UnknownNameError, match="no quantity 's9'"):
+    with pytest.raises(fb.UnknownNameError, match="no quantity 's9'"):
         fb.relation(arm, "s9 = s1")
 
 
 def test_time_and_partial_derivatives(arm):
     assert fb.relation(arm, "d_dt(r) = r_d")
     assert fb.relation(arm, "d_dt(partial(L, theta2_d)) - partial(L, theta2) = tau2")
-    with pytest.raises(FormulaError, match="by a coordinate"):
-        value(parse("partial(L, l1*l2)"), arm)
+    assert "by a coordinate" in fb.relation(arm, "partial(L, l1*l2) = 0").problem
 
 
 @settings(max_examples=50, deadline=None)
@@ -144,18 +136,6 @@ def test_matrices():
     assert fb.relation(at, "x = A^-1*b")
     assert fb.relation(at, "det(A) = D = 2*3 - 1*0.5")
     assert fb.relation(at, "transpose(A)*[1, 0] = [2, 1]")
-
-
-def test_sums_over_bodies():
-    at = {"m": 3.0, "m_i": Each((1.0, 2.0)), "r_i": Each(((1.0, 0.0), (0.0, 1.0)))}
-    assert fb.relation(at, "m = sum(m_i)")
-    assert fb.relation(at, "sum(m_i*r_i) = [1, 2]")
-
-
-def test_printed_numbers_and_their_last_digits():
-    assert printed_numbers("[5.97, −7.190]") == [(5.97, 0.01), (-7.19, pytest.approx(0.001))]
-    assert agrees([5.9731, -7.1896], "[5.97, -7.190]")
-    assert not agrees([5.99, -7.1896], "[5.97, -7.190]")
 
 
 # ---------------------------------------------------------------- functions
@@ -190,8 +170,6 @@ def test_functions_are_those_written_and_their_slopes_those_of_differences(row: 
     near = [f(at + k * steps)[..., 0] for k in (1, -1, 2, -2)]
     slopes = (8 * (near[0] - near[1]) - (near[2] - near[3])) / 12e-3
     np.testing.assert_allclose(f.jacobian_at(at)[:, 0], slopes.T, rtol=1e-8, atol=1e-8)
-    printed = [value(f.expressions[0], {"x": x, "y": y}) for x, y in at]
-    np.testing.assert_allclose(printed, f(at)[:, 0], rtol=1e-13)
 
 
 def test_functions_are_compared_exactly_and_else_by_numbers():
@@ -215,11 +193,11 @@ def test_functions_are_compared_exactly_and_else_by_numbers():
     assert (bool(wrong), wrong.exact) == (False, True)
     assert wrong.example() is not None
     assert not fb.relation(at, "log(-x) = log(-2*x)")  # a number nowhere
-    with pytest.raises(FreebodyError, match="tanh of a formula: closed forms have sin, cos"):
+    with pytest.raises(fb.FreebodyError, match="tanh of a formula: closed forms have sin, cos"):
         fb.math.tanh(f.symbols[0])
-    with pytest.raises(FreebodyError, match="divided by 0"):
+    with pytest.raises(fb.FreebodyError, match="divided by 0"):
         fb.relation(at, "1/(x - x) = y")
-    with pytest.raises(FreebodyError, match="more than 300 terms"):
+    with pytest.raises(fb.FreebodyError, match="more than 300 terms"):
         fb.vector_function(["(x + y)^2000"], ["x", "y"])
 
 
@@ -231,9 +209,9 @@ def test_a_path_through_samples_has_the_derivatives_of_the_curve():
         path.at([0.3, 0.71]), exact.at([0.3, 0.71]), (1e-9, 1e-8, 1e-6), strict=True
     ):
         np.testing.assert_allclose(found, right, rtol=0, atol=50 * miss)
-    with pytest.raises(ShapeError, match="one row per time"):
+    with pytest.raises(fb.ShapeError, match="one row per time"):
         fb.sampled_trajectory(t, np.zeros((3, 2)))
-    with pytest.raises(FreebodyError, match="at least 6 samples"):
+    with pytest.raises(fb.FreebodyError, match="at least 6 samples"):
         fb.sampled_trajectory(t[::-1], exact.at(t)[0])
 
 
@@ -241,11 +219,11 @@ def test_vector_function_jacobian():
     f = fb.vector_function(["x*y", "sqrt(x) + y^2"], ["x", "y"])
     np.testing.assert_allclose(f.jacobian_at([4.0, 3.0]), [[3.0, 4.0], [0.25, 6.0]])
     assert f.jacobian_at(np.ones((5, 2))).shape == (5, 2, 2)
-    with pytest.raises(ShapeError, match=r"expected \(\.\.\., 2\)"):
+    with pytest.raises(fb.ShapeError, match=r"expected \(\.\.\., 2\)"):
         f([1.0, 2.0, 3.0])
-    with pytest.raises(UnknownNameError, match="no variable 'z'"):
+    with pytest.raises(fb.UnknownNameError, match="no variable 'z'"):
         fb.vector_function(["x + z"], ["x"])
-    with pytest.raises(FormulaError, match="one scalar formula"):
+    with pytest.raises(fb.FreebodyError, match="one scalar formula"):
         fb.vector_function(["[x, x]"], ["x"])
 
 
@@ -268,7 +246,7 @@ def test_shapes_by_integration_are_those_of_the_library():
     np.testing.assert_allclose(ball.numbers()[2], fb.Inertia.sphere(m, r).numbers()[2], atol=1e-12)
     rod = fb.integrated_inertia(lambda u: (u, 0 * u), [(0.2, 0.8)], m)
     np.testing.assert_allclose(rod.com, [0.5, 0.0], atol=1e-14)
-    with pytest.raises(ModelError, match="covers nothing"):
+    with pytest.raises(fb.ModelError, match="covers nothing"):
         fb.integrated_inertia(lambda u, v: (u + v, u + v, u + v), [(0, 1), (0, 1)])
 
 
@@ -277,7 +255,7 @@ def test_inertia_from_another_point_and_back():
     O = [0.5, -0.4, 0.2]
     back = fb.inertia_from(2.0, body.com, body.about(O), O)
     np.testing.assert_allclose(back.tensor, body.tensor, atol=1e-12)
-    with pytest.raises(ModelError, match="is too small: moment of inertia -1 kg m² is negative"):
+    with pytest.raises(fb.ModelError, match="is too small: moment of inertia -1 kg m² is negative"):
         fb.inertia_from(2.0, [0.0, 0.0], 1.0, [1.0, 0.0])
 
 
@@ -288,28 +266,5 @@ def test_rotation_by_named_axes():
     w, x, y, z = fb.quat_wxyz(R)
     np.testing.assert_allclose([w, x, y, z], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)], atol=1e-15)
     for bad in (("ZXQ", [1, 2, 3]), ("ZX", [1, 2, 3])):
-        with pytest.raises(FreebodyError, match="one angle for each of the letters"):
+        with pytest.raises(fb.FreebodyError, match="one angle for each of the letters"):
             fb.rotation(*bad)
-
-
-def test_formulas_have_the_grammar_of_answers() -> None:
-    """A formula that cannot be read says where; powers, products, fractions and matrices are read
-    as in an answer, with a sign in every product."""
-    assert parse("2·m_1/3 − a²") == parse("2*m_1/3 - a^2")
-    assert parse(r"\frac{a}{b} + \begin{bmatrix} a & b \\ c & 1 \end{bmatrix}") == parse(
-        "a/b + [[a, b], [c, 1]]"
-    )
-    assert str(parse("dot([a, b], [c, 0.5])^-1")) == "([a, b]ᵀ · [c, 0.5]ᵀ)⁻¹"
-    for text, place in (
-        ("f = 2 m a", "there is 'm' where an operator or the end of the line is expected"),
-        ("f = m*foo(a)", "no function 'foo'; there are arccos"),
-        ("f = cross(a)", "cross is given 1 arguments"),
-        ("f = a^b", "a power must be a whole number"),
-        ("f = (a", "'\\(' is not closed"),
-        ("f = a!", "'!' has no meaning here"),
-        ("f = ", "the line ends where a term is expected"),
-    ):
-        with pytest.raises(FormulaError, match=place) as refused:
-            parse(text)
-        assert refused.value.line == 1
-        assert "^" in refused.value.context
