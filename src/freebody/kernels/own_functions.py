@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.dual import Dual, Outer, slopes, value
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
 from freebody.identifiers import is_identifier
 from freebody.program import Argument, ProgramError, trace
-from freebody.scalars.dual import Dual, Outer, slopes, value
 from freebody.scalars.expr import Expr
 from freebody.scalars.nodes import GraphError
 from freebody.targets import Kernel, compile_program

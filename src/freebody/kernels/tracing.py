@@ -10,6 +10,7 @@ from typing import Any
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regressor import parameter_values
 from freebody.algorithms.regrouped_parameters import lightened
+from freebody.dual import Outer, slopes, value
 from freebody.elementary import Scalar
 from freebody.errors import SingularError, UnknownNameError
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
@@ -20,7 +21,6 @@ from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
-from freebody.scalars.dual import Outer, slopes, value
 from freebody.spatial import identity
 
 

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from itertools import count
 from typing import Any
 
+from freebody.dual import Outer, slopes
 from freebody.elementary import Scalar
 from freebody.program.evaluate import evaluated, flat, free_prefix, nested
 from freebody.program.program import Argument, Program
 from freebody.program.tracer import trace
-from freebody.scalars.dual import Outer, slopes
 
 
 def jacobian(program: Program, by: Sequence[int]) -> Program:

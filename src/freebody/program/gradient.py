@@ -6,12 +6,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from freebody.elementary import Scalar, maximum, where
+from freebody.dual import Outer, slopes
+from freebody.elementary import CHOOSES, Scalar, maximum, where
 from freebody.program.evaluate import VALUES, flat, free_prefix, nested, values
 from freebody.program.program import Argument, Program
 from freebody.program.tracer import trace
-from freebody.scalars.dual import Outer, slopes
-from freebody.scalars.operations import OPERATIONS
 
 
 def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
@@ -74,7 +73,7 @@ def _partials(
     0 times that is no number. So derivatives are chosen, not weighted.
     """
     operands = program.operands(index)
-    chooses = OPERATIONS[program.op[index]].chooses
+    chooses = CHOOSES.get(program.op[index])
     if chooses is not None:
         condition = chooses(*(found[i] for i in operands))
         a, b = operands[-2:]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from freebody.algorithms import inverse_rates, kinematics
+from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Formula,
     Option,
@@ -15,7 +16,6 @@ from freebody.kernels.formulas.record import (
 )
 from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
-from freebody.scalars.dual import slopes
 from freebody.spatial import Vector
 
 

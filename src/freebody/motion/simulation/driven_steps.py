@@ -15,6 +15,7 @@ from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
 from freebody.algorithms.simulation_steps import HeldMotion, Law, Linearised, held_motion
 from freebody.any_chain.kernel_options import chosen_option
+from freebody.dual import Dual, slopes, value
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
@@ -25,7 +26,6 @@ from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
 from freebody.program.evaluate import evaluated
-from freebody.scalars.dual import Dual, slopes, value
 from freebody.spatial import Vector, add, identity, scale, sub
 
 STATE = ("t", "q", "qd")
