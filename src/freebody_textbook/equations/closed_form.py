@@ -10,7 +10,6 @@ from typing import Protocol
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
-from freebody.algorithms.rnea import friction_and_spring
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, Symbol, size
 from freebody.expressions.naming import motors
@@ -93,7 +92,7 @@ class ClosedForm(InTextbookForm, ByValue):
         for body in s.tree.bodies:
             if body.drive is not None:
                 k = body.coordinates.v[0]
-                total[k] = total[k] + body.coordinates.ratio * friction_and_spring(body, s.q, s.qd)
+                total[k] = total[k] + body.coordinates.ratio * body.drive.torque(s.q, s.qd)
         return s.of_angles(total)
 
     @cached_property

@@ -111,6 +111,6 @@ def drive_part(s: Setting, i: int) -> Trig:
     for k in s.together(i) if s.at_rest else ():
         body = s.tree.bodies[k]
         if body.drive is not None:
-            stretch = body.position(s.symbols.q)[0] - body.drive.rest
-            total = total + s.ratio(k) * (body.drive.stiffness * stretch)
+            springs = body.drive.only(lambda law: law.energy is not None)
+            total = total + s.ratio(k) * springs.torque(s.symbols.q, (0.0,) * s.tree.nv)
     return total if s.at_rest else s.equations.drives[s.index(i)] + s.rotor_part(i)

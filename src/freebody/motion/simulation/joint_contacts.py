@@ -36,14 +36,18 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Dry friction and stops of motions, or of all alike: Coulomb friction, limits, and the share
-    of its speed with which each stop turns a motion back; (..., nv) each. Without stops the limits
-    are infinite.
+    """Dry friction and stops of motions, or of all alike: whether friction depends on the sign of
+    the rate, what it holds at most at rest, limits, and the share of its speed with which each stop
+    turns a motion back; (..., nv) each. Without stops the limits are infinite.
 
-    place (nv,): the entry of q that is a coordinate's position.
+    robot: with its friction. dry: whether that sticks. place (nv,): the entry of q that is a
+    coordinate's position.
     """
 
-    coulomb: Array
+    robot: Model
+    dry: bool
+    jumps: Flags
+    grip: Array
     lower: Array
     upper: Array
     restitution: Array
@@ -63,8 +67,8 @@ class JointContacts:
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
-        given = (self.coulomb, self.lower, self.upper, self.restitution)
-        return JointContacts(*map(change, given), place=self.place)
+        given = (self.jumps, self.grip, self.lower, self.upper, self.restitution)
+        return JointContacts(self.robot, self.dry, *map(change, given), place=self.place)
 
     def positions(self, q: Array) -> Array:
         """The positions that have stops, of q (..., nq)."""
@@ -79,26 +83,26 @@ class JointContacts:
         """Between which torques a coordinate at rest is held: friction resists both ways, a stop
         pushes inward as much as it takes."""
         below, above = self.at_stops(q)
-        return np.where(above, -np.inf, -self.coulomb), np.where(below, np.inf, self.coulomb)
+        return np.where(above, -np.inf, -self.grip), np.where(below, np.inf, self.grip)
 
     def resting(self, q: Array, qd: Array) -> Flags:
         """Flags of the coordinates that may be held."""
         below, above = self.at_stops(q)
-        return (qd == 0.0) & ((self.coulomb > 0.0) | below | above)
+        return (qd == 0.0) & ((self.grip > 0.0) | below | above)
 
     def hitting(self, q: Array, qd: Array) -> Flags:
         """Flags of the coordinates that move on into a stop."""
         below, above = self.at_stops(q)
         return (below & (qd < 0.0)) | (above & (qd > 0.0))
 
-    def contact(self, q: Array, qd: Array, M: Array, forces: Array) -> Contact:
-        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction
-        and stops.
+    def contact(self, q: Array, qd: Array, M: Array, forces: Array, drag: Array) -> Contact:
+        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction,
+        of size drag (n, nv), and stops.
 
         A coordinate at rest stays there where friction and stop can hold it, together with all
         others; else it begins to move, against its friction. Of moving ones friction resists.
         """
-        push = -self.coulomb * np.sign(qd)
+        push = -drag * np.sign(qd)
         found = complementary(M, forces + push, self.resting(q, qd), *self.bounds(q))
         return Contact(found.held, push + found.push, found.qdd)
 
@@ -125,21 +129,19 @@ class JointContacts:
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
     """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
     sticks."""
-    nv = model.nv
-    coulomb = np.zeros((*model.family, nv))
+    nv, friction = model.nv, smooth_friction(model)[1]
+    jumps, grip = np.zeros(nv, dtype=bool), np.zeros((*model.family, nv))
     if dry:
-        smooth = smooth_friction(model)[1]
-        for k, ratio, c in zip(
-            smooth.coordinate, smooth.ratio, np.moveaxis(smooth.coulomb, -1, 0), strict=True
-        ):
-            coulomb[..., k] += abs(ratio) * c
+        jumps[[drive.at.v[0] for drive in friction.drives]] = True
+        grip = friction.grip(model.family)
+    jumps = np.broadcast_to(jumps, grip.shape)
     iq, iv = position_columns(model)
     place = np.zeros(nv, dtype=int)
     place[iv] = iq
     if restitution is None:
         free = np.full(nv, np.inf)
-        return JointContacts(coulomb, -free, free, np.zeros(nv), place)
-    return JointContacts(coulomb, *_stops(model), restitution, place)
+        return JointContacts(model, dry, jumps, grip, -free, free, np.zeros(nv), place)
+    return JointContacts(model, dry, jumps, grip, *_stops(model), restitution, place)
 
 
 def _stops(model: Model) -> tuple[Array, Array]:

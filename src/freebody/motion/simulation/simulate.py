@@ -277,8 +277,8 @@ def _refuse_endless(run: Simulation, chosen: str) -> None:
 
 def _used(model: Model, run: Simulation, chosen: str, friction: str) -> dict[str, Any]:
     """The attributes of the result: method, tolerance, friction and stops."""
-    coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
-    words = "c sign(q̇), sticking at rest" if friction == "dry" else coulomb
+    smooth = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].friction
+    words = "c sign(q̇), sticking at rest" if friction == "dry" else smooth
     stops = run.contacts is not None and np.isfinite([run.contacts.lower, run.contacts.upper]).any()
     return {
         "method": chosen,
