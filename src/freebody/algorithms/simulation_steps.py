@@ -17,7 +17,7 @@ from freebody.algorithms.crba import bias, crba, factor, substitute, with_drives
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, sqrt
+from freebody.elementary import Scalar, sign, sqrt
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
@@ -181,28 +181,31 @@ def _implicit_euler(
     return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
 
 
-def with_signs(tree: Tree, sign: Callable[[Scalar], Scalar]) -> Tree:
+def with_signs(tree: Tree, of: Callable[[Scalar], Scalar]) -> Tree:
     """The tree with something else in the place of the signs of its joints' rates."""
-    return with_drives(tree, lambda drive: replace(drive, sign=sign))
+    return with_drives(tree, lambda drive: replace(drive, sign=lambda law, rate: of(rate)))
 
 
 def with_senses(tree: Tree, senses: Vector) -> Tree:
-    """The tree with given numbers, one a coordinate, in the place of the signs of its rates."""
+    """The tree with given numbers, one a coordinate, in the place of the signs of its rates, where
+    laws hold what is at rest."""
 
     def given(drive: DriveScalars) -> DriveScalars:
         sense = senses[drive.at.v[0]] if drive.at.ratio > 0.0 else -senses[drive.at.v[0]]
-        return replace(drive, sign=lambda rate: sense)
+        return replace(drive, sign=lambda law, rate: sense if law.grips else sign(rate))
 
     return with_drives(tree, given)
 
 
 def drags(tree: Tree, q: Vector, qd: Vector) -> Vector:
-    """The torque at each coordinate for each unit of the sign of its rate."""
+    """The torque at each coordinate for each unit of the sign of its rate, of laws that hold what
+    is at rest."""
     found: list[Scalar] = [0.0] * tree.nv
     for body in tree.bodies:
         if body.drive is not None:
             k, ratio = body.coordinates.v[0], abs(body.coordinates.ratio)
-            found[k] = found[k] + ratio * body.drive.drag(q, qd)
+            gripping = body.drive.only(lambda law: law.grips)
+            found[k] = found[k] + ratio * gripping.drag(q, qd)
     return tuple(found)
 
 

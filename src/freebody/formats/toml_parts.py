@@ -25,7 +25,7 @@ from freebody.model.description import (
     Mount,
     Payload,
 )
-from freebody.model.drives import NUMBERS
+from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -228,15 +228,19 @@ def drive(table: TomlTable) -> Drive:
 
 
 def drive_numbers(table: TomlTable, name: str = "friction") -> dict[str, Quantity]:
-    """The numbers of laws in one of their tables, by its name."""
-    known = {key: n for n in NUMBERS.values() for start, key in (n.place,) if start == name}
-    table.only(*known)
-    return {
-        number.name: table.quantity(key, number.kind)
-        if number.needed
-        else table.quantity(key, number.kind, number.default)
-        for key, number in known.items()
-    }
+    """The numbers of laws in one of their tables, by its name; of a law that is there all that it
+    needs, and of the usual ones where the table is empty."""
+    groups = [
+        (law, {n.place[1]: n for n in law.numbers if n.place[0] == name}) for law in LAWS.values()
+    ]
+    table.only(*(key for _, numbers in groups for key in numbers))
+    found: dict[str, Quantity] = {}
+    for law, numbers in groups:
+        asked = any(key in table for key in numbers) or (law.usual and not table.data)
+        for key, number in numbers.items():
+            default = {} if asked and number.needed else {"default": number.default}
+            found[number.name] = table.quantity(key, number.kind, **default)
+    return found
 
 
 def _mimic(table: TomlTable) -> Mimic | None:

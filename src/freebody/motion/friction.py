@@ -41,7 +41,7 @@ class DryFriction:
         (..., nv)."""
         found = np.zeros(qd.shape)
         for drive in self.drives:
-            smooth = replace(drive, sign=lambda rate: tanh(rate / self.width))
+            smooth = replace(drive, sign=lambda law, rate: tanh(rate / self.width))
             found[..., drive.at.v[0]] += drive.at.ratio * smooth.torque(*_columns(q, qd))
         return found
 
@@ -58,10 +58,10 @@ class DryFriction:
         return self.drag(np.zeros((*family, self.nq)), np.zeros((*family, self.nv)))
 
     def steepest(self) -> Array:
-        """The slope d tau / d q̇ at rest of each coordinate (nv,)."""
-        found, at_rest = np.zeros(self.nv), (np.zeros(self.nq), np.zeros(self.nv))
+        """About the largest slope d tau / d q̇ of each coordinate (nv,)."""
+        found, slow = np.zeros(self.nv), (np.zeros(self.nq), np.full(self.nv, self.width))
         for drive in self.drives:
-            found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*at_rest) / self.width
+            found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*slow) / self.width
         return found
 
 
@@ -72,11 +72,11 @@ def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]
 
 def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, DryFriction]:
     """(the model without the laws that depend on the sign of a rate, these laws)."""
-    drives = _only(model, lambda law: law.jumps)
+    drives = _only(model, lambda law: law.signed)
     friction = DryFriction(drives, model.nq, model.nv, width)
     if not drives:
         return model, friction
-    off = {law.strength: 0.0 for law in LAWS.values() if law.jumps}
+    off = {law.strength: 0.0 for law in LAWS.values() if law.signed}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies

@@ -6,10 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
+from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, Symbol, size
 from freebody.expressions.naming import motors
@@ -18,8 +19,9 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm, Layout
 from freebody.expressions.printed_names import entry
 from freebody.lazy import cached_property
-from freebody.model.tree import Tree
+from freebody.model.tree import Tree, TreeBody
 from freebody.scalars.trig import Trig
+from freebody.spatial import Vector
 from freebody.values import ByValue
 
 SHORT = 700
@@ -92,7 +94,7 @@ class ClosedForm(InTextbookForm, ByValue):
         for body in s.tree.bodies:
             if body.drive is not None:
                 k = body.coordinates.v[0]
-                total[k] = total[k] + body.coordinates.ratio * body.drive.torque(s.q, s.qd)
+                total[k] = total[k] + body.coordinates.ratio * _drive_torque(body, s.q, s.qd)
         return s.of_angles(total)
 
     @cached_property
@@ -373,3 +375,19 @@ _TERMS: dict[str, type[_VelocityTerms]] = {
     "matrix": _CoriolisMatrix,
     "bias": _VelocityVector,
 }
+
+
+def _drive_torque(body: TreeBody, q: Vector, qd: Vector) -> Trig:
+    """The torque of a drive. Raises FreebodyError for a law that is no polynomial."""
+    assert body.drive is not None
+    total: Any = 0.0
+    for x in body.drive.laws:
+        try:
+            total = total + body.drive.only(lambda law, x=x: law is x.law).torque(q, qd)
+        except FreebodyError:
+            raise FreebodyError(
+                f"the {x.law.numbers[0].what} of body {body.name!r} has no closed form, which is a "
+                f"polynomial in sines, cosines and rates: derive without it, "
+                f"model.with_drive(joint, {x.law.strength}=0), or take numbers from a kernel."
+            ) from None
+    return total

@@ -3,7 +3,18 @@
 
 from __future__ import annotations
 
-from freebody.model.drives import coulomb, rotor, spring, viscous
+from freebody.model.drives import (
+    asymmetric,
+    coulomb,
+    cube_root,
+    hardening,
+    offset,
+    quadratic,
+    rotor,
+    spring,
+    stribeck,
+    viscous,
+)
 from freebody.model.drives.law import DriveLaw, LawNumber
 
 LAWS: dict[str, DriveLaw] = {
@@ -13,6 +24,12 @@ LAWS: dict[str, DriveLaw] = {
         coulomb.LAW,
         rotor.LAW,
         spring.LAW,
+        stribeck.LAW,
+        offset.LAW,
+        asymmetric.LAW,
+        quadratic.LAW,
+        cube_root.LAW,
+        hardening.LAW,
     )
 }
 

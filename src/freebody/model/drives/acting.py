@@ -30,14 +30,18 @@ class ActingLaw:
     p: Vector
 
 
+def _sign(law: DriveLaw, rate: Scalar) -> Scalar:
+    return sign(rate)
+
+
 @dataclass(frozen=True)
 class DriveScalars:
-    """The laws along a joint of one coordinate. at: its coordinates. sign: what stands for the sign
-    of the joint's rate."""
+    """The laws along a joint of one coordinate. at: its coordinates. sign: (law, rate) -> what
+    stands for the sign of the joint's rate in a law."""
 
     laws: tuple[ActingLaw, ...]
     at: Coordinates
-    sign: Callable[[Scalar], Scalar] = sign
+    sign: Callable[[DriveLaw, Scalar], Scalar] = _sign
 
     @property
     def inertia(self) -> Scalar:
@@ -46,8 +50,8 @@ class DriveScalars:
 
     def torque(self, q: Vector, qd: Vector) -> Scalar:
         """The torque that friction, springs and the like need, without inertia."""
-        (rate,) = self.at.rates(qd)
-        return self._torque(self.at.position(q)[0], rate, self.sign(rate))
+        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        return self._torque(position, rate, rate)
 
     def energy(self, q: Vector) -> Scalar:
         """The energy that is stored at a position."""
@@ -58,7 +62,7 @@ class DriveScalars:
         """The derivatives of the torque by the joint's position and rate, whose sign is
         constant."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
-        found = self._torque(Dual(position, {0: 1.0}), Dual(rate, {1: 1.0}), self.sign(rate))
+        found = self._torque(Dual(position, {0: 1.0}), Dual(rate, {1: 1.0}), rate)
         by_position, by_rate = slopes(found, 2)
         return by_position, by_rate
 
@@ -70,9 +74,9 @@ class DriveScalars:
     def unit_torques(self, q: Vector, qd: Vector, qdd: Vector) -> list[Scalar]:
         """The torque at the joint of each parameter, being 1."""
         (position,), (rate,), (second,) = self.at.position(q), self.at.rates(qd), self.at.rates(qdd)
-        s, found = self.sign(rate), []
+        found: list[Scalar] = []
         for x in self.laws:
-            torques = x.law.torques(x.p, position, rate, s)
+            torques = x.law.torques(x.p, position, rate, self.sign(x.law, rate))
             pairs = zip(torques, x.law.inertias(x.p), strict=True)
             found += [torque + inertia * second for torque, inertia in pairs]
         return found
@@ -90,15 +94,19 @@ class DriveScalars:
     def drag(self, q: Vector, qd: Vector) -> Scalar:
         """The torque for each unit of the sign of the rate: what dry friction is at a state."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
-        return slopes(self._torque(position, rate, Dual(0.0, {0: 1.0})), 1)[0]
+        signs = replace(self, sign=lambda law, rate: Dual(0.0, {0: 1.0}))
+        return slopes(signs._torque(position, rate, rate), 1)[0]
 
     def only(self, keeps: Callable[[DriveLaw], bool]) -> DriveScalars:
         """The drive with some of its laws."""
         return replace(self, laws=tuple(x for x in self.laws if keeps(x.law)))
 
-    def _torque(self, position: Scalar, rate: Scalar, s: Scalar) -> Scalar:
+    def _torque(self, position: Scalar, rate: Scalar, signed: Scalar) -> Scalar:
+        """signed: the rate whose sign counts."""
         return _sum(
-            x.law.torque(x.p, position, rate, s) for x in self.laws if x.law.torque is not None
+            x.law.torque(x.p, position, rate, self.sign(x.law, signed) if x.law.signed else 0.0)
+            for x in self.laws
+            if x.law.torque is not None
         )
 
 

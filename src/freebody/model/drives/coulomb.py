@@ -18,7 +18,7 @@ LAW = DriveLaw(
         ),
     ),
     torque=lambda p, position, rate, s: p[0] * s,
-    jumps=True,
+    signed=True,
     power=0,
     usual=True,
 )

@@ -100,8 +100,8 @@ class DriveLaw:
     one joint. torque: see `LawTorque`. inertia: (scalars) -> what q̈ is multiplied by. energy:
     (scalars, position) -> the energy it stores. scalars: of its numbers in their order, where they
     are not these. form: as a linear function of other parameters than its strength. power: of the
-    rate, to which friction is proportional, where it is to one. jumps: whether the torque depends
-    on s, so that at rest it is what holds. usual: whether it is counted wherever any law acts, so
+    rate, to which friction is proportional, where it is to one. signed: whether the torque depends
+    on s. usual: whether it is counted wherever any law acts, so
     that kernels and regressors do not depend on which of the usual ones are 0.
     """
 
@@ -115,7 +115,7 @@ class DriveLaw:
     scalars: Callable[..., Vector] | None = None
     form: LinearForm | None = None
     power: int | None = None
-    jumps: bool = False
+    signed: bool = False
     usual: bool = False
 
     @property
@@ -132,6 +132,14 @@ class DriveLaw:
     def size(self) -> int:
         """The number of scalars."""
         return len(self.scalars_of(lambda name: 1.0))
+
+    @cached_property
+    def grips(self) -> bool:
+        """Whether at rest it holds, with either sign."""
+        if self.torque is None or not self.signed:
+            return False
+        unit = (1.0,) * self.size
+        return bool(self.torque(unit, 0.0, 0.0, 1.0) != self.torque(unit, 0.0, 0.0, -1.0))
 
     # ------------------------------------------------------------ as a linear function
     @property

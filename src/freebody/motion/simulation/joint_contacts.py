@@ -132,7 +132,8 @@ def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointC
     nv, friction = model.nv, smooth_friction(model)[1]
     jumps, grip = np.zeros(nv, dtype=bool), np.zeros((*model.family, nv))
     if dry:
-        jumps[[drive.at.v[0] for drive in friction.drives]] = True
+        grips = [d.at.v[0] for d in friction.drives if any(x.law.grips for x in d.laws)]
+        jumps[grips] = True
         grip = friction.grip(model.family)
     jumps = np.broadcast_to(jumps, grip.shape)
     iq, iv = position_columns(model)

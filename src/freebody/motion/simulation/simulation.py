@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-10
 _FRICTION = ("smooth", "dry")
-_DRY = next(law.numbers[0] for law in LAWS.values() if law.jumps)
+_DRY = next(law.numbers[0] for law in LAWS.values() if law.signed)
 _EVERY = 0.05  # s
 Progress = Callable[[str, float], None]
 """A function that is called with a text and the part that is done (0 to 1)."""
