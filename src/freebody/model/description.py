@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.errors import ModelError, shown
 from freebody.lazy import Keeps
-from freebody.model.drives import LAWS, NUMBERS
+from freebody.model.drives import LAWS, NUMBERS, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
 from freebody.model.parameter_formulas import ParameterFormula
@@ -125,6 +125,13 @@ class Drive(_LawNumbers, Keeps):
         """The numbers without which the laws do not act, one a law."""
         return tuple(getattr(self, law.strength) for law in LAWS.values())
 
+    @property
+    def listed(self) -> tuple[LawNumber, ...]:
+        """The numbers by which a joint is described: those of the usual laws, and of all others
+        that are given."""
+        laws = [x for x in LAWS.values() if x.usual or _is_given(getattr(self, x.strength))]
+        return tuple([number for law in laws for number in law.numbers])
+
     def fault(self) -> str | None:
         """Why no joint has this drive, or None; of a family, of the first member that has none."""
         for law in LAWS.values():
@@ -134,6 +141,10 @@ class Drive(_LawNumbers, Keeps):
                     if number.refused is not None and (fault := number.refused(x)):
                         return fault
         return None
+
+
+def _is_given(number: Quantity) -> bool:
+    return isinstance(number, Parameter) or any(_values(number))
 
 
 def _values(number: Quantity) -> list[float]:

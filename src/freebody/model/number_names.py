@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from freebody.model.bodies import Body, Frame
-from freebody.model.contributions import counted_laws
-from freebody.model.drives import LAWS
 from freebody.model.number_editors import (
     ANGLES,
     TENSOR,
@@ -194,11 +192,10 @@ def _joint(
     if body.kind.nv != 1:
         return
     (turns,) = body.kind.angular
-    counted, place = counted_laws(joint.drive), (*path, "joint", "drive")
-    for law in LAWS.values():
-        for number in law.numbers if law.usual or law.name in counted else ():
-            name, unit = (joint.name, *number.place), number.unit_of(turns)
-            yield _entry(place, number.name, name, "joint", unit, f"{number.what} {of}", "drive")
+    for number in joint.drive.listed:
+        place, name = (*path, "joint", "drive"), (joint.name, *number.place)
+        what, unit = f"{number.what} {of}", number.unit_of(turns)
+        yield _entry(place, number.name, name, "joint", unit, what, "drive")
     for attribute, unit in _LIMITS[turns].items():
         name, what = (joint.name, "limits", attribute), f"{attribute} limit {of}"
         yield _entry((*path, "joint", "limits"), attribute, name, "joint", unit, what, "limit")

@@ -16,7 +16,7 @@ from freebody.model.contributions import (
     linear_row,
     pose_part,
 )
-from freebody.model.drives import LAWS, NUMBERS
+from freebody.model.drives import NUMBERS
 from freebody.model.drives.acting import USUAL, ActingLaw, counted, every_law
 from freebody.model.inertia import in_shape
 from freebody.model.piece_paths import PiecePath
@@ -194,9 +194,7 @@ class NumberRows:
         names = counted_laws(drive)
         slots = {
             number.name: self._slot((*path, number.name), getattr(drive, number.name))
-            for law in LAWS.values()
-            if law.usual or law.name in names
-            for number in law.numbers
+            for number in drive.listed
         }
         self.positive.update(slot for name, slot in slots.items() if NUMBERS[name].refused)
         kept, present = names or USUAL, at.stop > at.start

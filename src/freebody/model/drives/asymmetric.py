@@ -10,6 +10,7 @@ LAW = DriveLaw(
     "asymmetric",
     "friction",
     "friction",
+    "asymmetric viscous friction",
     (
         LawNumber(
             "asymmetric",

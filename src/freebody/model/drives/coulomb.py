@@ -8,6 +8,7 @@ LAW = DriveLaw(
     "coulomb",
     "friction",
     "friction",
+    "dry friction",
     (
         LawNumber(
             "coulomb",

@@ -18,6 +18,7 @@ LAW = DriveLaw(
     "cube_root",
     "friction",
     "friction",
+    "friction by the cube root of the rate",
     (
         LawNumber(
             "cube_root",

@@ -22,6 +22,7 @@ LAW = DriveLaw(
     "hardening",
     "springs",
     "spring",
+    "hardening spring",
     (
         LawNumber(
             "hardening",

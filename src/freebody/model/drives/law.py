@@ -14,7 +14,7 @@ from freebody.elementary import Scalar
 from freebody.lazy import cached_property
 from freebody.spatial import Vector
 
-LawTorque = Callable[[Vector, Scalar, Scalar, Scalar], Scalar]
+TorqueOfLaw = Callable[[Vector, Scalar, Scalar, Scalar], Scalar]
 """(scalars, position, rate, s) -> the torque that the motor needs besides, s being the sign of the
 rate or what stands for it; linear in s."""
 
@@ -97,19 +97,20 @@ class DriveLaw:
     is linear, and without which it does not act.
 
     feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
-    one joint. torque: see `LawTorque`. inertia: (scalars) -> what q̈ is multiplied by. energy:
-    (scalars, position) -> the energy it stores. scalars: of its numbers in their order, where they
-    are not these. form: as a linear function of other parameters than its strength. power: of the
-    rate, to which friction is proportional, where it is to one. signed: whether the torque depends
-    on s. usual: whether it is counted wherever any law acts, so
+    one joint. term: its term of an equation of motion. torque: see `TorqueOfLaw`. inertia: (scalars)
+    -> what q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. scalars: of its
+    numbers in their order, where they are not these. form: as a linear function of other parameters
+    than its strength. power: of the rate, to which friction is proportional, where it is to one.
+    signed: whether the torque depends on s. usual: whether it is counted wherever any law acts, so
     that kernels and regressors do not depend on which of the usual ones are 0.
     """
 
     name: str
     feature: str
     words: str
+    term: str
     numbers: tuple[LawNumber, ...]
-    torque: LawTorque | None = None
+    torque: TorqueOfLaw | None = None
     inertia: Callable[[Vector], Scalar] | None = None
     energy: Callable[[Vector, Scalar], Scalar] | None = None
     scalars: Callable[..., Vector] | None = None
@@ -132,6 +133,12 @@ class DriveLaw:
     def size(self) -> int:
         """The number of scalars."""
         return len(self.scalars_of(lambda name: 1.0))
+
+    @cached_property
+    def only_moving(self) -> bool:
+        """Whether its torque is there only while the joint moves."""
+        unit = (1.0,) * self.size
+        return self.torque is None or not any(self.torque(unit, x, 0.0, 0.0) for x in (0.0, 2.0))
 
     @cached_property
     def grips(self) -> bool:

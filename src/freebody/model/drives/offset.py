@@ -9,6 +9,7 @@ LAW = DriveLaw(
     "offset",
     "friction",
     "friction",
+    "constant torque of the drive",
     (LawNumber("offset", "friction.offset", "{effort}", "constant torque of the drive"),),
     torque=lambda p, position, rate, s: p[0],
     power=0,

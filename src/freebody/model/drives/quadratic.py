@@ -9,6 +9,7 @@ LAW = DriveLaw(
     "quadratic",
     "friction",
     "friction",
+    "quadratic friction",
     (
         LawNumber(
             "quadratic",

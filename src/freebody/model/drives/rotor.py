@@ -28,6 +28,7 @@ LAW = DriveLaw(
     "rotor",
     "rotors",
     "rotor",
+    "rotor inertia",
     (
         LawNumber(
             "rotor",

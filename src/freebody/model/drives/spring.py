@@ -31,6 +31,7 @@ LAW = DriveLaw(
     "spring",
     "springs",
     "spring",
+    "spring",
     (
         LawNumber(
             "stiffness",

@@ -17,6 +17,7 @@ LAW = DriveLaw(
     "stribeck",
     "friction",
     "friction",
+    "Stribeck friction",
     (
         LawNumber(
             "stribeck",

@@ -8,6 +8,7 @@ LAW = DriveLaw(
     "viscous",
     "friction",
     "friction",
+    "viscous friction",
     (
         LawNumber(
             "viscous",
