@@ -90,7 +90,7 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
-    springs = static_torque(model.opened, q) - gravity
+    springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
     rotors = reflected_inertia(model) * qdd
     parts = {
         "tau": inverse_dynamics(model, q, qd, qdd),

@@ -225,7 +225,7 @@ def drive(s: Setting, i: int) -> str:
         x.law.words
         for own in drives
         for x in own.laws
-        if not s.symbols.element(x.p[0]).is_zero and (x.law.energy is not None or not s.at_rest)
+        if not s.symbols.element(x.p[0]).is_zero and not (s.at_rest and x.law.only_moving)
     }
     found = [words for words in ("rotor", "friction", "spring") if words in acting]
     whose = "joint's" if len(moved) == 1 else "joints'"

@@ -97,7 +97,7 @@ class DriveLaw:
     is linear, and without which it does not act.
 
     feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
-    one joint. term: its term of an equation of motion. torque: see `TorqueOfLaw`. inertia: (scalars)
+    one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars)
     -> what q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. scalars: of its
     numbers in their order, where they are not these. form: as a linear function of other parameters
     than its strength. power: of the rate, to which friction is proportional, where it is to one.
