@@ -17,7 +17,7 @@ from freebody.algorithms.crba import bias, crba, factor, substitute, with_drives
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, sign, sqrt
+from freebody.elementary import Scalar, sqrt
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
@@ -186,13 +186,13 @@ def with_signs(tree: Tree, of: Callable[[Scalar], Scalar]) -> Tree:
     return with_drives(tree, lambda drive: replace(drive, sign=lambda law, rate: of(rate)))
 
 
-def with_senses(tree: Tree, senses: Vector) -> Tree:
-    """The tree with given numbers, one a coordinate, in the place of the signs of its rates, where
-    laws hold what is at rest."""
+def with_senses(tree: Tree, senses: Vector, of: Callable[[Scalar], Scalar]) -> Tree:
+    """The tree with given numbers, one a coordinate, in the place of the signs of its rates in laws
+    that hold what is at rest, and with a function of the rates in the others."""
 
     def given(drive: DriveScalars) -> DriveScalars:
         sense = senses[drive.at.v[0]] if drive.at.ratio > 0.0 else -senses[drive.at.v[0]]
-        return replace(drive, sign=lambda law, rate: sense if law.grips else sign(rate))
+        return replace(drive, sign=lambda law, rate: sense if law.grips else of(rate))
 
     return with_drives(tree, given)
 

@@ -91,7 +91,10 @@ class Limits:
 
 if TYPE_CHECKING:
 
-    class _LawNumbers:
+    class _Named(type):
+        def __getattr__(cls, name: str) -> Quantity: ...
+
+    class _LawNumbers(metaclass=_Named):
         """One attribute for each number of a law."""
 
         def __init__(self, *numbers: Quantity | str, **named: Quantity | str) -> None: ...

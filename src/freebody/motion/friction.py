@@ -72,16 +72,29 @@ def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]
 
 def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, DryFriction]:
     """(the model without the laws that depend on the sign of a rate, these laws)."""
-    drives = _only(model, lambda law: law.signed)
-    friction = DryFriction(drives, model.nq, model.nv, width)
-    if not drives:
-        return model, friction
-    off = {law.strength: 0.0 for law in LAWS.values() if law.signed}
+    friction = _signed_laws(model, lambda law: law.signed, width)
+    return without_laws(model, lambda law: law.signed) if friction.acts else model, friction
+
+
+def sticking_friction(model: Model) -> tuple[Model, DryFriction]:
+    """(the model without the laws that hold what is at rest, these laws)."""
+    friction = _signed_laws(model, lambda law: law.grips, WIDTH)
+    return without_laws(model, lambda law: law.grips) if friction.acts else model, friction
+
+
+def _signed_laws(model: Model, keeps: Callable[[DriveLaw], bool], width: float) -> DryFriction:
+    """Some laws that depend on the sign of a rate."""
+    return DryFriction(_only(model, keeps), model.nq, model.nv, width)
+
+
+def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
+    """The model without some laws of drives."""
+    off = {law.strength: 0.0 for law in LAWS.values() if gone(law)}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies
     )
-    return replace(model, bodies=bodies), friction
+    return replace(model, bodies=bodies)
 
 
 def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars, ...]:
@@ -139,4 +152,4 @@ def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
                     f"constant nor proportional to the rate; plan without it, "
                     f"model.with_drive(joint, {x.law.strength}=0)."
                 )
-    return viscous_friction(model), smooth_friction(model)[1].grip()
+    return viscous_friction(model), sticking_friction(model)[1].grip()

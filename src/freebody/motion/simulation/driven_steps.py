@@ -300,8 +300,11 @@ class _DrivenStep:
     def rubbing(self) -> Tree:
         """The tree with what stands for the signs of its rates."""
         if self.dry:
-            return with_senses(self.tree, self.senses)
-        return with_signs(self.tree, lambda rate: tanh(rate / self.width))
+            return with_senses(self.tree, self.senses, self._smooth)
+        return with_signs(self.tree, self._smooth)
+
+    def _smooth(self, rate: Scalar) -> Scalar:
+        return tanh(rate / self.width)
 
     def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         rk4 = self.method == "rk4"

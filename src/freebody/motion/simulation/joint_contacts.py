@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import smooth_friction
+from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
 from freebody.motion.simulation.lanes import MotionLanes, Some
 from freebody.outputs.number_text import compared
@@ -129,11 +129,10 @@ class JointContacts:
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
     """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
     sticks."""
-    nv, friction = model.nv, smooth_friction(model)[1]
+    nv, friction = model.nv, sticking_friction(model)[1]
     jumps, grip = np.zeros(nv, dtype=bool), np.zeros((*model.family, nv))
     if dry:
-        grips = [d.at.v[0] for d in friction.drives if any(x.law.grips for x in d.laws)]
-        jumps[grips] = True
+        jumps[[drive.at.v[0] for drive in friction.drives]] = True
         grip = friction.grip(model.family)
     jumps = np.broadcast_to(jumps, grip.shape)
     iq, iv = position_columns(model)

@@ -18,7 +18,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
-from freebody.motion.friction import smooth_friction
+from freebody.motion.friction import without_laws
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.first_order_system import (
@@ -207,7 +207,9 @@ def _holding(run: Simulation, whole: System, holding: tuple[Array, Array]) -> Sy
     assert run.contacts is not None
     frames, _ = _frames(run)
     dry = run.contacts.dry
-    robot = run.contacts.robot if dry else smooth_friction(run.model)[0]  # `whole` has the rest
+    robot = without_laws(  # `whole` has these
+        run.contacts.robot, lambda law: law.signed and not (dry and law.grips)
+    )
     kernel = _lane_kernel(run, driven_rates(robot, frames, (False,) * len(frames), None, dry=dry))
 
     def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
