@@ -287,7 +287,6 @@ def test_friction_that_no_plan_knows_is_refused():
 RUBBING = {
     "stribeck": {"coulomb": 0.3, "stribeck": 0.8, "stribeck_speed": 0.2},
     "stribeck alone": {"stribeck": 0.8, "stribeck_speed": 0.2, "viscous": 0.1},
-    "cube root": {"cube_root": 0.9},
     "two directions": {"offset": 0.3, "coulomb": 0.5, "quadratic": 0.4, "asymmetric": 0.2},
 }
 
@@ -314,20 +313,21 @@ def test_closed_forms_of_what_slows_down():
     for friction in ("smooth", "dry"):
         run = fb.simulate(block(quadratic=0.6), [0.0], [1.5], t, friction=friction)
         assert run.qd.values[:, 0] == pytest.approx(1.5 / (1 + 0.6 * 1.5 * t / m), rel=1e-7)
-    run = fb.simulate(block(cube_root=0.9), [0.0], [0.5], t, friction="dry")
-    left = np.maximum(0.5 ** (2 / 3) - 2 * 0.9 / (3 * m) * t, 0.0)
-    assert run.qd.values[:, 0] == pytest.approx(left**1.5, abs=1e-5)
+    left = np.maximum(0.5 ** (2 / 3) - 2 * 0.9 / (3 * m) * t, 0.0) ** 1.5
+    for more in ({"friction": "dry"}, {}, {"method": "implicit", "step": 1e-3}):
+        run = fb.simulate(block(cube_root=0.9), [0.0], [0.5], t, **more)
+        assert run.qd.values[:, 0] == pytest.approx(left, abs=1e-5)
     run = fb.simulate(block(asymmetric=0.3, viscous=0.5), [0.0], [[1.0], [-1.0]], t)
     expected = [np.exp(-0.8 * t / m), -np.exp(-0.2 * t / m)]
     assert run.qd.values[..., 0] == pytest.approx(np.array(expected), rel=1e-7)
 
 
 def test_what_rests_is_held_up_to_the_whole_of_dry_friction():
-    t = [0.0, 1.0]
+    t = [0.0, 3.0]
     hard = block(coulomb=0.3, stribeck=0.8, stribeck_speed=0.2)
-    run = fb.simulate(hard, [0.0], [0.0], t, [[1.09], [1.11]], friction="dry")
+    run = fb.simulate(hard, [0.0], [0.0], t, [[1.09], [1.2]], friction="dry")
     assert run.q.values[0, -1, 0] == 0.0
-    assert run.q.values[1, -1, 0] > 0.1  # what moves is held less
+    assert run.q.values[1, -1, 0] > 0.3  # what moves is held less
     askew = block(coulomb=0.5, offset=0.3)
     pushes = [[0.79], [0.81], [-0.19], [-0.21]]
     run = fb.simulate(askew, [0.0], [0.0], t, pushes, friction="dry")
