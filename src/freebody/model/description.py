@@ -91,10 +91,10 @@ class Limits:
 
 if TYPE_CHECKING:
 
-    class _Named(type):
+    class _LawNumberNames(type):
         def __getattr__(cls, name: str) -> Quantity: ...
 
-    class _LawNumbers(metaclass=_Named):
+    class _LawNumbers(metaclass=_LawNumberNames):
         """One attribute for each number of a law."""
 
         def __init__(self, *numbers: Quantity | str, **named: Quantity | str) -> None: ...

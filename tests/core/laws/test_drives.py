@@ -9,6 +9,7 @@ from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.drives.acting import ActingLaw, DriveScalars, every_law
 from freebody.model.tree import Coordinates
 from freebody.motion.friction import simple_friction
+from support.exported import passes, require
 
 VALUES = {
     "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
@@ -264,6 +265,21 @@ def test_kernels_of_both_precisions(whole, precision):
     found = fb.kernel(whole, "inverse_dynamics", dtype=precision)(Q, QD, QDD)
     expected = fb.inverse_dynamics(whole, Q, QD, QDD)
     np.testing.assert_allclose(found, expected, rtol=1e-5 if precision == "float32" else 1e-13)
+
+
+@pytest.mark.parametrize("language", ["c", "javascript", "jax"])
+def test_source_text_of_all_laws(whole, language, tmp_path):
+    fb.export(whole, "inverse_dynamics", tmp_path, language)
+    require(language)
+    passes(tmp_path, language, "inverse_dynamics")
+
+
+def test_numbers_of_laws_as_inputs(whole):
+    names = ["joint1.friction.stribeck_speed", "joint3.spring.hardening"]
+    kernel = fb.kernel(whole, "inverse_dynamics", inputs=names)
+    changed = whole.bind(dict(zip(names, (0.9, 7.0), strict=True)))
+    found = kernel(Q, QD, QDD, [0.9, 7.0])
+    np.testing.assert_allclose(found, fb.inverse_dynamics(changed, Q, QD, QDD), rtol=1e-13)
 
 
 def test_derivations_have_the_laws_that_are_polynomials():
