@@ -59,7 +59,7 @@ class DryFriction:
 
     def steepest(self) -> Array:
         """About the largest slope d tau / d q̇ of each coordinate (nv,)."""
-        found, slow = np.zeros(self.nv), (np.zeros(self.nq), np.full(self.nv, self.width))
+        found, slow = np.zeros(self.nv), ((0.0,) * self.nq, (self.width,) * self.nv)
         for drive in self.drives:
             found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*slow) / self.width
         return found
@@ -123,7 +123,7 @@ def viscous_friction(model: Model) -> Array:
 
 
 def _viscous_friction(model: Model) -> Array:
-    at_rest = np.zeros(model.nq), np.zeros(model.nv)
+    at_rest = (0.0,) * model.nq, (0.0,) * model.nv
     return _each(
         model,
         lambda drive: (

@@ -77,7 +77,9 @@ def _candidates(s: Symbols) -> list[Base]:
     column = len(tree.body_of) * len(names)
     for n, i in enumerate(tree.body_of):
         drive = tree.bodies[i].drive
-        for inertia in () if drive is None else drive.unit_inertias():
+        if drive is None:
+            continue
+        for inertia in drive.unit_inertias():
             if inertia:  # the parameter of a rotor
                 value = s.element(drive.inertia)
                 found.append(Base(_free(s, f"Jr{n + 1}"), n, 1, column, value))

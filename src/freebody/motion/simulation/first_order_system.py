@@ -200,7 +200,7 @@ def suited_method(
 def decay_rate(model: Model, friction: DryFriction, q: Array) -> float:
     """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of
     M⁻¹ D."""
-    damping, at_rest = friction.steepest(), (np.zeros(model.nq), np.zeros(model.nv))
+    damping, at_rest = friction.steepest(), ((0.0,) * model.nq, (0.0,) * model.nv)
     for body in model.tree.bodies:
         if body.drive is not None:
             k, ratio = body.coordinates.v[0], body.coordinates.ratio

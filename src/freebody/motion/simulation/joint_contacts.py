@@ -36,8 +36,8 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Dry friction and stops of motions, or of all alike: whether friction depends on the sign of
-    the rate, what it holds at most at rest, limits, and the share of its speed with which each stop
+    """Dry friction and stops of motions, or of all alike: what friction holds at most at rest,
+    limits, and the share of its speed with which each stop
     turns a motion back; (..., nv) each. Without stops the limits are infinite.
 
     robot: with its friction. dry: whether that sticks. place (nv,): the entry of q that is a
@@ -46,7 +46,6 @@ class JointContacts:
 
     robot: Model
     dry: bool
-    jumps: Flags
     grip: Array
     lower: Array
     upper: Array
@@ -67,8 +66,13 @@ class JointContacts:
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
-        given = (self.jumps, self.grip, self.lower, self.upper, self.restitution)
-        return JointContacts(self.robot, self.dry, *map(change, given), place=self.place)
+        given = map(change, (self.grip, self.lower, self.upper, self.restitution))
+        return JointContacts(self.robot, self.dry, *given, place=self.place)
+
+    @property
+    def jumps(self) -> Flags:
+        """Whether friction depends on the sign of the rate."""
+        return self.grip > 0.0
 
     def positions(self, q: Array) -> Array:
         """The positions that have stops, of q (..., nq)."""
@@ -130,18 +134,14 @@ def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointC
     """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
     sticks."""
     nv, friction = model.nv, sticking_friction(model)[1]
-    jumps, grip = np.zeros(nv, dtype=bool), np.zeros((*model.family, nv))
-    if dry:
-        jumps[[drive.at.v[0] for drive in friction.drives]] = True
-        grip = friction.grip(model.family)
-    jumps = np.broadcast_to(jumps, grip.shape)
+    grip = friction.grip(model.family) if dry else np.zeros((*model.family, nv))
     iq, iv = position_columns(model)
     place = np.zeros(nv, dtype=int)
     place[iv] = iq
     if restitution is None:
         free = np.full(nv, np.inf)
-        return JointContacts(model, dry, jumps, grip, -free, free, np.zeros(nv), place)
-    return JointContacts(model, dry, jumps, grip, *_stops(model), restitution, place)
+        return JointContacts(model, dry, grip, -free, free, np.zeros(nv), place)
+    return JointContacts(model, dry, grip, *_stops(model), restitution, place)
 
 
 def _stops(model: Model) -> tuple[Array, Array]:
