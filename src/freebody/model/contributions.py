@@ -15,10 +15,10 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.lazy import kept
-from freebody.model.drives.acting import USUAL, every_law
+from freebody.model.drives.acting import USUAL, ActingLaw, counted, every_law
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached, Pose, laws_of, placed_composite
+from freebody.model.tree import Attached, Pose, placed_composite
 from freebody.spatial import AnySpace, Matrix, Vector, of_dimension
 
 if TYPE_CHECKING:
@@ -135,7 +135,11 @@ def counted_laws(drive: Drive) -> tuple[str, ...]:
 
 
 def _counted_laws(drive: Drive) -> tuple[str, ...]:
-    return tuple([x.law.name for x in laws_of(drive, VALUES)])
+    return tuple([x.law.name for x in counted(_scalars(drive))])
+
+
+def _scalars(drive: Drive) -> tuple[ActingLaw, ...]:
+    return kept(drive, "_scalars", every_law, lambda name: VALUES.quantity(getattr(drive, name)))
 
 
 def drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
@@ -146,8 +150,7 @@ def drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
 
 
 def _drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
-    laws = every_law(lambda name: VALUES.quantity(getattr(drive, name)))
-    return as_row([scalar for x in laws if x.law.name in names for scalar in x.p])
+    return as_row([scalar for x in _scalars(drive) if x.law.name in names for scalar in x.p])
 
 
 def laws_along(part: JointContribution, driven: bool) -> tuple[str, ...]:

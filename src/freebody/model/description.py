@@ -90,16 +90,7 @@ class Limits:
 
 
 if TYPE_CHECKING:
-
-    class _LawNumberNames(type):
-        def __getattr__(cls, name: str) -> Quantity: ...
-
-    class _LawNumbers(metaclass=_LawNumberNames):
-        """One attribute for each number of a law."""
-
-        def __init__(self, *numbers: Quantity | str, **named: Quantity | str) -> None: ...
-        def __getattr__(self, name: str) -> Quantity: ...
-
+    from freebody.model.drives.names import LawNumbers as _LawNumbers
 else:
 
     def _read(drive: Drive) -> None:
@@ -137,16 +128,17 @@ class Drive(_LawNumbers, Keeps):
 
     def fault(self) -> str | None:
         """Why no joint has this drive, or None; of a family, of the first member that has none."""
-        for law in LAWS.values():
-            acts = law.usual or any(_values(getattr(self, law.strength)))
-            for number in law.numbers if acts else ():
+        for number in self.listed:
+            if number.refused is not None:
                 for x in _values(getattr(self, number.name)):
-                    if number.refused is not None and (fault := number.refused(x)):
+                    if fault := number.refused(x):
                         return fault
         return None
 
 
 def _is_given(number: Quantity) -> bool:
+    if type(number) is float:
+        return number != 0.0
     return isinstance(number, Parameter) or any(_values(number))
 
 

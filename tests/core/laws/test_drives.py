@@ -1,5 +1,7 @@
 """Laws of drives: each as a law of its own, by its record, and all of them in a robot."""
 
+import inspect
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ import freebody as fb
 from freebody.errors import FreebodyError, ModelError
 from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.drives.acting import ActingLaw, DriveScalars, every_law
+from freebody.model.drives.names import LawNumbers
 from freebody.model.tree import Coordinates
 from freebody.motion.friction import simple_friction
 from support.exported import passes, require
@@ -58,6 +61,14 @@ Q, QD, QDD = [0.3, -0.5, 0.2], [0.8, 0.4, -0.6], [1.0, -2.0, 0.7]
 
 def test_every_number_is_tried():
     assert VALUES.keys() == NUMBERS.keys()
+
+
+def test_type_checkers_see_every_number():
+    seen = inspect.signature(LawNumbers).parameters
+    assert {name: x.default for name, x in seen.items()} == {
+        name: number.default for name, number in NUMBERS.items()
+    }
+    assert list(LawNumbers.__annotations__) == list(NUMBERS)
 
 
 # ------------------------------------------------------------ each law alone

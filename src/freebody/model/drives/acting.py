@@ -125,9 +125,11 @@ def _sum(terms: Iterable[Scalar]) -> Scalar:
 def every_law(read: Callable[[str], Scalar]) -> tuple[ActingLaw, ...]:
     """The usual laws and those that act, with their scalars, of numbers by name."""
     return tuple(
-        ActingLaw(law, law.scalars_of(read))
-        for law in LAWS.values()
-        if law.usual or _acts(read(law.strength))
+        [
+            ActingLaw(law, law.scalars_of(read))
+            for law in LAWS.values()
+            if law.usual or _acts(read(law.strength))
+        ]
     )
 
 

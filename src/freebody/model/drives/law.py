@@ -126,7 +126,7 @@ class DriveLaw:
 
     def scalars_of(self, read: Callable[[str], Scalar]) -> Vector:
         """The scalars, of numbers by name."""
-        own = tuple(read(number.name) for number in self.numbers)
+        own = tuple([read(number.name) for number in self.numbers])
         return own if self.scalars is None else self.scalars(*own)
 
     @cached_property
