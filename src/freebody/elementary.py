@@ -105,3 +105,32 @@ epsilon: _One = _dispatch(
     "The distance from 1 to the next number of the type that x is computed in: 2^-52 of 64 bits, "
     "2^-23 of 32.",
 )
+
+
+def _of_angle(angle: Scalar, y: Scalar, x: Scalar) -> tuple[Scalar, Scalar]:
+    square = x * x + y * y
+    return x / square, -(y / square)
+
+
+PARTIALS: dict[str, Callable[..., tuple[Scalar, ...]]] = {
+    "sqrt": lambda y, x: (0.5 / y,),
+    "sin": lambda y, x: (cos(x),),
+    "cos": lambda y, x: (-sin(x),),
+    "exp": lambda y, x: (y,),
+    "log": lambda y, x: (1.0 / x,),
+    "tanh": lambda y, x: (1.0 - y * y,),
+    "atan2": _of_angle,
+    "asin": lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),),
+    "acos": lambda y, x: (-1.0 / sqrt((1.0 - x) * (1.0 + x)),),
+    "absolute": lambda y, x: (sign(x),),
+}
+"""(value, *operands) -> the partial derivative by each operand, of each function that is not
+constant wherever it has a derivative, and does not choose."""
+
+CHOOSES: dict[str, Callable[..., Scalar]] = {
+    "where": lambda c, a, b: c,
+    "minimum": less_equal,
+    "maximum": lambda a, b: less_equal(b, a),
+}
+"""(*operands) -> condition, of each function that returns its last operand but one where the
+condition is not 0, else its last; its derivative is that of the one returned."""

@@ -58,6 +58,8 @@ KNOWN = {
     ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",
     ("sweeps/run.py", "pickle"): "a sweep from the process that called it, through Dask, which "
     "pickles what it sends in the same way",
+    ("model/description.py", "make_dataclass"): "the numbers of the laws of drives, by names that "
+    "stand in their files",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (

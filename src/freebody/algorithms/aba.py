@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from freebody.algorithms.crba import Composite, momentum_of, own_inertia
 from freebody.algorithms.kinematics import Column, Pose, joint_poses
-from freebody.algorithms.rnea import External, friction_and_spring
+from freebody.algorithms.rnea import External
 from freebody.algorithms.world_axes import cross_force, cross_motion
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeBody
@@ -69,7 +69,7 @@ def aba(
             d = dot(s, Us)
             motor = tau[at]
             if body.drive is not None:
-                d, motor = d + body.drive.rotor, motor - friction_and_spring(body, q, qd)
+                d, motor = d + body.drive.inertia, motor - body.drive.torque(q, qd)
             inverse: Scalar = 1.0 / d
             rest = motor - dot(s, force)
             eliminated[i].append((k, s, Us, inverse, rest))

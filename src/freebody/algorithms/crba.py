@@ -16,6 +16,7 @@ from freebody.algorithms.kinematics import (
 )
 from freebody.algorithms.rnea import External, rnea
 from freebody.elementary import Scalar
+from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Composite, Tree, TreeBody, about_origin
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, scale, sub, times
 
@@ -85,7 +86,7 @@ def crba(tree: Tree, q: Vector) -> Matrix:
                     enter(k, l, value)
                     enter(l, k, value)
         if body.drive is not None:
-            enter(at.v[0], at.v[0], at.ratio * at.ratio * body.drive.rotor)
+            enter(at.v[0], at.v[0], at.ratio * at.ratio * body.drive.inertia)
     return tuple(tuple(row) for row in M)
 
 
@@ -171,14 +172,13 @@ def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
 
 def only_inertia(tree: Tree) -> Tree:
     """The tree without friction and springs; rotors stay."""
-    return without(tree, "viscous", "coulomb", "stiffness")
+    return with_drives(tree, lambda drive: drive.only(lambda law: law.inertia is not None))
 
 
-def without(tree: Tree, *terms: str) -> Tree:
-    """The tree without some of what its drives do, by the names in `DriveScalars`."""
-    nothing = dict.fromkeys(terms, 0.0)
+def with_drives(tree: Tree, changed: Callable[[DriveScalars], DriveScalars]) -> Tree:
+    """The tree with other drives."""
     bodies = tuple(
-        body if body.drive is None else replace(body, drive=replace(body.drive, **nothing))
+        body if body.drive is None else replace(body, drive=changed(body.drive))
         for body in tree.bodies
     )
     return replace(tree, bodies=bodies)

@@ -45,7 +45,8 @@ class Derivatives:
 
 
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
-    """Derivatives of tau, friction (Coulomb's is constant), springs and rotors included."""
+    """Derivatives of tau, those of the drives' laws included, under which the sign of a rate is
+    constant."""
     space = tree.space
     world = world_tree(tree, q, qd)
     psi_rate, forces = _accelerations(tree, world, qd, qdd)
@@ -84,9 +85,10 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
                     enter(by_q, l, k, ratio * swing)
         if body.drive is not None:
             k, square = inner.v[0], inner.ratio * inner.ratio
-            enter(by_q, k, k, square * body.drive.stiffness)
-            enter(by_qd, k, k, square * body.drive.viscous)
-            enter(by_qdd, k, k, square * body.drive.rotor)
+            by_position, by_rate = body.drive.slopes(q, qd)
+            enter(by_q, k, k, square * by_position)
+            enter(by_qd, k, k, square * by_rate)
+            enter(by_qdd, k, k, square * body.drive.inertia)
     return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
 
 

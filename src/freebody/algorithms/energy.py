@@ -22,7 +22,7 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
                 twice = twice + 2.0 * dot(v, space.cross(w, mass.h))
         if body.drive is not None:
             (rate,) = body.rates(qd)
-            twice = twice + body.drive.rotor * (rate * rate)
+            twice = twice + body.drive.inertia * (rate * rate)
     return 0.5 * twice
 
 
@@ -33,9 +33,7 @@ def potential_energy(tree: Tree, q: Vector) -> Scalar:
     for body, pose in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
         energy = energy + _of_weight(tree, body.masses, pose)
         if body.drive is not None:
-            (position,) = body.position(q)
-            stretch = position - body.drive.rest
-            energy = energy + 0.5 * body.drive.stiffness * (stretch * stretch)
+            energy = energy + body.drive.energy(q)
     return energy
 
 

@@ -14,8 +14,9 @@ from freebody.algorithms.kinematics import (
     world_poses,
 )
 from freebody.algorithms.world_axes import dot_motion
-from freebody.elementary import Scalar, sign
-from freebody.model.tree import Tree, TreeBody
+from freebody.elementary import Scalar
+from freebody.model.drives.acting import DriveScalars
+from freebody.model.tree import Tree
 from freebody.spatial import AnySpace, Matrix, Vector, add, dot, identity, neg, times, transposed
 
 
@@ -38,9 +39,9 @@ def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
                 for s, k in zip(S[j], at.v, strict=True):
                     column[k] = column[k] + at.ratio * dot_motion(s, wrench)
             columns.append(column)
-    for body in bodies_with_drive(tree):
-        k, ratio = body.coordinates.v[0], body.coordinates.ratio
-        for torque in _unit_torques(body, q, qd, qdd):
+    for drive in drives(tree):
+        (k,), ratio = drive.at.v, drive.at.ratio
+        for torque in drive.unit_torques(q, qd, qdd):
             columns.append([ratio * torque if k == row else 0.0 for row in range(tree.nv)])
     return transposed(tuple(tuple(column) for column in columns))
 
@@ -69,10 +70,10 @@ def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
             *(-g for g in field),
             *(0.0 for _ in _unit_inertias(space)),
         ]
-    for body in bodies_with_drive(tree):
-        (position,), (rate,) = body.position(q), body.rates(qd)
-        kinetic += [0.0, 0.0, 0.5 * (rate * rate), 0.0, 0.0]
-        potential += [0.0, 0.0, 0.0, 0.5 * (position * position), -position]
+    for drive in drives(tree):
+        (rate,) = drive.at.rates(qd)
+        kinetic += [0.5 * inertia * (rate * rate) for inertia in drive.unit_inertias()]
+        potential += drive.unit_energies(q)
     return tuple(kinetic), tuple(potential)
 
 
@@ -83,22 +84,15 @@ def parameter_values(tree: Tree) -> list[Scalar]:
         m, h, inertia = own_inertia(tree.space, tree.bodies[i])
         I = tree.space.inertia_matrix(inertia)
         values += [m, *h, *(I[i][j] for i in range(len(I)) for j in range(i, len(I)))]
-    for body in bodies_with_drive(tree):
-        drive = body.drive
-        assert drive is not None
-        values += [
-            drive.viscous,
-            drive.coulomb,
-            drive.rotor,
-            drive.stiffness,
-            drive.stiffness * drive.rest,
-        ]
+    for drive in drives(tree):
+        values += drive.parameters()
     return values
 
 
-def bodies_with_drive(tree: Tree) -> list[TreeBody]:
-    """Bodies whose joint has a friction, rotor or spring."""
-    return [tree.bodies[i] for i in tree.body_of if tree.bodies[i].drive is not None]
+def drives(tree: Tree) -> list[DriveScalars]:
+    """The drives of the joints that have one, in the model's order."""
+    found = (tree.bodies[i].drive for i in tree.body_of)
+    return [drive for drive in found if drive is not None]
 
 
 def _unit_inertias(space: AnySpace) -> list[Scalar]:
@@ -119,9 +113,3 @@ def _unit_wrenches(space: AnySpace, motion: BodyMotions, i: int) -> list[tuple[V
     result += [(space.moment(unit, vd), times(rates, unit)) for unit in identity(space.dim)]
     result += [(space.euler(unit, w, wd), space.zero) for unit in _unit_inertias(space)]
     return result
-
-
-def _unit_torques(body: TreeBody, q: Vector, qd: Vector, qdd: Vector) -> Vector:
-    """Torque at the joint of each parameter of its drive, being 1."""
-    (position,), (rate,), (second,) = body.position(q), body.rates(qd), body.rates(qdd)
-    return rate, sign(rate), second, position, -1.0

@@ -8,7 +8,7 @@ i:
     F = m v̇_c,  N = I ω̇ + ω × I ω                      (4.12, 4.13), (6.28, 6.29)
     f_i = F + Σ_k R f_k - f_external                    (4.14)
     n_i = N + c × F + Σ_k (R n_k + p × R f_k) - n_ext   (4.15)
-    tau = column · (n_i, f_i) + rotor q̈ + friction + spring
+    tau = column · (n_i, f_i) + rotor q̈ + friction + spring, by the laws of the joint's drive
 
 Where a mass is given about another point c than its centre, with first moment h about it, F gains
 ω̇ × h + ω × (ω × h) and N gains h × v̇_c.
@@ -27,7 +27,7 @@ from freebody.algorithms.kinematics import (
     unnamed,
     world_poses,
 )
-from freebody.elementary import Scalar, sign
+from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import Vector, add, dot, neg, scale, sub, times, transposed
 
@@ -117,22 +117,8 @@ def joint_torque(
     """The torque that the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
-        torques[0] = (
-            torques[0] + friction_and_spring(body, q, qd) + body.drive.rotor * body.rates(qdd)[0]
-        )
+        torques[0] = torques[0] + body.drive.torque(q, qd) + body.drive.inertia * body.rates(qdd)[0]
     return tuple(torques)
-
-
-def friction_and_spring(body: TreeBody, q: Vector, qd: Vector) -> Scalar:
-    """Friction and spring of one coordinate: d q̇ + coulomb sign(q̇) + stiffness (q - rest)."""
-    drive = body.drive
-    assert drive is not None
-    (position,), (rate,) = body.position(q), body.rates(qd)
-    return (
-        drive.viscous * rate
-        + drive.coulomb * sign(rate)
-        + drive.stiffness * (position - drive.rest)
-    )
 
 
 def _fields(tree: Tree, motion: BodyMotions, named: VectorNaming) -> list[Vector]:

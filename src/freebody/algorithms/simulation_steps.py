@@ -10,14 +10,15 @@ depend on the time, torques on the state too, as their law says.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from freebody.algorithms.crba import bias, crba, factor, substitute, without
+from freebody.algorithms.crba import bias, crba, factor, substitute, with_drives
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
 from freebody.elementary import Scalar, sqrt
+from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
 
@@ -31,8 +32,7 @@ StageWrenches = Callable[[float, Vector], Sequence[External]]
 """(part of the step that has passed, q) -> external wrenches on the bodies."""
 
 FRICTION_WIDTH = 1e-3
-"""rad/s or m/s: where `implicit` takes c q̇ / sqrt(q̇² + width²) for Coulomb friction c
-sign(q̇)."""
+"""rad/s or m/s: where `implicit` takes q̇ / sqrt(q̇² + width²) for the sign of a rate."""
 
 
 def semi_implicit(
@@ -132,8 +132,8 @@ def implicit(
     Two steps of h/2 less one of h, so that the error's first term cancels. Implicit is what the
     drives do: friction, springs, feedback. They add h D + h² K to M, on its diagonal, so that its
     factors stay without fill-in; the order does not depend on what is implicit. The step of h
-    shares M and the forces with the first of h/2. width: of Coulomb friction c q̇ / sqrt(q̇² +
-    width²).
+    shares M and the forces with the first of h/2. width: of q̇ / sqrt(q̇² + width²), which
+    stands for the sign of a rate.
     """
     half = 0.5 * h
 
@@ -163,8 +163,9 @@ def _implicit_euler(
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
     them.
     """
-    damping, stiffness, drag = _slopes(tree, qd, width)
-    forces = sub(sub(given.tau, bias(without(tree, "coulomb"), q, qd, loads)), _each(drag, qd))
+    tree = with_signs(tree, lambda rate: 0.0)  # what depends on them comes as drag
+    damping, stiffness, drag = _slopes(tree, q, qd, width)
+    forces = sub(sub(given.tau, bias(tree, q, qd, loads)), _each(drag, qd))
     ahead = add(_each(stiffness, qd), given.ahead)
     damping, stiffness = add(damping, given.damping), add(stiffness, given.stiffness)
     added = scale(h, add(damping, drag, scale(h, stiffness)))
@@ -180,18 +181,47 @@ def _implicit_euler(
     return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
 
 
-def _slopes(tree: Tree, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
-    """Slopes of the torque by each rate and position: viscous friction, stiffness of springs, and
-    smooth Coulomb friction over the rate."""
-    viscous, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
+def with_signs(tree: Tree, of: Callable[[Scalar], Scalar]) -> Tree:
+    """The tree with something else in the place of the signs of its joints' rates."""
+    return with_drives(tree, lambda drive: replace(drive, sign=lambda law, rate: of(rate)))
+
+
+def with_senses(tree: Tree, senses: Vector, of: Callable[[Scalar], Scalar]) -> Tree:
+    """The tree with given numbers, one a coordinate, in the place of the signs of its rates in laws
+    that hold what is at rest, and with a function of the rates in the others."""
+
+    def given(drive: DriveScalars) -> DriveScalars:
+        sense = senses[drive.at.v[0]] if drive.at.ratio > 0.0 else -senses[drive.at.v[0]]
+        return replace(drive, sign=lambda law, rate: sense if law.grips else of(rate))
+
+    return with_drives(tree, given)
+
+
+def drags(tree: Tree, q: Vector, qd: Vector) -> Vector:
+    """The torque at each coordinate for each unit of the sign of its rate, of laws that hold what
+    is at rest."""
+    found: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        if body.drive is not None:
+            k, ratio = body.coordinates.v[0], abs(body.coordinates.ratio)
+            gripping = body.drive.only(lambda law: law.grips)
+            found[k] = found[k] + ratio * gripping.drag(q, qd)
+    return tuple(found)
+
+
+def _slopes(tree: Tree, q: Vector, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
+    """Slopes of the torque by each rate and position, and what depends on the rate's sign over the
+    rate: a torque that falls as the rate grows does not lead to a slope below 0."""
+    damping, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
             (rate,), k, square = body.rates(qd), body.coordinates.v[0], body.coordinates.ratio**2
+            by_position, by_rate = body.drive.slopes(q, qd)
             size = sqrt(rate * rate + width * width)
-            viscous[k] = viscous[k] + square * body.drive.viscous
-            stiffness[k] = stiffness[k] + square * body.drive.stiffness
-            drag[k] = drag[k] + square * (body.drive.coulomb / size)
-    return tuple(viscous), tuple(stiffness), tuple(drag)
+            damping[k] = damping[k] + square * by_rate
+            stiffness[k] = stiffness[k] + square * by_position
+            drag[k] = drag[k] + square * (body.drive.drag(q, qd) / size)
+    return tuple(damping), tuple(stiffness), tuple(drag)
 
 
 def _each(factors: Vector, values: Vector) -> Vector:

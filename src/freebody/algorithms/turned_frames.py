@@ -152,8 +152,6 @@ def _shift(R: Matrix, p: Vector) -> float:
 
 
 def _started(body: TreeBody, angle: float) -> TreeBody:
-    """The body with an angle added to that of its joint."""
-    at, drive = body.coordinates, body.drive
-    if drive is not None:
-        drive = replace(drive, rest=drive.rest + angle)
-    return replace(body, coordinates=replace(at, offset=at.offset + angle), drive=drive)
+    """The body with an angle added to that of its joint, of which its drive does not know."""
+    at = body.coordinates
+    return replace(body, coordinates=replace(at, offset=at.offset + angle))

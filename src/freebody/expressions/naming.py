@@ -111,8 +111,7 @@ class Naming:
 
     def _drives(self, n: int) -> bool:
         """Whether friction, rotor or spring act along joint n besides the motor."""
-        drive = self.body(n).joint.drive
-        return not all(map(_is_zero, (drive.viscous, drive.coulomb, drive.rotor, drive.stiffness)))
+        return not all(map(_is_zero, self.body(n).joint.drive.strengths))
 
     def axis(self, n: int) -> Symbol:
         """z_n, which joint n turns about, or u_n, along which it slides."""

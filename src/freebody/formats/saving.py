@@ -13,6 +13,7 @@ from freebody.errors import FreebodyError
 from freebody.model.bodies import Frame
 from freebody.model.description import Drive, Joint, Limits, Loop
 from freebody.model.doubts import DOUBT_KINDS, read_doubts
+from freebody.model.drives import LAWS
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
@@ -190,19 +191,19 @@ def _told(key: str, value: float) -> bool:
 
 
 def _drive(drive: Drive) -> dict[str, str]:
-    groups = {
-        "friction": {"viscous": drive.viscous, "coulomb": drive.coulomb},
-        "rotor": {"inertia": drive.rotor, "gear": drive.gear},
-        "spring": {"stiffness": drive.stiffness, "rest": drive.rest},
-    }
-    return {
-        name: _inline({key: _quantity(x) for key, x in group.items()})
-        for name, group in groups.items()
-        if tuple(group.values()) != _DRIVE[name]
-    }
+    groups: dict[str, dict[str, str]] = {}
+    for law in LAWS.values():
+        given = {number: getattr(drive, number.name) for number in law.numbers}
+        if law.usual or any(x != number.default for number, x in given.items()):
+            for number, x in given.items():
+                table, key = number.place
+                groups.setdefault(table, {})[key] = _quantity(x)
+    return {table: _inline(group) for table, group in groups.items() if group != _NOTHING[table]}
 
 
-_DRIVE = {"friction": (0.0, 0.0), "rotor": (0.0, 1.0), "spring": (0.0, 0.0)}
+_NOTHING: dict[str, dict[str, str]] = {}
+for _number in (number for law in LAWS.values() if law.usual for number in law.numbers):
+    _NOTHING.setdefault(_number.place[0], {})[_number.place[1]] = repr(_number.default)
 
 
 def _fixed(frame: Frame, parent: Frame, taken: set[str], dim: int) -> str:

@@ -186,11 +186,7 @@ def _dh_row(table: TomlTable) -> dict[str, Any]:
         full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
         row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
     if "friction" in table:
-        friction = table.inner(table.data["friction"], "friction").only("viscous", "coulomb")
-        row["friction"] = (
-            friction.quantity("viscous", default=0.0),
-            friction.quantity("coulomb", default=0.0),
-        )
+        row["friction"] = parts.drive_numbers(table.inner(table.data["friction"], "friction"))
     if "limits" in table:
         row["limits"] = parts.limits(table, angles=row["joint"] == "R")
     row["passive"] = table.flag("passive")

@@ -25,6 +25,7 @@ from freebody.model.description import (
     Mount,
     Payload,
 )
+from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -43,7 +44,7 @@ from freebody.model.placement import (
 )
 from freebody.outputs.number_text import compared
 
-DRIVE = ("friction", "rotor", "spring")
+DRIVE = tuple(dict.fromkeys(number.place[0] for number in NUMBERS.values()))
 _OWN = tuple(number.name for kind in KINDS.values() for number in kind.numbers)
 _MASS = ("mass", "com", "inertia", "shape")
 _SHAPE_SIZES: dict[str, tuple[str, ...]] = {
@@ -218,21 +219,28 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
 
 def drive(table: TomlTable) -> Drive:
     """The drive that friction, rotor and spring describe."""
-
-    def part(key: str, *known: str) -> TomlTable | None:
+    found: dict[str, Quantity] = {}
+    for key in DRIVE:
         inner = table.table(key)
-        return inner.called(f"{table.where}, {key}").only(*known) if inner else None
+        if inner is not None:
+            found |= drive_numbers(inner.called(f"{table.where}, {key}"), key)
+    return Drive(**found)
 
-    friction, rotor = part("friction", "viscous", "coulomb"), part("rotor", "inertia", "gear")
-    spring = part("spring", "stiffness", "rest")
-    return Drive(
-        viscous=friction.quantity("viscous", default=0.0) if friction else 0.0,
-        coulomb=friction.quantity("coulomb", default=0.0) if friction else 0.0,
-        rotor=rotor.quantity("inertia") if rotor else 0.0,
-        gear=rotor.quantity("gear", default=1.0) if rotor else 1.0,
-        stiffness=spring.quantity("stiffness") if spring else 0.0,
-        rest=spring.quantity("rest", "angle", 0.0) if spring else 0.0,
-    )
+
+def drive_numbers(table: TomlTable, name: str = "friction") -> dict[str, Quantity]:
+    """The numbers of laws in one of their tables, by its name; of a law that is there all that it
+    needs, and of the usual ones where the table is empty."""
+    groups = [
+        (law, {n.place[1]: n for n in law.numbers if n.place[0] == name}) for law in LAWS.values()
+    ]
+    table.only(*(key for _, numbers in groups for key in numbers))
+    found: dict[str, Quantity] = {}
+    for law, numbers in groups:
+        asked = any(key in table for key in numbers) or (law.usual and not table.data)
+        for key, number in numbers.items():
+            default = {} if asked and number.needed else {"default": number.default}
+            found[number.name] = table.quantity(key, number.kind, **default)
+    return found
 
 
 def _mimic(table: TomlTable) -> Mimic | None:

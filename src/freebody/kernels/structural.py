@@ -22,7 +22,7 @@ from freebody.kernels.lookup import ColumnKernel, KernelList, in_columns
 from freebody.kernels.tracing import program
 from freebody.model.contributions import joined, pose_part
 from freebody.model.model import Model
-from freebody.model.structure import frame_form, has_drive, tree_over
+from freebody.model.structure import frame_form, laws_shown, tree_over
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program
 from freebody.program.passes import without_unread
@@ -156,10 +156,9 @@ def _frames(option: Option) -> tuple[str, ...]:
     return option.wrench_frames if option.frame is None else (option.frame, *option.wrench_frames)
 
 
-def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[bool, ...] | None:
-    """For each joint whether it has a drive; None where no output has entries for each that has
-    one."""
-    return has_drive(model) if any(map(_shows_drives, names)) else None
+def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...] | None:
+    """For each body the laws of its drive; None where no output has entries for each of them."""
+    return laws_shown(model) if any(map(_shows_drives, names)) else None
 
 
 @cache
@@ -213,7 +212,7 @@ def _compiled_over(
     model: Model,
     option: Option,
     made: Callable[[Argument, Over], Program],
-    drives_shown: tuple[bool, ...] | None,
+    drives_shown: tuple[tuple[str, ...], ...] | None,
 ) -> Compiled:
     """The kernel of a program over scalars in the place of the numbers; those that nothing needs
     are left out again."""

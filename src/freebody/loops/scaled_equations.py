@@ -67,8 +67,8 @@ class _Places(Pieces):
     def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
         return ()
 
-    def drive(self, body: Body) -> None:
-        return None
+    def laws(self, body: Body) -> tuple[()]:
+        return ()
 
     def gravity(self, size: Quantity, direction: tuple[Any, ...]) -> Vector:
         return self.space.zero

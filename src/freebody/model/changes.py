@@ -16,6 +16,7 @@ from freebody.arrays import Array
 from freebody.errors import ModelError, UnknownNameError, listed, shown
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import Loop
+from freebody.model.drives import LAWS
 from freebody.model.families import Members, is_array, is_nested, members, one_family
 from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -37,20 +38,15 @@ from freebody.model.tree import Attached
 if TYPE_CHECKING:
     from freebody.model.model import Model
 
-_DRIVES = {
-    "friction": {"viscous": 0.0, "coulomb": 0.0},
-    "rotors": {"rotor": 0.0},
-    "springs": {"stiffness": 0.0},
-}
+_FEATURES = tuple(dict.fromkeys(law.feature for law in LAWS.values()))
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
     """The model without some features, see `Model.without`."""
-    off: dict[str, float] = {}
     for feature in features:
-        if feature != "loops" and feature not in _DRIVES:
-            raise UnknownNameError("feature", feature, "Model.without", (*_DRIVES, "loops"))
-        off.update(_DRIVES.get(feature, {}))
+        if feature != "loops" and feature not in _FEATURES:
+            raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, "loops"))
+    off = {law.strength: 0.0 for law in LAWS.values() if law.feature in features}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies

@@ -15,9 +15,10 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.lazy import kept
+from freebody.model.drives.acting import USUAL, ActingLaw, counted, every_law
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached, Pose, acting, drive_of, placed_composite
+from freebody.model.tree import Attached, Pose, placed_composite
 from freebody.spatial import AnySpace, Matrix, Vector, of_dimension
 
 if TYPE_CHECKING:
@@ -77,13 +78,12 @@ class PoseContribution(NamedTuple):
 
 class JointContribution(NamedTuple):
     """The contribution of a joint: structure, numbers of its placement and of its kind, and of a
-    joint of one coordinate those of its drive."""
+    joint of one coordinate its drive, with the names of the laws that count."""
 
     form: SharedForm
     placed: Array
-    drive: Array | None
-    driven: bool
-    """Whether friction, a rotor or a spring acts."""
+    drive: Drive | None
+    laws: tuple[str, ...]
 
 
 class BodyContribution(NamedTuple):
@@ -118,12 +118,10 @@ def joint_part(body: Body, dim: int) -> JointContribution:
 
 def _joint_part(joint: Joint, one_axis: bool, dim: int) -> JointContribution:
     placed = pose_part(joint.placement, dim)
-    drive, driven = (
-        kept(joint.drive, "_part", _drive_part, joint.drive) if one_axis else (None, False)
-    )
+    drive, laws = (joint.drive, counted_laws(joint.drive)) if one_axis else (None, ())
     own = [as_row([VALUES.quantity(x)]) for x in joint.numbers]
     where = joined([placed.numbers, *own]) if own else placed.numbers
-    return JointContribution(_joint_form(joint.kind, joint.axis, placed.form), where, drive, driven)
+    return JointContribution(_joint_form(joint.kind, joint.axis, placed.form), where, drive, laws)
 
 
 @lru_cache(maxsize=1024)
@@ -131,10 +129,34 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> Share
     return _form((kind, axis, placed))
 
 
-def _drive_part(drive: Drive) -> tuple[Array, bool]:
-    """The numbers of a drive, and whether friction, a rotor or a spring acts."""
-    scalars = drive_of(drive, VALUES)
-    return as_row(scalars), acting(scalars)
+def counted_laws(drive: Drive) -> tuple[str, ...]:
+    """Names of the laws of a drive that count."""
+    return kept(drive, "_counted", _counted_laws, drive)
+
+
+def _counted_laws(drive: Drive) -> tuple[str, ...]:
+    return tuple([x.law.name for x in counted(_scalars(drive))])
+
+
+def _scalars(drive: Drive) -> tuple[ActingLaw, ...]:
+    return kept(drive, "_scalars", every_law, lambda name: VALUES.quantity(getattr(drive, name)))
+
+
+def drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
+    """The scalars of some laws of a drive, one after the other."""
+    rows = kept(drive, "_rows", dict)
+    row = rows.get(names)
+    return rows.setdefault(names, _drive_row(drive, names)) if row is None else row
+
+
+def _drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
+    return as_row([scalar for x in _scalars(drive) if x.law.name in names for scalar in x.p])
+
+
+def laws_along(part: JointContribution, driven: bool) -> tuple[str, ...]:
+    """Names of the laws whose scalars are a joint's numbers: where any joint of the model is
+    driven, all of one coordinate have the usual ones."""
+    return part.laws or (USUAL if driven and part.drive is not None else ())
 
 
 def pose_part(placement: Placement, dim: int) -> PoseContribution:
@@ -269,14 +291,12 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
     return zeros, as_row([size * x for x, zero in zip(direction, zeros, strict=True) if not zero])
 
 
-def rows_of(part: tuple[JointContribution, Array], driven: bool) -> list[Array]:
-    """The numbers of a body, a row for each piece, in order."""
+def rows_of(part: BodyContribution, laws: tuple[str, ...]) -> list[Array]:
+    """The numbers of a body, a row for each piece, in order; laws: of its drive."""
     joint, inertia = part
-    return (
-        [joint.placed, inertia, joint.drive]
-        if driven and joint.drive is not None
-        else [joint.placed, inertia]
-    )
+    if joint.drive is None or not laws:
+        return [joint.placed, inertia]
+    return [joint.placed, inertia, drive_row(joint.drive, laws)]
 
 
 def joined(parts: Sequence[Array]) -> Array:

@@ -4,13 +4,14 @@ of."""
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, make_dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from freebody.errors import ModelError, shown
 from freebody.lazy import Keeps
+from freebody.model.drives import LAWS, NUMBERS, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
 from freebody.model.parameter_formulas import ParameterFormula
@@ -88,54 +89,57 @@ class Limits:
         return Limits(*(real(x, f"{owner}: limits") for x in given))
 
 
-@dataclass(frozen=True)
-class Drive(Keeps):
-    """Forces along a joint of one coordinate besides the motor's.
+if TYPE_CHECKING:
+    from freebody.model.drives.names import LawNumbers as _LawNumbers
+else:
+
+    def _read(drive: Drive) -> None:
+        for name, value in tuple(vars(drive).items()):
+            object.__setattr__(drive, name, quantity(value, f"Drive: {name}"))
+
+    _LawNumbers = make_dataclass(
+        "_LawNumbers",
+        [(name, Quantity, field(default=number.default)) for name, number in NUMBERS.items()],
+        frozen=True,
+        namespace={"__post_init__": _read},
+    )
+
+
+@dataclass(frozen=True, init=False)
+class Drive(_LawNumbers, Keeps):
+    """Forces along a joint of one coordinate besides the motor's: the numbers of all laws
+    (`model.drives`), 0 where a law does not act; names of symbols may be given.
 
     Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear².
     Spring: stiffness (q - rest).
     """
 
-    viscous: Quantity = 0.0
-    coulomb: Quantity = 0.0
-    rotor: Quantity = 0.0
-    gear: Quantity = 1.0
-    stiffness: Quantity = 0.0
-    rest: Quantity = 0.0
+    @property
+    def strengths(self) -> tuple[Quantity, ...]:
+        """The numbers without which the laws do not act, one a law."""
+        return tuple(getattr(self, law.strength) for law in LAWS.values())
 
-    if TYPE_CHECKING:  # names of symbols may be given
-
-        def __init__(
-            self,
-            viscous: Quantity | str = 0.0,
-            coulomb: Quantity | str = 0.0,
-            rotor: Quantity | str = 0.0,
-            gear: Quantity | str = 1.0,
-            stiffness: Quantity | str = 0.0,
-            rest: Quantity | str = 0.0,
-        ) -> None: ...
-
-    def __post_init__(self) -> None:
-        for name, value in tuple(vars(self).items()):
-            object.__setattr__(self, name, quantity(value, f"Drive: {name}"))
+    @property
+    def listed(self) -> tuple[LawNumber, ...]:
+        """The numbers by which a joint is described: those of the usual laws, and of all others
+        that are given."""
+        laws = [x for x in LAWS.values() if x.usual or _is_given(getattr(self, x.strength))]
+        return tuple([number for law in laws for number in law.numbers])
 
     def fault(self) -> str | None:
-        """Why no joint has this drive, or None; of a family, of the first member that has none.
-
-        A spring may push away from its rest position (stiffness below 0), as one that balances a
-        weight does.
-        """
-        for what, number in (
-            ("viscous friction", self.viscous),
-            ("Coulomb friction", self.coulomb),
-            ("rotor inertia", self.rotor),
-        ):
-            for x in _values(number):
-                if x < 0.0:
-                    return f"{what} {x:g} is negative; give it as 0 or more"
-        if any(x == 0.0 for x in _values(self.gear)):
-            return "gear is 0; give the ratio of motor speed to joint speed, 1 without a gear"
+        """Why no joint has this drive, or None; of a family, of the first member that has none."""
+        for number in self.listed:
+            if number.refused is not None:
+                for x in _values(getattr(self, number.name)):
+                    if fault := number.refused(x):
+                        return fault
         return None
+
+
+def _is_given(number: Quantity) -> bool:
+    if type(number) is float:
+        return number != 0.0
+    return isinstance(number, Parameter) or any(_values(number))
 
 
 def _values(number: Quantity) -> list[float]:

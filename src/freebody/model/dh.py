@@ -47,9 +47,9 @@ def dh(
         A mapping for each joint, with the keys joint ("R" by default, or "P"), theta, d (constants;
         the joint variable's one is its offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx,
         ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the convention, rotor
-        (kg m²) and gear, friction (viscous, or (viscous, coulomb)), limits (lower, upper) or
-        Limits, passive (True: the joint has no drive), name. A name instead of a number is a
-        parameter.
+        (kg m²) and gear, friction (viscous, (viscous, coulomb), or numbers by their names in
+        `Drive`), limits (lower, upper) or Limits, passive (True: the joint has no drive), name. A
+        name instead of a number is a parameter.
     convention
         "standard" or "modified".
     gravity
@@ -192,20 +192,18 @@ def _inertia(row: Mapping[str, Any], where: str) -> Inertia | None:
 
 def _drive(row: Mapping[str, Any], where: str) -> Drive:
     friction = row.get("friction", 0.0)
-    if not isinstance(friction, tuple | list):
+    if not isinstance(friction, tuple | list | Mapping):
         friction = (friction, 0.0)
-    if len(friction) != 2:
+    if len(friction) != 2 and not isinstance(friction, Mapping):
         raise ModelError(
             f"{where}: friction must be viscous, or (viscous, coulomb); got {friction!r}."
         )
-    viscous, coulomb = friction
-
-    def read(key: str, value: object) -> Quantity:
-        return quantity(value, f"{where}: {key}")
-
+    if not isinstance(friction, Mapping):
+        friction = dict(zip(("viscous", "coulomb"), friction, strict=True))
+    given = {**friction, "rotor": row.get("rotor", 0.0), "gear": row.get("gear", 1.0)}
     return Drive(
-        viscous=read("friction", viscous),
-        coulomb=read("friction", coulomb),
-        rotor=read("rotor", row.get("rotor", 0.0)),
-        gear=read("gear", row.get("gear", 1.0)),
+        **{
+            name: quantity(x, f"{where}: {'friction' if name in friction else name}")
+            for name, x in given.items()
+        }
     )

@@ -21,6 +21,7 @@ from freebody.arrays import Array
 from freebody.errors import listed
 from freebody.model.bodies import Body
 from freebody.model.description import TIP, Limits, Notice
+from freebody.model.drives import LAWS
 from freebody.model.inertia import Inertia, combined
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
@@ -372,6 +373,9 @@ def _no_drive(model: Model, _: Sequence[str]) -> Iterator[str]:
         yield f"no motor has such a drive: {wrong[0]}{more}."
 
 
+_ROTORS = tuple(law.strength for law in LAWS.values() if law.inertia is not None)
+
+
 def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
     """Rotor inertias that are missing in joints whose drive is described otherwise; a textbook's
     have none."""
@@ -382,7 +386,7 @@ def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
         if body.joint.passive or body.joint.mimic or body.kind.nv != 1 or not described:
             continue
         described_joints += 1
-        if VALUES.quantity(drive.rotor) == 0.0:
+        if all(VALUES.quantity(getattr(drive, name)) == 0.0 for name in _ROTORS):
             without.append(body.joint.name)
     if without:
         of = "" if len(without) == described_joints else f" of {listed(without, _NAMES)}"

@@ -18,13 +18,13 @@ from operator import add as plus
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.model import changes, named_numbers
+from freebody.model.drives import NUMBERS
 from freebody.model.families import copied, fields_of
 from freebody.model.inertia import Inertia, is_surely_physical
 from freebody.model.named_numbers import known
 from freebody.model.number_editors import NewPayloadEditor
-from freebody.model.number_names import DRIVE
 from freebody.model.number_rows import NumberRows, RowEntries, RowPart, SlotValues
 from freebody.model.parameters import LARGEST
 from freebody.model.piece_paths import PiecePath, put
@@ -47,7 +47,10 @@ def bound(model: Model, values: Mapping[Any, Any]) -> Model:
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
     """The model with another drive in a joint, see `Model.with_drive`."""
-    named = {f"{joint}.{DRIVE[name]}": x for name, x in given.items()}
+    for name in given:
+        if name not in NUMBERS:
+            raise UnknownNameError("number", name, "a drive", tuple(NUMBERS))
+    named = {f"{joint}.{NUMBERS[name].label}": x for name, x in given.items()}
     found = _edited(model, named) if type(joint) is str else None
     return _asked(model, changes.with_drive(model, joint, given)) if found is None else found
 

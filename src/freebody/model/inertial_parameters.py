@@ -2,12 +2,13 @@
 model made of them.
 
 Of each body its mass m, first moment h = m c and inertia I about its joint's origin, in its axes;
-of each joint with a drive viscous and Coulomb friction, reflected rotor inertia J gear², stiffness,
+of each joint with a drive those of its laws, such as reflected rotor inertia J gear², stiffness,
 and stiffness times rest position.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +17,12 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import ModelError, ShapeError
 from freebody.labels import aligned
+from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.families import Members, members
 from freebody.model.inertia import Inertia, faults
 from freebody.model.parameters import LARGEST, Quantity, finite
 from freebody.model.quantity_reader import VALUES
-from freebody.model.structure import has_drive
+from freebody.model.structure import laws_shown
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
@@ -28,8 +30,6 @@ if TYPE_CHECKING:
     from freebody.model.bodies import Body
     from freebody.model.description import Drive
     from freebody.model.model import Model
-
-DRIVE = ("viscous", "coulomb", "rotor", "stiffness", "stiffness_rest")
 
 _ROUNDED = 1e-14
 """Share of a body's inertia below which entries about its centre are what rounding leaves of a
@@ -47,12 +47,10 @@ def parameter_names(model: Model) -> tuple[str, ...]:
     """Names of a model's inertial parameters, in order: of bodies, then of the joints that have a
     drive."""
     own = body_parameters(of_dimension(model.dim))
-    joints = [
-        b.joint.name for b, driven in zip(model.bodies, has_drive(model), strict=True) if driven
-    ]
+    drives = zip(model.bodies, laws_shown(model), strict=True)
     return (
         *(f"{body.name}.{p}" for body in model.bodies for p in own),
-        *(f"{joint}.{p}" for joint in joints for p in DRIVE),
+        *(f"{b.joint.name}.{p}" for b, laws in drives for x in laws for p in LAWS[x].parameters),
     )
 
 
@@ -67,13 +65,12 @@ def with_inertial_parameters(model: Model, pi: Any) -> Model:
         raise ShapeError(function, "pi", given.shape, f"(..., {len(names)})", because)
     numbers = {name: _number(given[..., k], f"{function}: {name}") for k, name in enumerate(names)}
     own, bodies = body_parameters(of_dimension(model.dim)), []
-    for body, driven in zip(model.bodies, has_drive(model), strict=True):
+    for body, laws in zip(model.bodies, laws_shown(model), strict=True):
         row = np.stack([VALUES.quantity(numbers[f"{body.name}.{p}"]) for p in own], axis=-1)
         inertia = _inertia(row, model.dim, f"{function}: {body.name!r}")
         changed = replace(body, inertias=(Attached(body.name, inertia),))
-        if driven:
-            entries = [VALUES.quantity(numbers[f"{body.joint.name}.{p}"]) for p in DRIVE]
-            drive = _drive(body, entries, f"{function}: joint {body.joint.name!r}")
+        if laws:
+            drive = _drive(body, laws, numbers, f"{function}: joint {body.joint.name!r}")
             changed = replace(changed, joint=replace(body.joint, drive=drive))
         bodies.append(changed)
     return replace(model, bodies=tuple(bodies))
@@ -115,20 +112,13 @@ def _inertia(row: Array, dim: int, owner: str) -> Inertia:
     return inertia
 
 
-def _drive(body: Body, entries: list[Any], owner: str) -> Drive:
-    """The drive of a joint; its gear stays, and where there is no spring its rest position."""
-    viscous, coulomb, reflected, stiffness, moment = map(np.asarray, entries)
-    old = body.joint.drive
-    gear, rest = np.asarray(VALUES.quantity(old.gear)), np.asarray(VALUES.quantity(old.rest))
-    for part, whole, what in (
-        (reflected, gear, "a reflected rotor inertia behind a gear of ratio 0"),
-        (moment, stiffness, "stiffness_rest without stiffness"),
-    ):
-        if np.any((whole == 0.0) & (part != 0.0)):
-            raise ModelError(f"{owner}: {what}.")
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rotor = np.where(reflected == 0.0, 0.0, reflected / (gear * gear))
-        rest = np.where(stiffness == 0.0, rest, moment / stiffness)
-    names = ("viscous", "coulomb", "rotor", "stiffness", "rest")
-    new = zip(names, (viscous, coulomb, rotor, stiffness, rest), strict=True)
-    return replace(old, **{name: _quantity(x) for name, x in new})
+def _drive(body: Body, laws: Sequence[str], numbers: Mapping[str, Quantity], owner: str) -> Drive:
+    """The drive of a joint with other parameters; what these do not tell, such as the gear, and
+    without a spring its rest position, stays."""
+    old, found = body.joint.drive, {}
+    now = {name: VALUES.quantity(getattr(old, name)) for name in NUMBERS}
+    for law in map(LAWS.__getitem__, laws):
+        named = (numbers[f"{body.joint.name}.{p}"] for p in law.parameters)
+        entries = [np.asarray(VALUES.quantity(x)) for x in named]
+        found |= law.numbers_of(entries, now, owner)
+    return replace(old, **{name: _quantity(np.asarray(x)) for name, x in found.items()})

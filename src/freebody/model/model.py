@@ -308,13 +308,7 @@ class Model(NamedParts, Tabled, ByValue):
     def with_drive(
         self,
         joint: str,
-        *,
-        rotor: Any = None,
-        gear: Any = None,
-        viscous: Any = None,
-        coulomb: Any = None,
-        stiffness: Any = None,
-        rest: Any = None,
+        **numbers: Any,
     ) -> Model:
         """The model with another rotor, gear, friction or spring in a joint of one coordinate.
 
@@ -325,20 +319,12 @@ class Model(NamedParts, Tabled, ByValue):
         ----------
         joint
             The joint's name.
-        rotor
-            Inertia before the gear, kg m² (kg).
-        gear
-            Ratio of motor speed to joint speed.
-        viscous, coulomb
-            Friction, N m s/rad (N s/m) and N m (N).
-        stiffness, rest
-            Spring, N m/rad (N/m) and rad (m).
+        numbers
+            By the names of `fb.Drive`: of its rotor the inertia before the gear, kg m² (kg), and
+            gear, the ratio of motor speed to joint speed; of a spring stiffness, N m/rad (N/m), and
+            rest, rad (m); and those of friction, such as viscous, N m s/rad (N s/m).
         """
-        given = {
-            "rotor": rotor, "gear": gear, "viscous": viscous, "coulomb": coulomb,
-            "stiffness": stiffness, "rest": rest,
-        }  # fmt: skip
-        return edits.driven(self, joint, {k: x for k, x in given.items() if x is not None})
+        return edits.driven(self, joint, {k: x for k, x in numbers.items() if x is not None})
 
     def with_inertial_parameters(self, pi: Any) -> Model:
         """The model with other inertial parameters π (..., k), in the order and units of

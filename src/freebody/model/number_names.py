@@ -192,29 +192,15 @@ def _joint(
     if body.kind.nv != 1:
         return
     (turns,) = body.kind.angular
-    for label, attribute, unit, what in _DRIVE[turns]:
-        name = joint.name, *label.split(".")
-        place = *path, "joint", "drive"
-        yield _entry(place, attribute, name, "joint", unit, f"{what} {of}", "drive")
+    for number in joint.drive.listed:
+        place, name = (*path, "joint", "drive"), (joint.name, *number.place)
+        what, unit = f"{number.what} {of}", number.unit_of(turns)
+        yield _entry(place, number.name, name, "joint", unit, what, "drive")
     for attribute, unit in _LIMITS[turns].items():
         name, what = (joint.name, "limits", attribute), f"{attribute} limit {of}"
         yield _entry((*path, "joint", "limits"), attribute, name, "joint", unit, what, "limit")
 
 
-def _drive_table(effort: str, position: str, rotor: str) -> tuple[tuple[str, str, str, str], ...]:
-    return (
-        ("friction.viscous", "viscous", f"{effort} s/{position}", "viscous friction"),
-        ("friction.coulomb", "coulomb", effort, "Coulomb friction"),
-        ("rotor.inertia", "rotor", rotor, "rotor inertia before the gear"),
-        ("rotor.gear", "gear", "1", "gear ratio of the rotor"),
-        ("spring.stiffness", "stiffness", f"{effort}/{position}", "spring stiffness"),
-        ("spring.rest", "rest", position, "rest position of the spring"),
-    )
-
-
-_DRIVE = {True: _drive_table("N m", "rad", "kg m²"), False: _drive_table("N", "m", "kg")}
-DRIVE = {attribute: label for label, attribute, _, _ in _DRIVE[True]}
-"""Ends of the names of a drive's numbers, behind the joint's name."""
 _LIMITS = {
     True: {"lower": "rad", "upper": "rad", "velocity": "rad/s", "effort": "N m"},
     False: {"lower": "m", "upper": "m", "velocity": "m/s", "effort": "N"},

@@ -9,12 +9,20 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from freebody.model.contributions import gravity_part, inertial_entries, linear_row, pose_part
+from freebody.model.contributions import (
+    counted_laws,
+    gravity_part,
+    inertial_entries,
+    linear_row,
+    pose_part,
+)
+from freebody.model.drives import NUMBERS
+from freebody.model.drives.acting import USUAL, ActingLaw, counted, every_law
 from freebody.model.inertia import in_shape
 from freebody.model.piece_paths import PiecePath
 from freebody.model.placement import Placement, Shift
 from freebody.model.quantity_reader import VALUES
-from freebody.model.tree import Attached, acting, drive_numbers
+from freebody.model.tree import Attached
 from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
 
 if TYPE_CHECKING:
@@ -183,20 +191,29 @@ class NumberRows:
 
     def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
         """Without a place among the numbers of a model none of whose drives acts."""
-        those = [
-            self._slot((*path, name), getattr(drive, name))
-            for name in ("viscous", "coulomb", "rotor", "gear", "stiffness", "rest")
-        ]
-        self.positive.update(those[:4])
-        take: TakeSlots = itemgetter(*those)
-        now = drive_numbers(*take(self.values))
-        acts, present = acting(now), at.stop > at.start
+        names = counted_laws(drive)
+        slots = {
+            number.name: self._slot((*path, number.name), getattr(drive, number.name))
+            for number in drive.listed
+        }
+        self.positive.update(slot for name, slot in slots.items() if NUMBERS[name].refused)
+        kept, present = names or USUAL, at.stop > at.start
+        idle = dict.fromkeys(NUMBERS, 0.0)
+
+        def found(values: SlotValues) -> tuple[ActingLaw, ...]:
+            return every_law((idle | {name: values[k] for name, k in slots.items()}).__getitem__)
+
+        def row(laws: tuple[ActingLaw, ...]) -> tuple[float, ...]:
+            return tuple([scalar for x in laws if x.law.name in kept for scalar in x.p])
 
         def entries(values: SlotValues, _: list[Vector]) -> Any:
-            found = drive_numbers(*take(values))
-            return None if acting(found) != acts else found if present else ()
+            laws = found(values)
+            if tuple([x.law.name for x in counted(laws)]) != names:
+                return None
+            return row(laws) if present else ()
 
-        return NumberRow(at, (RowPart(frozenset(those), entries, now),))
+        now = row(found(self.values))
+        return NumberRow(at, (RowPart(frozenset(slots.values()), entries, now),))
 
     def _gravity(self, start: int) -> NumberRow:
         model = self._model

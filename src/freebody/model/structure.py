@@ -1,17 +1,17 @@
 """The structure of a model: what remains when its numbers are taken out. Code is compiled for a
 structure.
 
-Structure: the tree, the kinds, axes and mimic ratios of joints, the kinds of loops, and of
-placements and of gravity's direction the entries that are exactly 0 or ±1 (of positions and
+Structure: the tree, the kinds, axes, mimic ratios and laws of drives of joints, the kinds of loops,
+and of placements and of gravity's direction the entries that are exactly 0 or ±1 (of positions and
 gravity: exactly 0). Names are not part of it.
 
 Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's
 placement that are not exact (of a rotation about a coordinate axis its cosine and sine), what its
 kind has besides, such as a pitch, its mass, first moment and inertia about its origin, and, if any
-joint of the model has a drive, friction, rotor and spring; then gravity, the loops' distances and
-the mass of the base, and of closed chains the frames' poses. They are numbers whether zero or not.
-What each piece of a model contributes is found once and kept with the piece, so that a changed copy
-of a model costs what was changed.
+joint of the model has a drive, the scalars of the laws that count; then gravity, the loops'
+distances and the mass of the base, and of closed chains the frames' poses. They are numbers whether
+zero or not. What each piece of a model contributes is found once and kept with the piece, so that a
+changed copy of a model costs what was changed.
 """
 
 from __future__ import annotations
@@ -27,6 +27,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.model.contributions import (
+    JointContribution,
     SharedForm,
     as_row,
     body_parts,
@@ -34,14 +35,15 @@ from freebody.model.contributions import (
     inertial,
     is_exactly,
     joined,
+    laws_along,
     pose_part,
     rows_of,
 )
+from freebody.model.drives.acting import ActingLaw, of_names, size_of
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import (
     Attached,
-    DriveScalars,
     Mass,
     Pieces,
     Pose,
@@ -69,6 +71,8 @@ class BodyRows(NamedTuple):
     joint: slice
     inertia: slice
     drive: slice
+    laws: tuple[str, ...]
+    """Names of the drive's laws."""
     turns: bool
     """Whether its joint does nothing but turn."""
 
@@ -79,8 +83,8 @@ class Structure:
 
     def __init__(self, key: tuple[Any, ...], model: Model):
         self.key = key
-        self.driven: bool = key[-1]
-        """Whether the numbers of drives are among the numbers."""
+        self.laws: tuple[tuple[str, ...], ...] = key[-1]
+        """For each body of the model the names of the laws whose scalars are among the numbers."""
         self.followers: bool = bool(key[3])
         """Whether a joint follows another."""
         self.order = tuple(parents_first(model.bodies))
@@ -105,7 +109,7 @@ class Structure:
         known, found, end = body_parts(model), [], 0
         for i in self.order:
             part, kind = known[i], model.bodies[i].kind
-            sizes = [row.shape[-1] for row in rows_of(part, self.driven)]
+            sizes = [row.shape[-1] for row in rows_of(part, self.laws[i])]
             _, *ends = accumulate(sizes, initial=end)
             shift = sum([x != 0.0 for x in part.joint.form.content[2].content.p])
             start = ends[0] - len(kind.numbers)
@@ -115,6 +119,7 @@ class Structure:
                     slice(start, ends[0]),
                     slice(ends[0], ends[1]),
                     slice(ends[1], ends[-1]),
+                    self.laws[i],
                     all(kind.angular),
                 )
             )
@@ -147,7 +152,7 @@ def _structure(model: Model) -> Structure:
         _followers(model),
         gravity_part(model)[0],
         _loops(model) if model.loops else (),
-        True in [joint.driven for joint in joints],
+        _laws(joints),
     )
     found = _structures.get(key)
     if found is None:
@@ -174,7 +179,7 @@ def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
     """The numbers in order, a row for each piece, and whether they say where something is."""
     known = body_parts(model)
     for i in structure.order:
-        yield from zip(rows_of(known[i], structure.driven), (True, False, False), strict=False)
+        yield from zip(rows_of(known[i], structure.laws[i]), (True, False, False), strict=False)
     yield gravity_part(model)[1], False
     for loop in model.loops:
         if loop.distance is not None:
@@ -199,14 +204,14 @@ class ScalarPieces(Pieces):
         model: Model,
         scalars: Sequence[Scalar],
         frames: Sequence[str],
-        shown: Sequence[bool] | None,
+        shown: Sequence[Sequence[str]] | None,
     ):
         super().__init__(of_dimension(model.dim), VALUES)
-        self.idle = (
-            {id(b) for b, s in zip(model.bodies, shown, strict=True) if not s} if shown else set()
-        )
+        laws = model.structure.laws
+        self.known = {
+            id(body): pair for body, *pair in zip(model.bodies, laws, shown or laws, strict=True)
+        }
         self.scalars, self.chosen = scalars, frames
-        self.driven = model.structure.driven
         self.used = 0
 
     def pose(self, placement: Placement) -> Pose:
@@ -226,11 +231,10 @@ class ScalarPieces(Pieces):
             inertia = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
         return (Mass(m, self.space.zero, inertia, tuple(h)),)
 
-    def drive(self, body: Body) -> DriveScalars | None:
-        if not self.driven or body.kind.nv != 1:
-            return None
-        scalars = self._next(5)
-        return None if id(body) in self.idle else DriveScalars(*scalars)
+    def laws(self, body: Body) -> tuple[ActingLaw, ...]:
+        names, shown = self.known[id(body)]
+        found = of_names(names, self._next(size_of(names)))
+        return tuple(x for x in found if x.law.name in shown)
 
     def gravity(self, size: Quantity, direction: tuple[float, ...]) -> Vector:
         zeros = [is_exactly(x, 0.0) for x in direction]
@@ -252,20 +256,26 @@ def tree_over(
     model: Model,
     scalars: Sequence[Scalar],
     frames: Sequence[str] = (),
-    shown: Sequence[bool] | None = None,
+    shown: Sequence[Sequence[str]] | None = None,
 ) -> Tree:
     """The tree of a model's structure over scalars in the place of its numbers.
 
     It holds `frames`, and of closed chains all others; the former's numbers stand at the end, one
-    after the other. shown: the bodies whose joints have a drive, where that counts; else all have
-    one, or none.
+    after the other. shown: for each body the laws of its drive, where that counts; else those of
+    the structure.
     """
     return tree_of(model, ScalarPieces(model, scalars, (*_own_frames(model), *frames), shown))
 
 
-def has_drive(model: Model) -> tuple[bool, ...]:
-    """For each body whether friction, a rotor or a spring acts along its joint."""
-    return tuple([part.joint.driven for part in body_parts(model)])
+def laws_shown(model: Model) -> tuple[tuple[str, ...], ...]:
+    """For each body the names of the laws of drives that count along its joint."""
+    return tuple([part.joint.laws for part in body_parts(model)])
+
+
+def _laws(joints: Sequence[JointContribution]) -> tuple[tuple[str, ...], ...]:
+    """For each body the names of the laws whose scalars are among the numbers."""
+    driven = any(joint.laws for joint in joints)
+    return tuple([laws_along(joint, driven) for joint in joints])
 
 
 def _followers(model: Model) -> tuple[Any, ...]:

@@ -10,10 +10,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from freebody.elementary import Scalar
 from freebody.lazy import Keeps
+from freebody.model.drives.acting import ActingLaw, DriveScalars, counted, every_law
 from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
@@ -54,6 +53,18 @@ class Coordinates:
     ratio: float
     offset: float
 
+    def position(self, q: Vector) -> Vector:
+        """The joint's own position scalars."""
+        if self.ratio == 1.0 and self.offset == 0.0:
+            return tuple(q[k] for k in self.q)
+        return tuple(self.ratio * q[k] + self.offset for k in self.q)
+
+    def rates(self, qd: Vector) -> Vector:
+        """The joint's own rates, first or second."""
+        if self.ratio == 1.0:
+            return tuple(qd[k] for k in self.v)
+        return tuple(self.ratio * qd[k] for k in self.v)
+
 
 @dataclass(frozen=True)
 class Mass:
@@ -70,17 +81,6 @@ class Mass:
 
 
 @dataclass(frozen=True)
-class DriveScalars:
-    """Friction, reflected rotor inertia and spring of a joint of one coordinate."""
-
-    viscous: Scalar
-    coulomb: Scalar
-    rotor: Scalar
-    stiffness: Scalar
-    rest: Scalar
-
-
-@dataclass(frozen=True)
 class TreeBody:
     """A body behind one primitive joint. R, p: the joint's frame in the parent's."""
 
@@ -94,21 +94,15 @@ class TreeBody:
     coordinates: Coordinates
     masses: tuple[Mass, ...]
     drive: DriveScalars | None
-    """None where neither friction nor rotor nor spring acts."""
+    """None where no law of a drive acts."""
 
     def position(self, q: Vector) -> Vector:
         """The joint's own position scalars."""
-        at = self.coordinates
-        if at.ratio == 1.0 and at.offset == 0.0:
-            return tuple(q[k] for k in at.q)
-        return tuple(at.ratio * q[k] + at.offset for k in at.q)
+        return self.coordinates.position(q)
 
     def rates(self, qd: Vector) -> Vector:
         """The joint's own rates, first or second."""
-        at = self.coordinates
-        return (
-            tuple(qd[k] for k in at.v) if at.ratio == 1.0 else tuple(at.ratio * qd[k] for k in at.v)
-        )
+        return self.coordinates.rates(qd)
 
 
 @dataclass(frozen=True)
@@ -177,9 +171,9 @@ class Pieces:
         """The masses that are fixed to a body."""
         return _masses(self.space, parts, self.reader)
 
-    def drive(self, body: Body) -> DriveScalars | None:
-        """The drive along a body's joint; None where nothing acts."""
-        return _drive(body, self.reader)
+    def laws(self, body: Body) -> tuple[ActingLaw, ...]:
+        """The laws of drives along a body's joint."""
+        return laws_of(body.joint.drive, self.reader)
 
     def gravity(self, size: Quantity, direction: tuple[float, ...]) -> Vector:
         """The field in world axes."""
@@ -209,14 +203,17 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
         body = model.bodies[i]
         at = model.coordinates[i]
         R, p = pieces.pose(body.joint.placement)
-        own = pieces.own(body.joint)
+        numbers = pieces.own(body.joint)
         masses = pieces.masses(body.inertias)
-        chain = body.kind.primitives(space, pieces.axis(body.joint.axis), own)
-        drive = pieces.drive(body) if len(chain) == 1 else None
+        chain = body.kind.primitives(space, pieces.axis(body.joint.axis), numbers)
+        laws = pieces.laws(body) if len(chain) == 1 else ()
         parent = body_of[body.parent]
         iq = iv = 0
         for k, (primitive, axis) in enumerate(chain):
             last = k == len(chain) - 1
+            own = Coordinates(
+                at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
+            )
             bodies.append(
                 TreeBody(
                     body.name,
@@ -226,14 +223,9 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
                     primitive.columns(space, axis),
                     R,
                     p,
-                    Coordinates(
-                        at.q[iq : iq + primitive.nq],
-                        at.v[iv : iv + primitive.nv],
-                        at.ratio,
-                        at.offset,
-                    ),
+                    own,
                     masses if last else (),
-                    drive,
+                    DriveScalars(laws, own) if laws else None,
                 )
             )
             iq, iv = iq + primitive.nq, iv + primitive.nv
@@ -357,25 +349,6 @@ def _is_zero(inertia: Scalar) -> bool:
     return True
 
 
-def drive_of(drive: Drive, reader: QuantityReader) -> tuple[Scalar, ...]:
-    """Viscous and Coulomb friction, reflected rotor inertia, stiffness and rest position."""
-    own = (drive.viscous, drive.coulomb, drive.rotor, drive.gear, drive.stiffness, drive.rest)
-    return drive_numbers(*map(reader.quantity, own))
-
-
-def drive_numbers(
-    viscous: Scalar, coulomb: Scalar, rotor: Scalar, gear: Scalar, stiffness: Scalar, rest: Scalar
-) -> tuple[Scalar, ...]:
-    """The scalars of a drive from the numbers that it is made of."""
-    reflected = 0.0 if _is_zero(rotor) else rotor * gear * gear
-    return viscous, coulomb, reflected, stiffness, rest
-
-
-def acting(drive: Sequence[Scalar]) -> bool:
-    """Whether friction, a rotor or a spring acts; of a family, on some member."""
-    return any(x.any() if isinstance(x, np.ndarray) else not _is_zero(x) for x in drive[:4])
-
-
-def _drive(body: Body, reader: QuantityReader) -> DriveScalars | None:
-    scalars = drive_of(body.joint.drive, reader)
-    return DriveScalars(*scalars) if acting(scalars) else None
+def laws_of(drive: Drive, reader: QuantityReader) -> tuple[ActingLaw, ...]:
+    """The laws of a drive that count, with their scalars."""
+    return counted(every_law(lambda name: reader.quantity(getattr(drive, name))))

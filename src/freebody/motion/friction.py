@@ -1,102 +1,155 @@
-"""Coulomb friction that an integrator can follow: sign(q̇) made smooth over a stated width."""
+"""Friction of joints in numbers: what depends on the sign of a rate, made smooth over a stated
+width so that an integrator can follow; and the parts that motions are planned and studied with."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.arrays import Array
-from freebody.lazy import cached_property, kept
+from freebody.elementary import Scalar, tanh
+from freebody.errors import FreebodyError
+from freebody.lazy import kept
+from freebody.model.drives import LAWS, DriveLaw
+from freebody.model.drives.acting import DriveScalars
 from freebody.model.model import Model
-from freebody.trees.position_rates import Index
 
 WIDTH = FRICTION_WIDTH
 """rad/s or m/s: sticking creeps at rates below this."""
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothFriction:
-    """c tanh(q̇ / width) of each joint that has Coulomb friction, in place of c sign(q̇)."""
+class DryFriction:
+    """The laws whose torque depends on the sign of a rate, of all joints: tanh(q̇ / width) in its
+    place, or a number of its own."""
 
-    coordinate: Index
-    ratio: Array
-    coulomb: Array
+    drives: tuple[DriveScalars, ...]
+    nq: int
     nv: int
     width: float
 
     @property
     def acts(self) -> bool:
-        """Whether there is any Coulomb friction."""
-        return len(self.coordinate) > 0
+        """Whether there is any such law."""
+        return len(self.drives) > 0
 
-    def torque(self, qd: Array) -> Array:
-        """Torques (..., nv) that the drives need to overcome friction at rates qd (..., nv)."""
-        if not self.acts:
-            return np.zeros(qd.shape)
-        each = (
-            self.ratio
-            * self.coulomb
-            * np.tanh(qd[..., self.coordinate] * (self.ratio / self.width))
-        )
-        return each @ self._sum
+    def torque(self, q: Array, qd: Array) -> Array:
+        """Smooth torques (..., nv) that the drives need to overcome friction at q (..., nq) and qd
+        (..., nv)."""
+        found = np.zeros(qd.shape)
+        for drive in self.drives:
+            smooth = replace(drive, sign=lambda law, rate: tanh(rate / self.width))
+            found[..., drive.at.v[0]] += drive.at.ratio * smooth.torque(*_columns(q, qd))
+        return found
 
-    @cached_property
-    def _sum(self) -> Array:
-        """1 where a joint (row) acts on a coordinate (column)."""
-        return (self.coordinate[:, None] == np.arange(self.nv)).astype(float)
+    def drag(self, q: Array, qd: Array) -> Array:
+        """The size (..., nv) of dry friction at q (..., nq) and qd (..., nv): at rest what it holds
+        at most."""
+        found = np.zeros(qd.shape)
+        for drive in self.drives:
+            found[..., drive.at.v[0]] += abs(drive.at.ratio) * drive.drag(*_columns(q, qd))
+        return found
+
+    def grip(self, family: tuple[int, ...] = ()) -> Array:
+        """What dry friction holds at most (*family, nv)."""
+        return self.drag(np.zeros((*family, self.nq)), np.zeros((*family, self.nv)))
 
     def steepest(self) -> Array:
-        """Largest slope d tau / d q̇ of each coordinate (nv,)."""
-        slope = np.zeros(self.nv)
-        np.add.at(slope, self.coordinate, self.ratio**2 * self.coulomb / self.width)
-        return slope
+        """About the largest slope d tau / d q̇ of each coordinate (nv,)."""
+        found, slow = np.zeros(self.nv), ((0.0,) * self.nq, (self.width,) * self.nv)
+        for drive in self.drives:
+            found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*slow) / self.width
+        return found
 
 
-def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, SmoothFriction]:
-    """(the model without its Coulomb friction, that friction made smooth)."""
-    rows = [
-        (b.coordinates.v[0], b.coordinates.ratio, b.drive.coulomb)
-        for b in model.tree.bodies
-        if b.drive is not None and np.any(b.drive.coulomb)
-    ]
-    friction = SmoothFriction(
-        np.array([row[0] for row in rows], dtype=int),
-        np.array([row[1] for row in rows]),
-        np.stack([np.broadcast_to(row[2], model.family) for row in rows], axis=-1)
-        if rows
-        else np.zeros(0),
-        model.nv,
-        width,
-    )
-    if not rows:
-        return model, friction
+def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    """Entries of positions and rates, as arrays of samples."""
+    return tuple(np.moveaxis(q, -1, 0)), tuple(np.moveaxis(qd, -1, 0))
+
+
+def smooth_friction(model: Model, width: float = WIDTH) -> tuple[Model, DryFriction]:
+    """(the model without the laws that depend on the sign of a rate, these laws)."""
+    friction = _signed_laws(model, lambda law: law.signed, width)
+    return without_laws(model, lambda law: law.signed) if friction.acts else model, friction
+
+
+def sticking_friction(model: Model) -> tuple[Model, DryFriction]:
+    """(the model without the laws that hold what is at rest, these laws)."""
+    friction = _signed_laws(model, lambda law: law.grips, WIDTH)
+    return without_laws(model, lambda law: law.grips) if friction.acts else model, friction
+
+
+def _signed_laws(model: Model, keeps: Callable[[DriveLaw], bool], width: float) -> DryFriction:
+    """Some laws that depend on the sign of a rate."""
+    return DryFriction(_only(model, keeps), model.nq, model.nv, width)
+
+
+def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
+    """The model without some laws of drives."""
+    off = {law.strength: 0.0 for law in LAWS.values() if gone(law)}
     bodies = tuple(
-        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, coulomb=0.0)))
+        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies
     )
-    return replace(model, bodies=bodies), friction
+    return replace(model, bodies=bodies)
 
 
-def drive_arrays(model: Model) -> tuple[Array, Array, Array]:
-    """Viscous and Coulomb friction and rotor inertia of each coordinate (nv,); what followers add
-    is included.
-
-    The Coulomb entry is the largest that the coordinate can feel. Arrays that cannot be written to.
-    """
-    return kept(model, "_drive_arrays", _drive_arrays, model)
+def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars, ...]:
+    """The drives of all joints with some of their laws, where any of these acts."""
+    found = (b.drive.only(keeps) for b in model.tree.bodies if b.drive is not None)
+    return tuple(drive for drive in found if any(np.any(x.p[0]) for x in drive.laws))
 
 
-def _drive_arrays(model: Model) -> tuple[Array, Array, Array]:
-    arrays = np.zeros((3, model.nv))
+def friction_torque(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) of all friction at q (..., nq) and qd (..., nv)."""
+    found = np.zeros(qd.shape)
+    for drive in _only(model, lambda law: law.feature == "friction"):
+        found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
+    return found
+
+
+def reflected_inertia(model: Model) -> Array:
+    """The rotors' inertia at each coordinate (nv,), what followers add included."""
+    return _each(model, lambda drive: drive.at.ratio**2 * drive.inertia)
+
+
+def viscous_friction(model: Model) -> Array:
+    """The torque of friction for each unit of rate (nv,), of the laws that are proportional to it;
+    what followers add included."""
+    return kept(model, "_viscous_friction", _viscous_friction, model)
+
+
+def _viscous_friction(model: Model) -> Array:
+    at_rest = (0.0,) * model.nq, (0.0,) * model.nv
+    return _each(
+        model,
+        lambda drive: (
+            drive.at.ratio**2 * drive.only(lambda law: law.power == 1).slopes(*at_rest)[1]
+        ),
+    )
+
+
+def _each(model: Model, of: Callable[[DriveScalars], Scalar]) -> Array:
+    found = np.zeros(model.nv)
     for body in model.tree.bodies:
         if body.drive is not None:
-            at, d = body.coordinates, body.drive
-            arrays[:, at.v[0]] += (
-                d.viscous * at.ratio**2,
-                d.coulomb * abs(at.ratio),
-                d.rotor * at.ratio**2,
-            )
-    arrays.flags.writeable = False
-    return arrays[0], arrays[1], arrays[2]
+            found[body.coordinates.v[0]] += of(body.drive)
+    found.flags.writeable = False
+    return found
+
+
+def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
+    """Viscous friction, and the largest dry friction that does not depend on the rate, of each
+    coordinate (nv,). Raises FreebodyError where a joint has any other."""
+    for body in model.tree.bodies:
+        for x in () if body.drive is None else body.drive.laws:
+            if x.law.feature == "friction" and x.law.power not in (0, 1) and np.any(x.p[0]):
+                raise FreebodyError(
+                    f"{function}: the {x.law.numbers[0].what} of body {body.name!r} is neither "
+                    f"constant nor proportional to the rate; plan without it, "
+                    f"model.with_drive(joint, {x.law.strength}=0)."
+                )
+    return viscous_friction(model), sticking_friction(model)[1].grip()

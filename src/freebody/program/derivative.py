@@ -13,12 +13,11 @@ from itertools import count
 from math import prod
 from typing import Any, NamedTuple
 
-from freebody.elementary import Scalar, maximum, where
+from freebody.dual import Outer, slopes, value
+from freebody.elementary import CHOOSES, Scalar, maximum, where
 from freebody.program.evaluate import VALUES, evaluated, flat, free_prefix, nested, values
 from freebody.program.program import Argument, Program
 from freebody.program.tracer import trace
-from freebody.scalars.dual import Outer, slopes, value
-from freebody.scalars.operations import OPERATIONS
 
 
 class Directions(NamedTuple):
@@ -273,7 +272,7 @@ def _partials(
     0 times that is no number. So derivatives are chosen, not weighted.
     """
     operands = program.operands(index)
-    chooses = OPERATIONS[program.op[index]].chooses
+    chooses = CHOOSES.get(program.op[index])
     if chooses is not None:
         condition = chooses(*(found[i] for i in operands))
         a, b = operands[-2:]

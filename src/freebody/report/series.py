@@ -22,7 +22,7 @@ from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
-from freebody.motion.friction import drive_arrays
+from freebody.motion.friction import friction_torque, reflected_inertia, viscous_friction
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, with_drive
 from freebody.report import jacobians
@@ -87,19 +87,18 @@ def _motion(model: Model, motion: Motion) -> _ArraysByName:
 def torques(model: Model, motion: Motion) -> _ArraysByName:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
-    viscous, _, rotor = drive_arrays(model)
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
-    springs = static_torque(model.opened, q) - gravity
-    rotors = rotor * qdd
+    springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
+    rotors = reflected_inertia(model) * qdd
     parts = {
         "tau": inverse_dynamics(model, q, qd, qdd),
         "tau_inertial": np.einsum("tij,tj->ti", M, qdd) - rotors,
         "tau_coriolis": np.einsum("tij,tj->ti", C, qd),
         "tau_gravity": gravity,
-        "tau_friction": viscous * qd + _coulomb(model, qd),
-        "tau_viscous": viscous * qd,
+        "tau_friction": friction_torque(model, q, qd),
+        "tau_viscous": viscous_friction(model) * qd,
         "tau_springs": springs,
         "tau_rotors": rotors,
     }
@@ -110,11 +109,6 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
             if name != "tau"
         }
     return parts
-
-
-def _coulomb(model: Model, qd: Array) -> Array:
-    """Σ ratio c sign(ratio q̇) = |ratio| c sign(q̇)."""
-    return drive_arrays(model)[1] * np.sign(qd)
 
 
 def _reactions(model: Model, motion: Motion) -> _ArraysByName:

@@ -287,11 +287,9 @@ def _no_other_pace(names: Sequence[str], slower: bool) -> str:
 
 
 def _holds_more(model: Model) -> bool:
-    """Whether more than gravity is there at any pace: springs, Coulomb friction."""
-    return any(
-        body.drive is not None and bool(body.drive.coulomb or body.drive.stiffness)
-        for body in model.tree.bodies
-    )
+    """Whether more than gravity is there at any pace: springs, dry friction."""
+    laws = (x for b in model.tree.bodies if b.drive is not None for x in b.drive.laws)
+    return any(bool(x.p[0]) and (x.law.energy is not None or x.law.power == 0) for x in laws)
 
 
 def _down(factor: float) -> str:

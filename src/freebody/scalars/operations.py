@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from freebody.elementary import Scalar, cos, less_equal, sign, sin, sqrt
 from freebody.scalars import folding
 from freebody.scalars.nodes import ONE, ZERO, GraphError, Nodes
 
@@ -22,10 +21,6 @@ class Operation:
     """One operation, for whatever computes it.
 
     number: of floats; folds constants.
-    partials: (value, *operands) -> the partial derivative by each operand; None: constant wherever
-    it has a derivative. chooses: (*operands) -> condition, of an operation that returns its last
-    operand but one where the condition is
-        not 0, else its last; its derivative is that of the one returned.
     fold: (nodes, *operands) -> the node of something simpler; None: there is nothing simpler.
     symmetry: odd, f(-x) = -f(x), or even, f(-x) = f(x), in the first operand.
     commutes: whether its two operands may be swapped.
@@ -35,8 +30,6 @@ class Operation:
     name: str
     arity: int
     number: Callable[..., Any]
-    partials: Callable[..., tuple[Scalar, ...]] | None = None
-    chooses: Callable[..., Scalar] | None = None
     fold: Callable[..., int | None] | None = None
     symmetry: Literal["odd", "even"] | None = None
     commutes: bool = False
@@ -93,43 +86,35 @@ def _epsilon(g: Nodes, a: int) -> int | None:
     return None if a in g.constant_of else g.node("epsilon", a)
 
 
-def _of_angle(angle: Scalar, y: Scalar, x: Scalar) -> tuple[Scalar, Scalar]:
-    square = x * x + y * y
-    return x / square, -(y / square)
-
-
 _RECORDS = (
     Operation("neg", 1, operator.neg, fold=folding.neg),
     Operation("add", 2, operator.add, fold=folding.add),
     Operation("sub", 2, operator.sub, fold=folding.sub),
     Operation("mul", 2, operator.mul, fold=folding.mul),
     Operation("div", 2, operator.truediv, fold=folding.div, cost=8.0),
-    Operation("sqrt", 1, math.sqrt, lambda y, x: (0.5 / y,), cost=8.0),
-    Operation("sin", 1, math.sin, lambda y, x: (cos(x),), symmetry="odd", cost=15.0),
-    Operation("cos", 1, math.cos, lambda y, x: (-sin(x),), symmetry="even", cost=15.0),
-    Operation("exp", 1, math.exp, lambda y, x: (y,), cost=15.0),
-    Operation("log", 1, math.log, lambda y, x: (1.0 / x,), cost=15.0),
-    Operation("tanh", 1, math.tanh, lambda y, x: (1.0 - y * y,), symmetry="odd", cost=25.0),
-    Operation("atan2", 2, math.atan2, _of_angle, symmetry="odd", cost=30.0),
+    Operation("sqrt", 1, math.sqrt, cost=8.0),
+    Operation("sin", 1, math.sin, symmetry="odd", cost=15.0),
+    Operation("cos", 1, math.cos, symmetry="even", cost=15.0),
+    Operation("exp", 1, math.exp, cost=15.0),
+    Operation("log", 1, math.log, cost=15.0),
+    Operation("tanh", 1, math.tanh, symmetry="odd", cost=25.0),
+    Operation("atan2", 2, math.atan2, symmetry="odd", cost=30.0),
     Operation(
         "asin",
         1,
         math.asin,
-        lambda y, x: (1.0 / sqrt((1.0 - x) * (1.0 + x)),),
         symmetry="odd",
         cost=15.0,
     ),
-    Operation("acos", 1, math.acos, lambda y, x: (-1.0 / sqrt((1.0 - x) * (1.0 + x)),), cost=15.0),
+    Operation("acos", 1, math.acos, cost=15.0),
     Operation("sign", 1, lambda x: (x > 0.0) - (x < 0.0), symmetry="odd"),
-    Operation("absolute", 1, abs, lambda y, x: (sign(x),), fold=_absolute, symmetry="even"),
+    Operation("absolute", 1, abs, fold=_absolute, symmetry="even"),
     Operation("less", 2, operator.lt, fold=_alike(ZERO)),
     Operation("less_equal", 2, operator.le, fold=_alike(ONE)),
     Operation("equal", 2, operator.eq, fold=_alike(ONE), commutes=True),
-    Operation("where", 3, lambda c, a, b: a if c else b, chooses=lambda c, a, b: c, fold=_where),
-    Operation("minimum", 2, min, chooses=less_equal, fold=_alike(None), commutes=True),
-    Operation(
-        "maximum", 2, max, chooses=lambda a, b: less_equal(b, a), fold=_alike(None), commutes=True
-    ),
+    Operation("where", 3, lambda c, a, b: a if c else b, fold=_where),
+    Operation("minimum", 2, min, fold=_alike(None), commutes=True),
+    Operation("maximum", 2, max, fold=_alike(None), commutes=True),
     Operation("epsilon", 1, lambda x: 2.0**-52, fold=_epsilon),  # constants have 64 bits
 )
 

@@ -243,6 +243,8 @@ class Trig:
     # ------------------------------------------------------------ angles
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Trig:
         """An elementary function, as far as its values are polynomials."""
+        if name == "absolute":
+            return self * self.sign()
         if name not in ("sin", "cos", "sign"):
             raise FreebodyError(
                 f"{name} of {self}: closed forms are polynomials in sines and cosines. For "

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.algorithms.crba import Composite
-from freebody.algorithms.regressor import bodies_with_drive, regressor
+from freebody.algorithms.regressor import drives, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
-from freebody.model.inertial_parameters import DRIVE, body_parameters
+from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
@@ -106,8 +106,8 @@ def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
             of_tree[i] = unit[n]
         moved = regroup(tree, of_tree, named=True)
         full[: bodies * size, column] = [x for i in tree.body_of for x in _entries(tree, moved[i])]
-    drives = list(range(bodies * size, bodies * size + len(DRIVE) * len(bodies_with_drive(tree))))
-    candidates = staying + drives
+    of_drives = sum(len(drive.parameters()) for drive in drives(tree))
+    candidates = staying + list(range(bodies * size, bodies * size + of_drives))
     return candidates, full[candidates]
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from freebody.algorithms.crba import crba, supports
 from freebody.arrays import Array, at_sample
 from freebody.errors import PassiveJointError, SingularError, listed
+from freebody.model.drives.acting import inertia_of, of_names
 from freebody.model.families import of_member
 from freebody.model.geometry import fact
 from freebody.model.model import Model
@@ -121,10 +122,10 @@ def _all_sound(model: Model) -> bool:
         eigenvalue, about = _least(tuple(own))
         least, mass, inertia = min(least, eigenvalue), mass + own[0], inertia + about
         far += math.hypot(*entries[row.position]) + (0.0 if row.turns else _TRAVEL)
-        for reflected in entries[row.drive][2:3]:
-            if reflected < 0.0:  # a rotor that takes inertia away
-                return False
-            rotor += reflected
+        reflected = inertia_of(of_names(row.laws, entries[row.drive]))
+        if reflected < 0.0:  # a rotor that takes inertia away
+            return False
+        rotor += reflected
     bound = 2.0 * (mass * (1.0 + far * far) + inertia) + rotor
     return least > _CLEAR * bound
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.algorithms.regressor import bodies_with_drive, regressor
+from freebody.algorithms.regressor import regressor
 from freebody.algorithms.regrouped_parameters import kept, regrouped
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation
@@ -74,13 +74,16 @@ def _candidates(s: Symbols) -> list[Base]:
                 found.append(
                     Base(_called(s, name, n + 1), n, kind, n * len(names) + k, s.element(value))
                 )
-    for k, body in enumerate(bodies_with_drive(tree)):
-        assert body.drive is not None
-        n = tree.body_of.index(tree.bodies.index(body))
-        column = (
-            len(tree.body_of) * len(names) + 5 * k + 2
-        )  # the third of a drive's five is its rotor
-        found.append(Base(_free(s, f"Jr{n + 1}"), n, 1, column, s.element(body.drive.rotor)))
+    column = len(tree.body_of) * len(names)
+    for n, i in enumerate(tree.body_of):
+        drive = tree.bodies[i].drive
+        if drive is None:
+            continue
+        for inertia in drive.unit_inertias():
+            if inertia:  # the parameter of a rotor
+                value = s.element(drive.inertia)
+                found.append(Base(_free(s, f"Jr{n + 1}"), n, 1, column, value))
+            column += 1
     return sorted(found, key=lambda base: base.body)
 
 

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Protocol
+from typing import Any, Protocol
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
-from freebody.algorithms.rnea import friction_and_spring
+from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, Symbol, size
 from freebody.expressions.naming import motors
@@ -19,8 +19,10 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm, Layout
 from freebody.expressions.printed_names import entry
 from freebody.lazy import cached_property
-from freebody.model.tree import Tree
+from freebody.model.drives import DriveLaw
+from freebody.model.tree import Tree, TreeBody
 from freebody.scalars.trig import Trig
+from freebody.spatial import Vector
 from freebody.values import ByValue
 
 SHORT = 700
@@ -89,12 +91,18 @@ class ClosedForm(InTextbookForm, ByValue):
     def drives(self) -> list[Trig]:
         """Friction and springs."""
         s = self.symbols
-        total = [s.zero() for _ in s.coordinates]
+        found = [self.law_torques(k) for k in range(len(s.coordinates))]
+        return s.of_angles([sum(laws.values(), s.zero()) for laws in found])
+
+    def law_torques(self, k: int) -> dict[str, Trig]:
+        """The torque of each law of the drives at coordinate k, by its name."""
+        s, found = self.symbols, dict[str, Trig]()
         for body in s.tree.bodies:
-            if body.drive is not None:
-                k = body.coordinates.v[0]
-                total[k] = total[k] + body.coordinates.ratio * friction_and_spring(body, s.q, s.qd)
-        return s.of_angles(total)
+            if body.drive is not None and body.coordinates.v[0] == k:
+                for x in body.drive.laws:
+                    own = body.coordinates.ratio * _law_torque(body, x.law, s.q, s.qd)
+                    found[x.law.name] = s.element(found.get(x.law.name, s.zero()) + own)
+        return found
 
     @cached_property
     def tau(self) -> list[Trig]:
@@ -374,3 +382,16 @@ _TERMS: dict[str, type[_VelocityTerms]] = {
     "matrix": _CoriolisMatrix,
     "bias": _VelocityVector,
 }
+
+
+def _law_torque(body: TreeBody, law: DriveLaw, q: Vector, qd: Vector) -> Any:
+    """The torque of a law of a drive. Raises FreebodyError for one that is no polynomial."""
+    assert body.drive is not None
+    try:
+        return body.drive.only(lambda other: other is law).torque(q, qd)
+    except FreebodyError:
+        raise FreebodyError(
+            f"the {law.term} at body {body.name!r} has no closed form, which is a polynomial in "
+            f"sines, cosines and rates: derive without it, model.with_drive(joint, "
+            f"{law.strength}=0), or take numbers from a kernel."
+        ) from None

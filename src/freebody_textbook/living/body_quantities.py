@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from freebody.algorithms.rnea import friction_and_spring
 from freebody.elementary import Scalar, cos, sin
 from freebody.expressions.polynomials.symbols import Formulas, Symbols
 from freebody.model.model import Model
@@ -152,5 +151,5 @@ class TracedSetting(Setting):
         for body in self.tree.bodies:
             if body.drive is not None:
                 k, ratio = body.coordinates.v[0], body.coordinates.ratio
-                found[k] = found[k] + ratio * friction_and_spring(body, s.q, s.qd)
+                found[k] = found[k] + ratio * body.drive.torque(s.q, s.qd)
         return _Drives(found)

@@ -60,8 +60,7 @@ class Energies:
         total = self.s.symbols.zero()
         for body in self.s.tree.bodies:
             if body.drive is not None:
-                stretch = body.position(self.s.symbols.q)[0] - body.drive.rest
-                total = total + 0.5 * body.drive.stiffness * (stretch * stretch)
+                total = total + body.drive.energy(self.s.symbols.q)
         return total
 
     @cached_property
@@ -71,7 +70,7 @@ class Energies:
         for body in self.s.tree.bodies:
             if body.drive is not None:
                 (rate,) = body.rates(self.s.symbols.qd)
-                total = total + 0.5 * body.drive.rotor * (rate * rate)
+                total = total + 0.5 * body.drive.inertia * (rate * rate)
         return total
 
     @cached_property

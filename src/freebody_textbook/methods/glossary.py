@@ -15,6 +15,7 @@ from freebody.expressions.nodes import Words
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym, vec
 from freebody.expressions.typesetting.literal import literal
+from freebody.model.drives import NUMBERS
 from freebody.model.joints import JointWords
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.placement import AxisRotation, Placement, Shift
@@ -185,9 +186,10 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
                 yield parameter, centre if x is parameter else "", METER
         for parameter in each_parameter(part.inertia.tensor):
             yield parameter, _inertia(parameter, part.inertia.tensor, n), INERTIA
-    for field, (words, units) in _DRIVE.items():
-        for parameter in each_parameter(getattr(body.joint.drive, field)):
-            yield parameter, f"{words} of joint {n}", units[0 if s.turns(i) else 1]
+    for name, number in NUMBERS.items():
+        unit = number.unit_of(s.turns(i))
+        for parameter in each_parameter(getattr(body.joint.drive, name)):
+            yield parameter, f"{number.words} of joint {n}", "" if unit == "1" else unit
 
 
 def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
@@ -210,16 +212,6 @@ def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, s
             told = f"{'angle' if turn else 'distance'} {words}" if words else ""
             for parameter in each_parameter(x):
                 yield parameter, told if x is parameter else "", "rad" if turn else METER
-
-
-_DRIVE = {
-    "viscous": ("viscous friction", ("N m s/rad", "N s/m")),
-    "coulomb": ("Coulomb friction", (MOMENT, NEWTON)),
-    "rotor": ("rotor inertia", (INERTIA, KILOGRAM)),
-    "gear": ("gear ratio", ("", "")),
-    "stiffness": ("stiffness of the spring", ("N m/rad", "N/m")),
-    "rest": ("rest position of the spring", ("rad", METER)),
-}
 
 
 # ---------------------------------------------------------------- rows that several methods

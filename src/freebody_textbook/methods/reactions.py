@@ -106,11 +106,11 @@ class SolvedReactions:
 
 def drive_part(s: Setting, i: int) -> Trig:
     """The torque that friction, spring and rotor of joint i, and of those that follow it, take of
-    its motor; at rest the springs alone."""
+    its motor; at rest what is there then, such as springs."""
     total = s.symbols.zero()
     for k in s.together(i) if s.at_rest else ():
         body = s.tree.bodies[k]
         if body.drive is not None:
-            stretch = body.position(s.symbols.q)[0] - body.drive.rest
-            total = total + s.ratio(k) * (body.drive.stiffness * stretch)
+            at_rest = body.drive.only(lambda law: not law.only_moving)
+            total = total + s.ratio(k) * at_rest.torque(s.symbols.q, (0.0,) * s.tree.nv)
     return total if s.at_rest else s.equations.drives[s.index(i)] + s.rotor_part(i)

@@ -172,7 +172,7 @@ class Setting:
         for k in self.together(i):
             drive = self.tree.bodies[k].drive
             if drive is not None:
-                total = total + self.ratio(k) * (drive.rotor * self.rate(k, self.symbols.qdd))
+                total = total + self.ratio(k) * (drive.inertia * self.rate(k, self.symbols.qdd))
         return total
 
     # ------------------------------------------------------------ masses

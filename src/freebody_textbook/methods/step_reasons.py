@@ -221,13 +221,12 @@ def drive(s: Setting, i: int) -> str:
     blank in front; or nothing."""
     moved = s.together(i)
     drives = [own for k in moved if (own := s.tree.bodies[k].drive) is not None]
-    parts = [("spring", "stiffness")]
-    if not s.at_rest:
-        parts = [("rotor", "rotor"), ("friction", "viscous"), ("friction", "coulomb"), *parts]
-    found = dict.fromkeys(
-        name
-        for name, field in parts
-        if any(not s.symbols.element(getattr(own, field)).is_zero for own in drives)
-    )
+    acting = {
+        x.law.words
+        for own in drives
+        for x in own.laws
+        if not s.symbols.element(x.p[0]).is_zero and not (s.at_rest and x.law.only_moving)
+    }
+    found = [words for words in ("rotor", "friction", "spring") if words in acting]
     whose = "joint's" if len(moved) == 1 else "joints'"
     return f" The other terms are those of the {whose} {listed(found)}." if found else ""

@@ -14,6 +14,7 @@ from freebody.expressions.evaluate import NoValue, Rules, arithmetic, evaluate
 from freebody.expressions.expression import Equation, Expression, Symbol
 from freebody.expressions.nodes import Function, Negative, Product, Sourced, Sum, nodes
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
+from freebody.model.drives import LAWS
 from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import is_multiplier
@@ -73,15 +74,21 @@ RATES = TermKind(
 )
 WEIGHT = TermKind("gravity", "gravity: the weight of {others}, at {here}", "gravity: the weights")
 WEIGHTS = TermKind("gravity", "gravity, at {here}", "gravity")
-VISCOUS = TermKind("viscous friction", "viscous friction of {here}", "viscous friction", "move")
-DRY = TermKind("dry friction", "dry friction of {here}", "dry friction", "move")
-SPRING = TermKind("spring", "spring of {here}", "springs")
+LAWS_OF_DRIVES = {
+    law.name: TermKind(
+        law.term,
+        f"{law.term} of {{here}}",
+        f"{law.term}s" if law.energy is not None else law.term,
+        "move" if law.only_moving else "",
+    )
+    for law in LAWS.values()
+}
 CLOSING = TermKind(
     "closing forces", "what the closing forces take at {here}", "what the closing forces take"
 )
 _ORDER = (
-    INERTIA, COUPLING, CENTRIFUGAL, CORIOLIS, GYROSCOPIC, RATES, WEIGHT, WEIGHTS, VISCOUS, DRY,
-    SPRING, CLOSING,
+    INERTIA, COUPLING, CENTRIFUGAL, CORIOLIS, GYROSCOPIC, RATES, WEIGHT, WEIGHTS,
+    *LAWS_OF_DRIVES.values(), CLOSING,
 )  # fmt: skip
 
 
@@ -166,10 +173,23 @@ class _PrintedTerms:
         for term in _terms(line.rhs):
             meant = self.defined.get(term, term) if isinstance(term, Symbol) else term
             for part in _terms(meant):
-                yield self._term(i, part, term, part in drives)
+                kind, others = self._law(i, part) if part in drives else self._kind(i, part)
+                yield self._term(i, part, term, kind, others)
 
-    def _term(self, i: int, part: Expression, term: Expression, is_drive: bool) -> Term:
-        kind, others = self._kind(i, part, is_drive)
+    def _law(self, i: int, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term that a drive takes: of the law that has it, or one like it."""
+        like: list[TermKind] = []
+        for name, torque in self.s.equations.law_torques(i).items():
+            form, kind = self.s.layout.form(torque), LAWS_OF_DRIVES[name]
+            if part in _terms(form):
+                return kind, ()
+            if set(_patterns(part, self.names)) & set(_patterns(form, self.names)):
+                like.append(kind)
+        return like[0], ()
+
+    def _term(
+        self, i: int, part: Expression, term: Expression, kind: TermKind, others: tuple[str, ...]
+    ) -> Term:
         return Term(part, kind, self._joint(i), others, _symbol(term))
 
     def _joint(self, i: int) -> str:
@@ -177,7 +197,7 @@ class _PrintedTerms:
         what = "body" if s.symbols.turned else "joint"
         return f"{what} {s.numbers[s.leaders[i]]}"
 
-    def _kind(self, i: int, part: Expression, is_drive: bool) -> tuple[TermKind, tuple[str, ...]]:
+    def _kind(self, i: int, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
         found = sorted(_patterns(part, self.names))
         names = found[0] if found else ()
         second = self._places(names, SECOND)
@@ -186,24 +206,20 @@ class _PrintedTerms:
         if any(is_multiplier(name) for name in names) or not found:
             return CLOSING, ()
         if names:
-            return self._kind_by_rates(names, is_drive)
-        return (SPRING, ()) if is_drive else self._kind_by_weights(part)
+            return self._kind_by_rates(names)
+        return self._kind_by_weights(part)
 
     def _places(self, names: Collection[str], dots: str) -> list[int]:
         """Coordinates whose rates (or accelerations) are among some names."""
         return [k for k, x in enumerate(self.s.symbols.coordinates) if x + dots in names]
 
-    def _kind_by_rates(
-        self, names: Collection[str], is_drive: bool
-    ) -> tuple[TermKind, tuple[str, ...]]:
-        """The kind of a term with rates or their signs."""
+    def _kind_by_rates(self, names: Collection[str]) -> tuple[TermKind, tuple[str, ...]]:
+        """The kind of a term with rates."""
         first = self._places(names, RATE)
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS
             return GYROSCOPIC if self.still else kind, self._joints(first)
-        if first:
-            return (VISCOUS, ()) if is_drive else (RATES, self._joints(first))
-        return DRY, ()
+        return RATES, self._joints(first)
 
     def _kind_by_weights(self, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
         """The kind of a term without rates: gravity, with the bodies whose weights it names."""

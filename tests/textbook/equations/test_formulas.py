@@ -62,3 +62,8 @@ def test_formulas_have_the_grammar_of_answers() -> None:
             parse(text)
         assert refused.value.line == 1
         assert "^" in refused.value.context
+
+
+def test_a_greek_letter_with_a_number_is_no_name_between_two_bodies():
+    assert str(parse("phi_2 + psi_i")) == "φ₂ + ψ_i"
+    assert str(parse("R1_2 + vc1_i")) == "R₂¹ + vc_i¹"

@@ -14,11 +14,6 @@ def arm():
     return fb.quantities(fb.planar("RR"))
 
 
-def test_a_greek_letter_with_a_number_is_no_name_between_two_bodies():
-    assert str(parse("phi_2 + psi_i")) == "φ₂ + ψ_i"
-    assert str(parse("R1_2 + vc1_i")) == "R₂¹ + vc_i¹"
-
-
 # ---------------------------------------------------------------- quantities
 @pytest.mark.parametrize("word", ["R", "RR", "RPR", "PRP"])
 def test_quantities_are_those_of_the_numeric_functions(word: str):

@@ -15,6 +15,7 @@ from freebody.algorithms.derivatives import (
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.rnea import rnea
 from freebody.arrays import Array
+from freebody.dual import Dual, slopes
 from freebody.kernels.formulas.dynamics import mass_by_columns
 from freebody.kernels.formulas.record import (
     Fetch,
@@ -26,7 +27,6 @@ from freebody.kernels.formulas.record import (
     seeded,
 )
 from freebody.model.tree import Tree
-from freebody.scalars.dual import Dual, slopes
 from freebody.spatial import Vector
 
 

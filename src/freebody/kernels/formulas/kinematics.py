@@ -6,6 +6,7 @@ from functools import partial
 from typing import Any
 
 from freebody.algorithms import inverse_rates, kinematics
+from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Formula,
     Option,
@@ -16,7 +17,6 @@ from freebody.kernels.formulas.record import (
 )
 from freebody.model.doubts import MASSES
 from freebody.model.tree import Tree
-from freebody.scalars.dual import slopes
 from freebody.spatial import Vector
 
 

@@ -21,6 +21,7 @@ from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loo
 from freebody.algorithms.loop_rates import led, nearest
 from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.rnea import joint_wrenches, rnea
+from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Formula,
     Option,
@@ -32,7 +33,6 @@ from freebody.kernels.formulas.record import (
 )
 from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
-from freebody.scalars.dual import slopes
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub, times
 

@@ -12,9 +12,9 @@ from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition, drive_torques
 from freebody.algorithms.rnea import External, external_on_frame
 from freebody.arrays import Array
+from freebody.dual import Dual
 from freebody.model.doubts import DYNAMIC
 from freebody.model.tree import Tree
-from freebody.scalars.dual import Dual
 from freebody.spatial import Vector, identity
 
 Dimensions = tuple[str | int, ...]

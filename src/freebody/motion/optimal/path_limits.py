@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import drive_arrays
+from freebody.motion.friction import simple_friction
 from freebody.motion.optimal.geometric_path import PathSamples, sampled
 from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
@@ -185,12 +185,12 @@ def path_problem(
     """The limits along paths at a grid s (N + 1, P)."""
     found = sampled(curves, np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
     at, between = (found.part(part) for part in _parts(len(s)))
-    viscous, coulomb, _ = drive_arrays(limits.model)
+    viscous, dry = simple_friction("time_optimal", limits.model)
     a, b, lo, hi = limits.rows(at, 1.0 - RESERVE)
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
-    if coulomb.any():
+    if dry.any():
         places = (at.q[:-1], at.first[:-1]), (between.q, between.first), (at.q[1:], at.first[1:])
-        drag = np.stack([limits.friction(q, coulomb * np.sign(first)) for q, first in places])
+        drag = np.stack([limits.friction(q, dry * np.sign(first)) for q, first in places])
         drag[0, 0] = drag[2, -1] = 0.0  # at rest, where no friction helps to brake
         ends = [(lo - drag.min(axis=0), hi - drag.max(axis=0)) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends

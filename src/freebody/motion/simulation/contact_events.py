@@ -34,8 +34,8 @@ StepMove = Callable[[Some, LaneState, Array, Array], LaneState]
 
 @dataclass(eq=False)
 class ContactEvents:
-    """Events of dry friction and stops in many motions: which coordinates are held, which torques
-    push (lanes, nv), and when that changes.
+    """Events of dry friction and stops in many motions: which coordinates are held, which way
+    friction acts (lanes, nv), and when that changes.
 
     A step is made as if nothing changed. Where that is not so at its end, or between (a stop that
     was passed and left again), it is made again up to the time of the change, the state is put
@@ -46,12 +46,12 @@ class ContactEvents:
     """Friction and stops of each lane."""
     rates: Rates
     duration: float
-    push: Array
+    senses: Array
     held: Array
     idle: NDArray[np.intp] = field(init=False)
 
     def __post_init__(self) -> None:
-        self.idle = np.zeros(len(self.push), dtype=int)
+        self.idle = np.zeros(len(self.senses), dtype=int)
 
     @staticmethod
     def of(
@@ -59,12 +59,12 @@ class ContactEvents:
     ) -> ContactEvents:
         """The events of all motions at their start, qd (lanes, nv) being the rates there."""
         own = contacts.lanes(lanes)
-        push = -own.coulomb * np.sign(qd)
-        return ContactEvents(own, rates, duration, push, np.zeros(push.shape))
+        senses = np.where(own.jumps, np.sign(qd), 0.0)
+        return ContactEvents(own, rates, duration, senses, np.zeros(senses.shape))
 
     def begin(self, lanes: slice, state: LaneState, start: float) -> LaneState:
         """The states at a time from which torques may be others, after what changes there."""
-        each = np.arange(len(self.push))[lanes]
+        each = np.arange(len(self.senses))[lanes]
         contacts = self.contacts.some(each)
         some = contacts.resting(*state) | contacts.hitting(*state)
         rows = np.flatnonzero(some.any(axis=-1) & _finite(state))
@@ -86,7 +86,7 @@ class ContactEvents:
     ) -> LaneState:
         """The states a whole step after `before`, of which `after` holds what a step that nothing
         cuts leads to."""
-        every = np.arange(len(self.push))[lanes]
+        every = np.arange(len(self.senses))[lanes]
         at, left = np.full(len(every), start), np.full(len(every), h)
         taken, (q, qd) = self.cut(every, before, after, at, left, move)
         at, left = at + taken, left - taken
@@ -147,13 +147,13 @@ class ContactEvents:
         rows = np.flatnonzero(held)
         if not len(rows):
             return found
-        own, coulomb = lanes[rows], self.contacts.coulomb[lanes[rows]]
+        own, grip = lanes[rows], self.contacts.grip[lanes[rows]]
         m0, m1, m2 = (
             self._margins(own, (q[rows], qd[rows]), start[rows] + part * h[rows])[:, -qd.shape[1] :]
             for (q, qd), part in zip(states, (0.0, 0.5, 1.0), strict=True)
         )
         with np.errstate(invalid="ignore", divide="ignore"):
-            size = np.maximum(np.maximum(np.abs(m0), np.abs(m1)), np.maximum(np.abs(m2), coulomb))
+            size = np.maximum(np.maximum(np.abs(m0), np.abs(m1)), np.maximum(np.abs(m2), grip))
             bend = np.nan_to_num(np.abs(m0 - 2.0 * m1 + m2) / (_BEND * size), posinf=0.0)
         let_go = (m1 < 0.0) & (m2 >= 0.0)
         found[rows] = np.where(let_go, np.inf, bend**2.5).max(axis=-1)
@@ -194,19 +194,19 @@ class ContactEvents:
     def _margins(self, lanes: Some, state: LaneState, t: Array) -> Array:
         """(lanes, 4 nv): how far motions are from a change, below 0 behind it: sliding ones from
         rest, all from their stops, what is held from what can hold it."""
-        (q, qd), held, push = state, self.held[lanes] > 0.0, self.push[lanes]
+        (q, qd), held, senses = state, self.held[lanes] > 0.0, self.senses[lanes]
         contacts = self.contacts.some(lanes)
         x = contacts.positions(q)
-        slide = np.where(~held & (push != 0.0), -np.sign(push) * qd, np.inf)
+        slide = np.where(~held & (senses != 0.0), senses * qd, np.inf)
         below, above = (np.where(held, np.inf, a) for a in _to_stops(contacts, x))
         hold = np.full(qd.shape, np.inf)
         if held.any():
-            qdd, reaction, M = self.rates(lanes, state, t, push, self.held[lanes])
+            qdd, reaction, M, _ = self.rates(lanes, state, t, senses, self.held[lanes])
             least, most = contacts.bounds(q)
             within = np.minimum(reaction - least, most - reaction)
             # as far beyond as rounding cannot bring it, so that what is let go does begin to move
             size = np.abs(np.concatenate([np.einsum("...ij,...j->...i", M, qdd), reaction], -1))
-            size = size.max(axis=-1) + contacts.coulomb.max(axis=-1) + np.abs(M).max(axis=(-2, -1))
+            size = size.max(axis=-1) + contacts.grip.max(axis=-1) + np.abs(M).max(axis=(-2, -1))
             hold = np.where(held, within + _ROUND * size[..., None], np.inf)
         return np.concatenate([slide, below, above, hold], axis=-1)
 
@@ -250,7 +250,7 @@ class ContactEvents:
             turning = free & np.isfinite(m0) & (side * v0 < 0) & (side * v1 > 0)
             if turning.any():
                 yield _earliest(turning, *_lowest(m0, m1, side * d0, side * d1))
-        side = -np.sign(self.push[lanes])
+        side = self.senses[lanes]
         sliding = free & (side * v0 > 0) & (side * v1 > 0)
         if sliding.any():
             yield _earliest(sliding, *_slowest(side * (x1 - x0), side * d0, side * d1))
@@ -258,23 +258,25 @@ class ContactEvents:
     def _decided(self, lanes: LaneIndex, state: LaneState, t: Array) -> LaneState:
         """States put right where something changes, and what holds from there."""
         (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
-        stopped = (self.held[lanes] == 0.0) & (-np.sign(self.push[lanes]) * qd < 0.0)
+        stopped = (self.held[lanes] == 0.0) & (self.senses[lanes] * qd < 0.0)
         qd[stopped] = 0.0
         off = np.where(qd == 0.0, _LIES, 0.0)
         to_stops = _to_stops(contacts, contacts.positions(q))
         for stop, left in zip((contacts.lower, contacts.upper), to_stops, strict=True):
             row, k = np.nonzero(left < off)
             q[row, contacts.place[k]] = stop[row, k]
-        push, held = self.push[lanes], self.held[lanes]
-        qdd, reaction, M = self.rates(lanes, (q, qd), t, push, held)
+        senses, held = self.senses[lanes], self.held[lanes]
+        qdd, reaction, M, drag = self.rates(lanes, (q, qd), t, senses, held)
         hits = np.flatnonzero(contacts.hitting(q, qd).any(axis=-1))
         if len(hits):
             some = contacts.some(hits)
             qd[hits] = some.rebound(q[hits], qd[hits], M[hits])
-            qdd, reaction, M = self.rates(lanes, (q, qd), t, push, held)
-        forces = np.einsum("...ij,...j->...i", M, qdd) - reaction - push
-        found = contacts.contact(q, qd, M, forces)
-        self.push[lanes], self.held[lanes] = np.where(found.held, 0.0, found.push), found.held
+            qdd, reaction, M, drag = self.rates(lanes, (q, qd), t, senses, held)
+        forces = np.einsum("...ij,...j->...i", M, qdd) - reaction + drag * senses
+        found = contacts.contact(q, qd, M, forces, drag)
+        begins = np.sign(np.where(qd == 0.0, found.qdd, qd))
+        self.senses[lanes] = np.where(contacts.jumps & ~found.held, begins, 0.0)
+        self.held[lanes] = found.held
         return q, qd
 
 

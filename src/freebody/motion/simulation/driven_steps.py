@@ -1,6 +1,6 @@
 """Steps of a simulation with the course of the torque inside: a line over time, or a compiled law
-of time and state. Smooth Coulomb friction, whose width is an input, is part of them; dry friction
-and stops come in as torques that push and coordinates that are held."""
+of time and state. Friction is part of them: smooth, its width being an input, or dry, with the
+senses in which it acts; with stops, some coordinates are held."""
 
 from __future__ import annotations
 
@@ -10,11 +10,20 @@ from itertools import islice
 from typing import Any
 
 from freebody.algorithms import simulation_steps
-from freebody.algorithms.crba import bias, without
+from freebody.algorithms.crba import bias
 from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.regrouped_parameters import lightened
-from freebody.algorithms.simulation_steps import HeldMotion, Law, Linearised, held_motion
+from freebody.algorithms.simulation_steps import (
+    HeldMotion,
+    Law,
+    Linearised,
+    drags,
+    held_motion,
+    with_senses,
+    with_signs,
+)
 from freebody.any_chain.kernel_options import chosen_option
+from freebody.dual import Dual, slopes, value
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
@@ -25,7 +34,6 @@ from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Argument, Program, trace
 from freebody.program.evaluate import evaluated
-from freebody.scalars.dual import Dual, slopes, value
 from freebody.spatial import Vector, add, identity, scale, sub
 
 STATE = ("t", "q", "qd")
@@ -38,14 +46,14 @@ class StepMethod:
 
     formula: the kernel whose method it is. order: of its error. implicit: whether it is stable
     however stiff the drives are. reach: of an explicit method, step times decay rate up to which it
-    is stable. coulomb: what it takes for Coulomb friction c sign(q̇), width to be filled in.
+    is stable. friction: what it takes for c sign(q̇), width to be filled in.
     """
 
     formula: str
     order: int
     implicit: bool
     reach: float
-    coulomb: str
+    friction: str
 
 
 STEP_METHODS = {
@@ -68,25 +76,26 @@ def driven_step(
     law: Program | None = None,
     adds: bool = False,
     holds: bool = False,
+    dry: bool = False,
 ) -> Bound:
     """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
 
     Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
     other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
     then, where it `adds` another line of torques, the same of that; then, where the step `holds`
-    coordinates, torques that push besides (nv,) and which coordinates
-    are held (nv,), 1 or 0; then the wrenches, of one that is `varying` two and the parts, like the
-    torques. width: of Coulomb friction. With the model's numbers as last input, as in
-    `structural.fetch`.
+    coordinates, the signs that stand for those of the rates in friction that is `dry` (nv,), and
+    which coordinates are held (nv,), 1 or 0; then the wrenches, of one that is `varying` two and
+    the parts, like the torques. width: of smooth friction. With the model's numbers as last input,
+    as in `structural.fetch`.
     """
     record = STEP_METHODS[method]
-    takes = _StepInputs(model, law, adds, holds, tuple(varying))
+    takes = _StepInputs(model, law, adds, holds, dry, tuple(varying))
     option = _option(model, record.formula, wrench_frames)
     reached = (Argument("q1", (model.nq,)), Argument("qd1", (model.nv,)))
 
     def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
         (q, qd, h, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
-        step = _DrivenStep(tree, option, method, width, torque, loads, *held)
+        step = _DrivenStep(tree, option, method, width, torque, loads, dry, *held)
         end = step.implicit(q, qd, h) if record.implicit else step.explicit(q, qd, h)
         return simulation_steps.on_loops(tree, q, end, option.equations)
 
@@ -100,16 +109,20 @@ def driven_rates(
     varying: Sequence[bool],
     law: Program | None,
     adds: bool = False,
+    dry: bool = False,
 ) -> Bound:
     """The kernel of the accelerations in a state of a step that holds coordinates: of the same
-    inputs as the step's -> (q̈ (nv,), the torque that holds them (nv,), M (nv, nv))."""
-    takes = _StepInputs(model, law, adds, True, tuple(varying))
+    inputs as the step's -> (q̈ (nv,), the torque that holds them (nv,), M (nv, nv), the size of dry
+    friction (nv,))."""
+    takes = _StepInputs(model, law, adds, True, dry, tuple(varying))
     option, nv = _option(model, "rk4_step", wrench_frames), model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
+    found += (Argument("drag", (nv,)),)
 
-    def evaluate(tree: Tree, *scalars: Any) -> HeldMotion:
+    def evaluate(tree: Tree, *scalars: Any) -> tuple[Any, ...]:
         (q, qd, _, width), (torque, held, loads) = scalars[:4], takes.split(scalars)
-        return _DrivenStep(tree, option, "rk4", width, torque, loads, *held).rates(q, qd)
+        step = _DrivenStep(tree, option, "rk4", width, torque, loads, dry, *held)
+        return *step.rates(q, qd), drags(tree, q, qd) if dry else (0.0,) * nv
 
     key = ("driven rates", *takes.key)
     return _fetched(model, key, option, evaluate, takes.inputs, found)
@@ -127,13 +140,15 @@ class _StepInputs:
     law: Program | None
     adds: bool
     holds: bool
+    dry: bool
     varying: tuple[bool, ...]
 
     @property
     def key(self) -> tuple[str, ...]:
         """The words by which kernels of steps are told apart."""
         law = self.law.digest if self.law else ""
-        return law, "adds" if self.adds else "", "holds" if self.holds else "", str(self.varying)
+        flags = self.adds, self.holds, self.dry, *self.varying
+        return law, str(flags)
 
     @property
     def own(self) -> tuple[Argument, ...]:
@@ -155,7 +170,7 @@ class _StepInputs:
             Argument("t", ()),
             *(Argument(f"given{k}", x.shape) for k, x in enumerate(self.own)),
             *(_line_of("added", nv) if self.adds else ()),
-            *(Argument(name, (nv,)) for name in ("push", "held") if self.holds),
+            *(Argument(name, (nv,)) for name in ("senses", "held") if self.holds),
             *(
                 x
                 for k, varies in enumerate(self.varying)
@@ -168,7 +183,7 @@ class _StepInputs:
     def split(
         self, scalars: Sequence[Any]
     ) -> tuple[StepTorque, Sequence[Vector], Callable[[float], FrameWrenches]]:
-        """The torque, the torques that push and the coordinates that are held, and the wrenches,
+        """The torque, the senses of friction and the coordinates that are held, and the wrenches,
         from the scalars of all inputs."""
         _, _, h, _, t, *rest = scalars
         more = iter(rest)
@@ -268,8 +283,8 @@ def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> li
 
 @dataclass(frozen=True)
 class _DrivenStep:
-    """A step with its drive: the width of Coulomb friction, the torque, and the wrenches; torques
-    that push besides, and which coordinates are held, where there are any."""
+    """A step with its drive: the width of smooth friction, the torque, and the wrenches; whether
+    friction is dry, its senses, and which coordinates are held, where there are any."""
 
     tree: Tree
     option: Option
@@ -277,8 +292,19 @@ class _DrivenStep:
     width: Scalar
     torque: StepTorque
     loads: Callable[[float], FrameWrenches]
-    push: Vector = ()
+    dry: bool = False
+    senses: Vector = ()
     held: Vector = ()
+
+    @property
+    def rubbing(self) -> Tree:
+        """The tree with what stands for the signs of its rates."""
+        if self.dry:
+            return with_senses(self.tree, self.senses, self._smooth)
+        return with_signs(self.tree, self._smooth)
+
+    def _smooth(self, rate: Scalar) -> Scalar:
+        return tanh(rate / self.width)
 
     def explicit(self, q: Vector, qd: Vector, h: Scalar) -> simulation_steps.MotionState:
         rk4 = self.method == "rk4"
@@ -294,31 +320,16 @@ class _DrivenStep:
 
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
         """Accelerations and reactions in a state."""
-        smooth = without(self.tree, "coulomb")
         loads = external(self.tree, self.option, q, self.loads(part))
-        tau = add(self._tau(part, q, qd), self.push)
-        return held_motion(self.tree, q, sub(tau, bias(smooth, q, qd, loads)), self.held)
+        forces = sub(self.torque(part, q, qd), bias(self.rubbing, q, qd, loads))
+        return held_motion(self.tree, q, forces, self.held)
 
     def _holding(self, part: float, q: Vector, qd: Vector) -> Vector:
         return self.rates(q, qd, part).qdd
 
     def _free(self, part: float, q: Vector, qd: Vector) -> Vector:
-        smooth = without(self.tree, "coulomb")
-        return forward(smooth, self.option, q, qd, self._tau(part, q, qd), self.loads(part))[0]
-
-    def _tau(self, part: float, q: Vector, qd: Vector) -> Vector:
-        return sub(self.torque(part, q, qd), _friction(self.tree, qd, self.width))
-
-
-def _friction(tree: Tree, qd: Vector, width: Scalar) -> Vector:
-    """c tanh(q̇ / width) of all joints, as it acts on the coordinates."""
-    total: list[Scalar] = [0.0] * tree.nv
-    for body in tree.bodies:
-        if body.drive is not None:
-            (rate,), at = body.rates(qd), body.coordinates
-            own = body.drive.coulomb * tanh(rate / width)
-            total[at.v[0]] = total[at.v[0]] + at.ratio * own
-    return tuple(total)
+        tau = self.torque(part, q, qd)
+        return forward(self.rubbing, self.option, q, qd, tau, self.loads(part))[0]
 
 
 def _linearised(tree: Tree, torque: StepTorque) -> Law:

@@ -31,7 +31,7 @@ from freebody.loops.equations import (
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import rate_scale
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, SmoothFriction, smooth_friction
+from freebody.motion.friction import WIDTH, DryFriction, smooth_friction
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.special_joints import refuse_massless
@@ -73,7 +73,7 @@ class System:
 
     model: Model
     layout: CoordinateLayout
-    friction: SmoothFriction
+    friction: DryFriction
     forward: Callable[..., Array]
     inverse: Callable[..., Array]
     loads: WrenchLaw
@@ -101,12 +101,12 @@ class System:
     def acceleration(self, t: Array, q: Array, qd: Array, tau: Array) -> Array:
         """Accelerations q̈ (..., nv) under drive torques tau (..., nv)."""
         if self.friction.acts:
-            tau = tau - self.friction.torque(qd)
+            tau = tau - self.friction.torque(q, qd)
         return self.forward(q, qd, tau, *self.loads(t))
 
     def torque(self, t: Array, q: Array, qd: Array, qdd: Array) -> Array:
         """Inverse dynamics (..., nv) of the tree, with the same smooth friction."""
-        return self.inverse(q, qd, qdd, *self.loads(t)) + self.friction.torque(qd)
+        return self.inverse(q, qd, qdd, *self.loads(t)) + self.friction.torque(q, qd)
 
     def jacobian(self, t: Array, y: Array, tau: Array) -> Array:
         """∂ẏ/∂y (..., n, n) at constant torque, by central differences of the kernel."""
@@ -154,7 +154,7 @@ def system(
     wrench_frames: tuple[str, ...] = (),
     loads: WrenchLaw | None = None,
 ) -> System:
-    """The system of a model; Coulomb friction is smoothed over `width`. Raises SingularError if M
+    """The system of a model; dry friction is smoothed over `width`. Raises SingularError if M
     is singular."""
     smooth, friction = smooth_friction(model, width)
     if model.loops:
@@ -197,13 +197,14 @@ def suited_method(
     return "LSODA" if decay() * duration > _IMPLICIT_FROM else "DOP853"
 
 
-def decay_rate(model: Model, friction: SmoothFriction, q: Array) -> float:
+def decay_rate(model: Model, friction: DryFriction, q: Array) -> float:
     """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of
     M⁻¹ D."""
-    damping = friction.steepest()
+    damping, at_rest = friction.steepest(), ((0.0,) * model.nq, (0.0,) * model.nv)
     for body in model.tree.bodies:
         if body.drive is not None:
-            damping[body.coordinates.v[0]] += body.coordinates.ratio**2 * body.drive.viscous
+            k, ratio = body.coordinates.v[0], body.coordinates.ratio
+            damping[k] += ratio**2 * max(0.0, body.drive.slopes(*at_rest)[1])
     if not damping.any():
         return 0.0
     root = np.sqrt(np.abs(damping))

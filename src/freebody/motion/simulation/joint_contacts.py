@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import smooth_friction
+from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
 from freebody.motion.simulation.lanes import MotionLanes, Some
 from freebody.outputs.number_text import compared
@@ -36,14 +36,17 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Dry friction and stops of motions, or of all alike: Coulomb friction, limits, and the share
-    of its speed with which each stop turns a motion back; (..., nv) each. Without stops the limits
-    are infinite.
+    """Dry friction and stops of motions, or of all alike: what friction holds at most at rest,
+    limits, and the share of its speed with which each stop
+    turns a motion back; (..., nv) each. Without stops the limits are infinite.
 
-    place (nv,): the entry of q that is a coordinate's position.
+    robot: with its friction. dry: whether that sticks. place (nv,): the entry of q that is a
+    coordinate's position.
     """
 
-    coulomb: Array
+    robot: Model
+    dry: bool
+    grip: Array
     lower: Array
     upper: Array
     restitution: Array
@@ -63,8 +66,13 @@ class JointContacts:
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
-        given = (self.coulomb, self.lower, self.upper, self.restitution)
-        return JointContacts(*map(change, given), place=self.place)
+        given = map(change, (self.grip, self.lower, self.upper, self.restitution))
+        return JointContacts(self.robot, self.dry, *given, place=self.place)
+
+    @property
+    def jumps(self) -> Flags:
+        """Whether friction depends on the sign of the rate."""
+        return self.grip > 0.0
 
     def positions(self, q: Array) -> Array:
         """The positions that have stops, of q (..., nq)."""
@@ -79,26 +87,26 @@ class JointContacts:
         """Between which torques a coordinate at rest is held: friction resists both ways, a stop
         pushes inward as much as it takes."""
         below, above = self.at_stops(q)
-        return np.where(above, -np.inf, -self.coulomb), np.where(below, np.inf, self.coulomb)
+        return np.where(above, -np.inf, -self.grip), np.where(below, np.inf, self.grip)
 
     def resting(self, q: Array, qd: Array) -> Flags:
         """Flags of the coordinates that may be held."""
         below, above = self.at_stops(q)
-        return (qd == 0.0) & ((self.coulomb > 0.0) | below | above)
+        return (qd == 0.0) & ((self.grip > 0.0) | below | above)
 
     def hitting(self, q: Array, qd: Array) -> Flags:
         """Flags of the coordinates that move on into a stop."""
         below, above = self.at_stops(q)
         return (below & (qd < 0.0)) | (above & (qd > 0.0))
 
-    def contact(self, q: Array, qd: Array, M: Array, forces: Array) -> Contact:
-        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction
-        and stops.
+    def contact(self, q: Array, qd: Array, M: Array, forces: Array, drag: Array) -> Contact:
+        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction,
+        of size drag (n, nv), and stops.
 
         A coordinate at rest stays there where friction and stop can hold it, together with all
         others; else it begins to move, against its friction. Of moving ones friction resists.
         """
-        push = -self.coulomb * np.sign(qd)
+        push = -drag * np.sign(qd)
         found = complementary(M, forces + push, self.resting(q, qd), *self.bounds(q))
         return Contact(found.held, push + found.push, found.qdd)
 
@@ -125,21 +133,15 @@ class JointContacts:
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
     """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
     sticks."""
-    nv = model.nv
-    coulomb = np.zeros((*model.family, nv))
-    if dry:
-        smooth = smooth_friction(model)[1]
-        for k, ratio, c in zip(
-            smooth.coordinate, smooth.ratio, np.moveaxis(smooth.coulomb, -1, 0), strict=True
-        ):
-            coulomb[..., k] += abs(ratio) * c
+    nv, friction = model.nv, sticking_friction(model)[1]
+    grip = friction.grip(model.family) if dry else np.zeros((*model.family, nv))
     iq, iv = position_columns(model)
     place = np.zeros(nv, dtype=int)
     place[iv] = iq
     if restitution is None:
         free = np.full(nv, np.inf)
-        return JointContacts(coulomb, -free, free, np.zeros(nv), place)
-    return JointContacts(coulomb, *_stops(model), restitution, place)
+        return JointContacts(model, dry, grip, -free, free, np.zeros(nv), place)
+    return JointContacts(model, dry, grip, *_stops(model), restitution, place)
 
 
 def _stops(model: Model) -> tuple[Array, Array]:

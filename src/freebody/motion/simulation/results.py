@@ -18,6 +18,7 @@ from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
 from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
+from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
 from freebody.motion.simulation.first_order_system import (
     System,
@@ -135,7 +136,11 @@ class States:
         times, nv = len(self.q), self.model.nv
         own = contacts.lanes(self.run.lanes).repeated(times)
         states = self.q.reshape(-1, self.model.nq), self.qd.reshape(-1, nv)
-        found = own.contact(*states, M.reshape(-1, nv, nv), forces.reshape(-1, nv))
+        drag = np.zeros(self.qd.shape)
+        if contacts.dry:
+            drag = sticking_friction(contacts.robot)[1].drag(self.q, self.qd)
+        rows = (M.reshape(-1, nv, nv), forces.reshape(-1, nv), drag.reshape(-1, nv))
+        found = own.contact(*states, *rows)
         return found.qdd.reshape(self.qd.shape)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, smooth_friction
+from freebody.motion.friction import WIDTH, sticking_friction
 from freebody.motion.simulation.driven_steps import STEP_METHODS
 from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
@@ -189,7 +189,7 @@ def simulate(
     ends = breakpoints_of(breakpoints, sample_time, others)
     contacts = contacts_of(model, friction, restitution)
     run = simulation_of(
-        model if contacts is None else smooth_friction(model)[0] if friction == "dry" else model,
+        model if contacts is None else sticking_friction(model)[0] if friction == "dry" else model,
         (q, qd),
         times,
         torque_of(model, times, torque, torque_inputs, ends, sample_time, others),
@@ -277,8 +277,8 @@ def _refuse_endless(run: Simulation, chosen: str) -> None:
 
 def _used(model: Model, run: Simulation, chosen: str, friction: str) -> dict[str, Any]:
     """The attributes of the result: method, tolerance, friction and stops."""
-    coulomb = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].coulomb
-    words = "c sign(q̇), sticking at rest" if friction == "dry" else coulomb
+    smooth = STEP_METHODS["rk4" if chosen not in STEP_METHODS else chosen].friction
+    words = "c sign(q̇), sticking at rest" if friction == "dry" else smooth
     stops = run.contacts is not None and np.isfinite([run.contacts.lower, run.contacts.upper]).any()
     return {
         "method": chosen,

@@ -14,8 +14,9 @@ from freebody.arrays import Array, above_zero, as_floats, is_count, refuse_not_f
 from freebody.errors import FreebodyError, UnknownNameError, shown, warn
 from freebody.labels import is_labelled
 from freebody.loops.equations import taken_at
+from freebody.model.drives import LAWS
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH
+from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import FINEST
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
 from freebody.motion.simulation.lanes import MotionLanes
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-10
 _FRICTION = ("smooth", "dry")
+_DRY = next(law.numbers[0] for law in LAWS.values() if law.signed)
 _EVERY = 0.05  # s
 Progress = Callable[[str, float], None]
 """A function that is called with a text and the part that is done (0 to 1)."""
@@ -106,14 +108,14 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
         )
     if not has_friction(model):
         raise FreebodyError(
-            f"simulate: friction_width= is of Coulomb friction, and no joint of {model.name!r} has "
-            f"any: leave it out, or give a joint some (model.with_drive(joint, coulomb=…))."
+            f"simulate: friction_width= is of {_DRY.what}, and no joint of {model.name!r} has "
+            f"any: leave it out, or give a joint some (model.with_drive(joint, {_DRY.name}=…))."
         )
 
 
 def has_friction(model: Model) -> bool:
-    """Whether a drive of the model has Coulomb friction."""
-    return any(b.drive is not None and np.any(b.drive.coulomb) for b in model.tree.bodies)
+    """Whether the friction of a drive of the model depends on the sign of a rate."""
+    return smooth_friction(model)[1].acts
 
 
 def times_of(t: ArrayLike) -> Array:

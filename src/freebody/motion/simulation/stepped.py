@@ -18,6 +18,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
+from freebody.motion.friction import without_laws
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.first_order_system import (
@@ -142,7 +143,8 @@ def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
             f"a Python function is called with all motions at once: {_remedy(run)}."
         )
     law = None if torque is None else torque.law
-    kernel = _lane_kernel(run, driven_rates(run.model, *_frames(run), law, driving.adds))
+    robot, given = run.contacts.robot, (law, driving.adds, run.contacts.dry)
+    kernel = _lane_kernel(run, driven_rates(robot, *_frames(run), *given))
     rates = (
         FunctionRates(kernel, driving.acting)
         if torque is None
@@ -178,10 +180,12 @@ def _stepper(
     events: ContactEvents | None,
 ) -> Stepper:
     model, (frames, varying), torque = run.model, _frames(run), driving.torque
-    holding = None if events is None else (events.push, events.held)
+    holding = None if events is None else (events.senses, events.held)
     if torque is not None:
-        more = torque.law, driving.adds, holding is not None
-        kernel = _lane_kernel(run, driven_step(model, method, frames, varying, *more))
+        contacts = run.contacts
+        robot, dry = (model, False) if contacts is None else (contacts.robot, contacts.dry)
+        more = torque.law, driving.adds, holding is not None, dry
+        kernel = _lane_kernel(run, driven_step(robot, method, frames, varying, *more))
         return KernelStepper(kernel, torque, run.lanes.count, driving.added, holding)
     if model.loops:
         raise FreebodyError(
@@ -200,8 +204,13 @@ def _stepper(
 
 def _holding(run: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
     """The system of one motion some of whose coordinates are held."""
+    assert run.contacts is not None
     frames, _ = _frames(run)
-    kernel = _lane_kernel(run, driven_rates(run.model, frames, (False,) * len(frames), None))
+    dry = run.contacts.dry
+    robot = without_laws(  # `whole` has these
+        run.contacts.robot, lambda law: law.signed and not (dry and law.grips)
+    )
+    kernel = _lane_kernel(run, driven_rates(robot, frames, (False,) * len(frames), None, dry=dry))
 
     def forward(q: Array, qd: Array, tau: Array, *loads: Array) -> Array:
         given = (*steady(tau), *(x[0] for x in holding))

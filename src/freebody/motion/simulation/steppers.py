@@ -96,8 +96,9 @@ class LaneKernel:
 
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
-    """Steps by a step kernel. added: forces besides the torque. holding: torques that push besides,
-    and flags of what is held (lanes, nv), arrays that change between steps."""
+    """Steps by a step kernel. added: forces besides the torque. holding: the signs that stand for
+    those of the rates in friction, and flags of what is held (lanes, nv), arrays that change
+    between steps."""
 
     kernel: LaneKernel
     torque: LaneTorque
@@ -177,12 +178,12 @@ class KernelRates:
     added: LaneTorque | None = None
 
     def __call__(
-        self, lanes: Some, state: LaneState, t: Array | float, push: Array, held: Array
-    ) -> tuple[Array, Array, Array]:
-        """(q̈, reaction, M) of some lanes, where some torques push besides and some coordinates are
-        held."""
+        self, lanes: Some, state: LaneState, t: Array | float, senses: Array, held: Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """(q̈, reaction, M, drag) of some lanes, friction acting in some senses and some coordinates
+        being held."""
         more = () if self.added is None else self.added.inputs(lanes, t, t)
-        given = (*self.torque.inputs(lanes, t, t), *more, push, held)
+        given = (*self.torque.inputs(lanes, t, t), *more, senses, held)
         return self.kernel(lanes, state, 0.0, t, given)
 
 
@@ -194,12 +195,12 @@ class FunctionRates:
     drive: TorqueLaw
 
     def __call__(
-        self, lanes: Some, state: LaneState, t: Array | float, push: Array, held: Array
-    ) -> tuple[Array, Array, Array]:
-        """Accelerations, what holds, and M, (q̈, reaction, M), in some states."""
+        self, lanes: Some, state: LaneState, t: Array | float, senses: Array, held: Array
+    ) -> tuple[Array, Array, Array, Array]:
+        """Accelerations, what holds, M, and the size of dry friction in some states."""
         pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
         tau = np.stack([self.drive(*now) for now in pairs])
-        return self.kernel(lanes, state, 0.0, t, (*steady(tau), push, held))
+        return self.kernel(lanes, state, 0.0, t, (*steady(tau), senses, held))
 
 
 Rates = KernelRates | FunctionRates

@@ -189,7 +189,7 @@ class BodiesAtPoint:
     def driven(self, i: int, state: State) -> Any:
         """The part of a torque that a drive needs besides what the bodies do."""
         drive, k = self.s.tree.bodies[i].drive, self.bodies[i].place
-        rotor = self.number(drive.rotor) * state.accelerations[k] if drive else 0
+        rotor = self.number(drive.inertia) * state.accelerations[k] if drive else 0
         return rotor + (self.number(self.s.equations.drives[k]) if state.is_whole else 0)
 
     def starting(self, j: int) -> State:

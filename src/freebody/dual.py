@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.elementary import FUNCTIONS, Scalar, where
-from freebody.scalars.operations import OPERATIONS
+from freebody.elementary import CHOOSES, FUNCTIONS, PARTIALS, Scalar, where
 
 Slopes = dict[int, Scalar]
 
@@ -122,14 +121,14 @@ class Dual:
         """An elementary function and its slopes; a plain scalar where it is constant wherever it
         has a derivative."""
         kind = max((type(x) for x in operands if isinstance(x, Dual)), key=lambda kind: kind.level)
-        operation, values = OPERATIONS[name], [value(x, kind) for x in operands]
+        values = [value(x, kind) for x in operands]
         result = FUNCTIONS[name](*values)
-        if operation.chooses is not None:
-            return kind(result, _chosen(kind, operation.chooses(*values), *operands[-2:]))
-        if operation.partials is None:
+        if name in CHOOSES:
+            return kind(result, _chosen(kind, CHOOSES[name](*values), *operands[-2:]))
+        if name not in PARTIALS:
             return result
         total: Slopes = {}
-        for x, partial in zip(operands, operation.partials(result, *values), strict=True):
+        for x, partial in zip(operands, PARTIALS[name](result, *values), strict=True):
             if type(x) is kind:
                 total = _sum(total, _scaled(partial, x.slopes))
         return kind(result, total)

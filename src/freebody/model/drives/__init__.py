@@ -1,0 +1,41 @@
+"""Laws of drives, one file each: friction, rotors, springs. A new law is a file here and a line in
+`LAWS`, behind the usual ones."""
+
+from __future__ import annotations
+
+from freebody.model.drives import (
+    asymmetric,
+    coulomb,
+    cube_root,
+    hardening,
+    offset,
+    quadratic,
+    rotor,
+    spring,
+    stribeck,
+    viscous,
+)
+from freebody.model.drives.law import DriveLaw, LawNumber
+
+LAWS: dict[str, DriveLaw] = {
+    law.name: law
+    for law in (
+        viscous.LAW,
+        coulomb.LAW,
+        rotor.LAW,
+        spring.LAW,
+        stribeck.LAW,
+        offset.LAW,
+        asymmetric.LAW,
+        quadratic.LAW,
+        cube_root.LAW,
+        hardening.LAW,
+    )
+}
+
+NUMBERS: dict[str, LawNumber] = {
+    number.name: number for law in LAWS.values() for number in law.numbers
+}
+"""The numbers of all laws, by the names of `Drive`'s attributes."""
+
+__all__ = ["LAWS", "NUMBERS", "DriveLaw", "LawNumber"]

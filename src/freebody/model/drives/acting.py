@@ -1,0 +1,160 @@
+"""The laws that act along a joint, over scalars: what the algorithms ask of a drive."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.dual import Dual, slopes
+from freebody.elementary import Scalar, sign
+from freebody.model.drives import LAWS
+from freebody.model.drives.law import DriveLaw
+from freebody.spatial import Vector
+
+if TYPE_CHECKING:
+    from freebody.model.tree import Coordinates
+
+USUAL = tuple(law.name for law in LAWS.values() if law.usual)
+"""Names of the laws that are counted wherever any acts."""
+
+
+@dataclass(frozen=True)
+class ActingLaw:
+    """A law with its scalars."""
+
+    law: DriveLaw
+    p: Vector
+
+
+def _sign(law: DriveLaw, rate: Scalar) -> Scalar:
+    return sign(rate)
+
+
+@dataclass(frozen=True)
+class DriveScalars:
+    """The laws along a joint of one coordinate. at: its coordinates. sign: (law, rate) -> what
+    stands for the sign of the joint's rate in a law."""
+
+    laws: tuple[ActingLaw, ...]
+    at: Coordinates
+    sign: Callable[[DriveLaw, Scalar], Scalar] = _sign
+
+    @property
+    def inertia(self) -> Scalar:
+        """What the joint's second rate is multiplied by: reflected rotor inertia."""
+        return inertia_of(self.laws)
+
+    def torque(self, q: Vector, qd: Vector) -> Scalar:
+        """The torque that friction, springs and the like need, without inertia."""
+        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        return self._torque(position, rate, rate)
+
+    def energy(self, q: Vector) -> Scalar:
+        """The energy that is stored at a position."""
+        (position,) = self.at.position(q)
+        return _sum(x.law.energy(x.p, position) for x in self.laws if x.law.energy is not None)
+
+    def slopes(self, q: Vector, qd: Vector) -> tuple[Scalar, Scalar]:
+        """The derivatives of the torque by the joint's position and rate, whose sign is
+        constant."""
+        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        found = self._torque(Dual(position, {0: 1.0}), Dual(rate, {1: 1.0}), rate)
+        by_position, by_rate = slopes(found, 2)
+        return by_position, by_rate
+
+    # ------------------------------------------------------------ as a linear function
+    def parameters(self) -> list[Scalar]:
+        """The parameters in which torque and energy are linear, law by law."""
+        return [x for own in self.laws for x in own.law.parameter_values(own.p)]
+
+    def unit_torques(self, q: Vector, qd: Vector, qdd: Vector) -> list[Scalar]:
+        """The torque at the joint of each parameter, being 1."""
+        (position,), (rate,), (second,) = self.at.position(q), self.at.rates(qd), self.at.rates(qdd)
+        found: list[Scalar] = []
+        for x in self.laws:
+            torques = x.law.torques(x.p, position, rate, self.sign(x.law, rate))
+            pairs = zip(torques, x.law.inertias(x.p), strict=True)
+            found += [torque + inertia * second for torque, inertia in pairs]
+        return found
+
+    def unit_inertias(self) -> list[Scalar]:
+        """The inertia of each parameter, being 1."""
+        return [inertia for x in self.laws for inertia in x.law.inertias(x.p)]
+
+    def unit_energies(self, q: Vector) -> list[Scalar]:
+        """The energy that each parameter stores, being 1."""
+        (position,) = self.at.position(q)
+        return [energy for x in self.laws for energy in x.law.energies(x.p, position)]
+
+    # ------------------------------------------------------------
+    def drag(self, q: Vector, qd: Vector) -> Scalar:
+        """The torque for each unit of the sign of the rate: what dry friction is at a state."""
+        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        signs = replace(self, sign=lambda law, rate: Dual(0.0, {0: 1.0}))
+        return slopes(signs._torque(position, rate, rate), 1)[0]
+
+    def only(self, keeps: Callable[[DriveLaw], bool]) -> DriveScalars:
+        """The drive with some of its laws."""
+        return replace(self, laws=tuple(x for x in self.laws if keeps(x.law)))
+
+    def _torque(self, position: Scalar, rate: Scalar, signed: Scalar) -> Scalar:
+        """signed: the rate whose sign counts."""
+        return _sum(
+            x.law.torque(x.p, position, rate, self.sign(x.law, signed) if x.law.signed else 0.0)
+            for x in self.laws
+            if x.law.torque is not None
+        )
+
+
+def inertia_of(laws: Sequence[ActingLaw]) -> Scalar:
+    """What the second rate of a joint under these laws is multiplied by."""
+    return _sum(x.law.inertia(x.p) for x in laws if x.law.inertia is not None)
+
+
+def _sum(terms: Iterable[Scalar]) -> Scalar:
+    total: Scalar = None
+    for term in terms:
+        total = term if total is None else total + term
+    return 0.0 if total is None else total
+
+
+def every_law(read: Callable[[str], Scalar]) -> tuple[ActingLaw, ...]:
+    """The usual laws and those that act, with their scalars, of numbers by name."""
+    return tuple(
+        [
+            ActingLaw(law, law.scalars_of(read))
+            for law in LAWS.values()
+            if law.usual or _acts(read(law.strength))
+        ]
+    )
+
+
+def counted(laws: Sequence[ActingLaw]) -> tuple[ActingLaw, ...]:
+    """The laws that act, and the usual ones where any does; a family's where they act on some
+    member."""
+    acting = [_acts(x.p[0]) for x in laws]
+    if True not in acting:
+        return ()
+    return tuple(x for x, acts in zip(laws, acting, strict=True) if acts or x.law.usual)
+
+
+def _acts(strength: Scalar) -> bool:
+    if isinstance(strength, np.ndarray):
+        return bool(strength.any())
+    return not (isinstance(strength, float) and strength == 0.0)
+
+
+def of_names(names: Sequence[str], scalars: Sequence[Scalar]) -> tuple[ActingLaw, ...]:
+    """Laws by name, with their scalars one after the other."""
+    rest = iter(scalars)
+    laws = [LAWS[name] for name in names]
+    return tuple(ActingLaw(law, tuple(islice(rest, law.size))) for law in laws)
+
+
+def size_of(names: Sequence[str]) -> int:
+    """The number of scalars of these laws."""
+    return sum(LAWS[name].size for name in names)

@@ -1,0 +1,186 @@
+"""The record of a law of drives: its numbers, its torque over scalars, and what else is asked.
+
+A law acts along a joint of one coordinate. All but its torque, inertia and energy has a default, so
+that most laws are a few lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from freebody.elementary import Scalar
+from freebody.lazy import cached_property
+from freebody.spatial import Vector
+
+TorqueOfLaw = Callable[[Vector, Scalar, Scalar, Scalar], Scalar]
+"""(scalars, position, rate, s) -> the torque that the motor needs besides, s being the sign of the
+rate or what stands for it; linear in s."""
+
+_UNITS = {
+    True: {"effort": "N m", "position": "rad", "inertia": "kg m²"},
+    False: {"effort": "N", "position": "m", "inertia": "kg"},
+}
+"""Units of a joint that turns, and of one that slides."""
+
+
+@dataclass(frozen=True)
+class LawNumber:
+    """One number of a law.
+
+    name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
+    the table and its key. unit: with {effort}, {position} and {inertia} of the joint. what: in
+    words. short: in tables of symbols, where that differs. refused: why no joint has such a number,
+    or None. needed: whether a file that has its table gives it too.
+    """
+
+    name: str
+    label: str
+    unit: str
+    what: str
+    short: str = ""
+    default: float = 0.0
+    refused: Callable[[float], str | None] | None = None
+    needed: bool = False
+
+    @property
+    def words(self) -> str:
+        """The words in tables of symbols."""
+        return self.short or self.what
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """The table of a file, and the key in it."""
+        table, key = self.label.split(".")
+        return table, key
+
+    @property
+    def kind(self) -> str:
+        """The kind of its unit, by which files may give others."""
+        return {"{position}": "angle", "{position}/s": "rate"}.get(self.unit, "number")
+
+    def unit_of(self, turns: bool) -> str:
+        """The unit at a joint that turns, or slides."""
+        return self.unit.format(**_UNITS[turns])
+
+
+def at_least_zero(what: str) -> Callable[[float], str | None]:
+    """The refusal of a negative number."""
+    return lambda x: f"{what} {x:g} is negative; give it as 0 or more" if x < 0.0 else None
+
+
+def above_zero(what: str) -> Callable[[float], str | None]:
+    """The refusal of a number that is not positive."""
+    return lambda x: None if x > 0.0 else f"{what} is {x:g}; give a number above 0"
+
+
+@dataclass(frozen=True)
+class LinearForm:
+    """A law as a linear function of parameters, where these are others than its strength.
+
+    names: of the parameters. values: of the law's scalars. torques: (scalars, position, rate, s) ->
+    the torque of each parameter, being 1. energies: (scalars, position) -> its energy, without what
+    no motion changes. numbers: (entries, the law's numbers now, whose) -> the law's numbers.
+    """
+
+    names: tuple[str, ...]
+    values: Callable[[Vector], Vector]
+    torques: Callable[[Vector, Scalar, Scalar, Scalar], Vector]
+    energies: Callable[[Vector, Scalar], Vector]
+    numbers: Callable[[Sequence[Any], Mapping[str, Any], str], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class DriveLaw:
+    """A law of drives. Its scalars are made of its numbers; the first is its strength, in which all
+    is linear, and without which it does not act.
+
+    feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
+    one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars)
+    -> what q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. scalars: of its
+    numbers in their order, where they are not these. form: as a linear function of other parameters
+    than its strength. power: of the rate, to which friction is proportional, where it is to one.
+    signed: whether the torque depends on s. usual: whether it is counted wherever any law acts, so
+    that kernels and regressors do not depend on which of the usual ones are 0.
+    """
+
+    name: str
+    feature: str
+    words: str
+    term: str
+    numbers: tuple[LawNumber, ...]
+    torque: TorqueOfLaw | None = None
+    inertia: Callable[[Vector], Scalar] | None = None
+    energy: Callable[[Vector, Scalar], Scalar] | None = None
+    scalars: Callable[..., Vector] | None = None
+    form: LinearForm | None = None
+    power: int | None = None
+    signed: bool = False
+    usual: bool = False
+
+    @property
+    def strength(self) -> str:
+        """The number without which it does not act."""
+        return self.numbers[0].name
+
+    def scalars_of(self, read: Callable[[str], Scalar]) -> Vector:
+        """The scalars, of numbers by name."""
+        own = tuple([read(number.name) for number in self.numbers])
+        return own if self.scalars is None else self.scalars(*own)
+
+    @cached_property
+    def size(self) -> int:
+        """The number of scalars."""
+        return len(self.scalars_of(lambda name: 1.0))
+
+    @cached_property
+    def only_moving(self) -> bool:
+        """Whether its torque is there only while the joint moves."""
+        unit = (1.0,) * self.size
+        return self.torque is None or not any(self.torque(unit, x, 0.0, 0.0) for x in (0.0, 2.0))
+
+    @cached_property
+    def grips(self) -> bool:
+        """Whether at rest it holds, with either sign."""
+        if self.torque is None or not self.signed:
+            return False
+        unit = (1.0,) * self.size
+        return bool(self.torque(unit, 0.0, 0.0, 1.0) != self.torque(unit, 0.0, 0.0, -1.0))
+
+    # ------------------------------------------------------------ as a linear function
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters in which it is linear."""
+        return (self.strength,) if self.form is None else self.form.names
+
+    def parameter_values(self, p: Vector) -> Vector:
+        """The parameters, of its scalars."""
+        return p[:1] if self.form is None else self.form.values(p)
+
+    def torques(self, p: Vector, position: Scalar, rate: Scalar, s: Scalar) -> Vector:
+        """The torque of each parameter, being 1, that of its inertia apart."""
+        if self.form is not None:
+            return self.form.torques(p, position, rate, s)
+        return (0.0 if self.torque is None else self.torque((1.0, *p[1:]), position, rate, s),)
+
+    def inertias(self, p: Vector) -> Vector:
+        """The inertia of each parameter, being 1."""
+        if self.inertia is None:
+            return (0.0,) * len(self.parameters)
+        return (self.inertia((1.0, *p[1:])),)
+
+    def energies(self, p: Vector, position: Scalar) -> Vector:
+        """The energy that each parameter stores, being 1."""
+        if self.form is not None:
+            return self.form.energies(p, position)
+        return (0.0 if self.energy is None else self.energy((1.0, *p[1:]), position),)
+
+    def numbers_of(
+        self, entries: Sequence[Any], now: Mapping[str, Any], owner: str
+    ) -> dict[str, Any]:
+        """The numbers of a law with other parameters, which are NumPy arrays; what they do not tell
+        stays."""
+        if self.form is None:
+            return {self.strength: entries[0]}
+        return self.form.numbers(entries, now, owner)

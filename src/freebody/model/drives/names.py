@@ -1,0 +1,43 @@
+"""The attributes of `Drive` as type checkers and editors see them: at run time they come from the
+laws, with which a test compares this list."""
+
+from __future__ import annotations
+
+from freebody.model.parameters import Quantity
+
+
+class LawNumbers:
+    """One attribute for each number of a law; names of symbols may be given."""
+
+    viscous: Quantity = 0.0
+    coulomb: Quantity = 0.0
+    rotor: Quantity = 0.0
+    gear: Quantity = 1.0
+    stiffness: Quantity = 0.0
+    rest: Quantity = 0.0
+    stribeck: Quantity = 0.0
+    stribeck_speed: Quantity = 0.0
+    offset: Quantity = 0.0
+    asymmetric: Quantity = 0.0
+    quadratic: Quantity = 0.0
+    cube_root: Quantity = 0.0
+    hardening: Quantity = 0.0
+    hardening_rest: Quantity = 0.0
+
+    def __init__(
+        self,
+        viscous: Quantity | str = 0.0,
+        coulomb: Quantity | str = 0.0,
+        rotor: Quantity | str = 0.0,
+        gear: Quantity | str = 1.0,
+        stiffness: Quantity | str = 0.0,
+        rest: Quantity | str = 0.0,
+        stribeck: Quantity | str = 0.0,
+        stribeck_speed: Quantity | str = 0.0,
+        offset: Quantity | str = 0.0,
+        asymmetric: Quantity | str = 0.0,
+        quadratic: Quantity | str = 0.0,
+        cube_root: Quantity | str = 0.0,
+        hardening: Quantity | str = 0.0,
+        hardening_rest: Quantity | str = 0.0,
+    ) -> None: ...

@@ -1,0 +1,389 @@
+"""Laws of drives: each as a law of its own, by its record, and all of them in a robot."""
+
+import inspect
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.errors import FreebodyError, ModelError
+from freebody.model.drives import LAWS, NUMBERS
+from freebody.model.drives.acting import ActingLaw, DriveScalars, every_law
+from freebody.model.drives.names import LawNumbers
+from freebody.model.tree import Coordinates
+from freebody.motion.friction import simple_friction
+from support.exported import passes, require
+
+VALUES = {
+    "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
+    "stribeck": 0.5, "stribeck_speed": 0.3, "offset": 0.1, "asymmetric": 0.07, "quadratic": 0.2,
+    "cube_root": 0.6, "hardening": 3.0, "hardening_rest": -0.1,
+}  # fmt: skip
+"""A number for each of all laws."""
+EVERY = list(LAWS.values())
+TORQUES = [law for law in EVERY if law.torque is not None]
+STATES = [(0.3, 0.5), (-0.7, 0.05), (0.1, -0.2), (0.6, -2.0)]
+
+
+def named(law):
+    return law.name
+
+
+def drive_of(*laws):
+    """A drive with these laws at coordinate 0."""
+    acting = [x for x in every_law(VALUES.__getitem__) if x.law in laws]
+    return DriveScalars(tuple(acting), Coordinates((0,), (0,), 1.0, 0.0))
+
+
+def numbers(*laws):
+    """The numbers of laws, as a drive takes them."""
+    return {number.name: VALUES[number.name] for law in laws for number in law.numbers}
+
+
+def arm(*laws):
+    """A planar arm with the laws in its first and last joint."""
+    drive = fb.Drive(**numbers(*laws))
+    return fb.planar(
+        "RRP",
+        m=[1.0, 2.0, 0.5], lc=[0.3, 0.2, 0.1], l=[0.7, 0.6, 0.4], I=[0.1, 0.2, 0.05],
+        drives=[drive, None, drive],
+    )  # fmt: skip
+
+
+def block(**given):
+    """A mass of 2 kg that slides without weight under a drive."""
+    slide = fb.planar("P", l=[0], lc=[0], m=[2], I=[0], drives=[fb.Drive(**given)])
+    return slide.replace(gravity=0.0)
+
+
+Q, QD, QDD = [0.3, -0.5, 0.2], [0.8, 0.4, -0.6], [1.0, -2.0, 0.7]
+
+
+def test_every_number_is_tried():
+    assert VALUES.keys() == NUMBERS.keys()
+
+
+def test_type_checkers_see_every_number():
+    seen = inspect.signature(LawNumbers).parameters
+    assert {name: x.default for name, x in seen.items()} == {
+        name: number.default for name, number in NUMBERS.items()
+    }
+    assert list(LawNumbers.__annotations__) == list(NUMBERS)
+
+
+# ------------------------------------------------------------ each law alone
+@pytest.mark.parametrize("law", TORQUES, ids=named)
+def test_slopes_are_the_derivatives_of_the_torque(law):
+    drive, h = drive_of(law), 1e-6
+    for q, qd in STATES:
+        by_position, by_rate = drive.slopes((q,), (qd,))
+        above, below = (drive.torque((q + s,), (qd,)) for s in (h, -h))
+        assert by_position == pytest.approx((above - below) / (2 * h), rel=1e-7, abs=1e-9)
+        above, below = (drive.torque((q,), (qd + s,)) for s in (h, -h))
+        assert by_rate == pytest.approx((above - below) / (2 * h), rel=1e-7, abs=1e-9)
+
+
+@pytest.mark.parametrize("law", EVERY, ids=named)
+def test_a_law_is_linear_in_its_parameters_and_in_the_sign(law):
+    (x,) = drive_of(law).laws
+    for q, qd in STATES:
+        if law.torque is not None:
+            parts = zip(law.parameter_values(x.p), law.torques(x.p, q, qd, 0.4), strict=True)
+            expected = law.torque(x.p, q, qd, 0.4)
+            assert sum(value * torque for value, torque in parts) == pytest.approx(expected)
+            still, forward, back = (law.torque(x.p, q, qd, s) for s in (0.0, 1.0, -1.0))
+            assert forward + back == pytest.approx(2 * still, abs=1e-15)
+            assert law.signed or forward == still
+        if law.energy is not None:
+            parts = [
+                [value * unit for value, unit in zip(law.parameter_values(x.p), units, strict=True)]
+                for units in (law.energies(x.p, q), law.energies(x.p, 0.0))
+            ]
+            change = law.energy(x.p, q) - law.energy(x.p, 0.0)
+            assert sum(parts[0]) - sum(parts[1]) == pytest.approx(change)
+    entries = [np.asarray(value) for value in law.parameter_values(x.p)]
+    found = numbers(law) | law.numbers_of(entries, VALUES, "here")
+    assert {name: float(value) for name, value in found.items()} == pytest.approx(numbers(law))
+
+
+@pytest.mark.parametrize("law", TORQUES, ids=named)
+def test_what_a_law_takes_is_stored_or_lost(law):
+    drive, h = drive_of(law), 1e-6
+    for q, qd in STATES:
+        torque = drive.torque((q,), (qd,))
+        if law.energy is not None:
+            above, below = (drive.energy((q + s,)) for s in (h, -h))
+            assert torque == pytest.approx((above - below) / (2 * h), rel=1e-7)
+        elif law.numbers[0].refused is not None:  # friction, which only resists
+            assert torque * qd > 0.0
+
+
+@pytest.mark.parametrize("law", TORQUES, ids=named)
+def test_a_law_seen_from_the_other_direction(law):
+    """Where the joint counts the other way a law is the same, or one with the opposite strength."""
+    (x,) = drive_of(law).laws
+    mirrored = [x.p, (-x.p[0], *x.p[1:])]
+    if law.energy is not None:
+        mirrored = [(p[0], *(-rest for rest in p[1:])) for p in mirrored]
+    errors = [
+        max(
+            abs(law.torque(p, -q, -qd, -np.sign(qd)) + law.torque(x.p, q, qd, np.sign(qd)))
+            for q, qd in STATES
+        )
+        for p in mirrored
+    ]
+    assert min(errors) < 1e-15
+
+
+def test_the_law_itself():
+    rate, v = 0.25, VALUES["stribeck_speed"]
+    expected = {
+        "stribeck": 0.5 * np.exp(-((rate / v) ** 2)), "cube_root": 0.6 * rate ** (1 / 3),
+        "offset": 0.1, "asymmetric": 0.07 * rate, "quadratic": 0.2 * rate**2,
+        "hardening": 3.0 * 0.5**3, "viscous": 0.4 * rate, "coulomb": 0.3, "spring": 5.0 * 0.2,
+    }  # fmt: skip
+    assert {law.name: drive_of(law).torque((0.4,), (rate,)) for law in TORQUES} == pytest.approx(
+        expected
+    )
+    assert drive_of(LAWS["cube_root"]).torque((0.0,), (0.0,)) == 0.0
+    assert drive_of(LAWS["rotor"]).inertia == pytest.approx(1e-3 * 400)
+
+
+# ------------------------------------------------------------ in a robot
+@pytest.fixture(scope="module")
+def whole():
+    return arm(*EVERY)
+
+
+def test_forward_dynamics_undoes_inverse_dynamics(whole):
+    tau = fb.inverse_dynamics(whole, Q, QD, QDD)
+    np.testing.assert_allclose(fb.forward_dynamics(whole, Q, QD, tau), QDD, rtol=1e-12)
+    plain = fb.inverse_dynamics(arm(), Q, QD, QDD)
+    own = [
+        drive_of(*EVERY).torque((Q[k],), (QD[k],)) + 0.4 * QDD[k] if k != 1 else 0.0
+        for k in range(3)
+    ]
+    np.testing.assert_allclose(tau - plain, own, rtol=1e-12)
+
+
+def test_derivatives_are_those_of_the_dynamics(whole):
+    tau, h = fb.inverse_dynamics(whole, Q, QD, QDD), 1e-6
+    ways = (
+        (fb.inverse_dynamics_derivatives, fb.inverse_dynamics, QDD),
+        (fb.forward_dynamics_derivatives, fb.forward_dynamics, tau),
+    )
+    for derivatives, function, last in ways:
+        state = np.array([Q, QD, last])
+        for k, found in enumerate(derivatives(whole, *state)):
+            shifts = np.zeros((3, 3, 3))
+            shifts[np.arange(3), k, np.arange(3)] = h
+            above, below = (
+                function(whole, *np.moveaxis(state + s, 1, 0)) for s in (shifts, -shifts)
+            )
+            np.testing.assert_allclose(found, (above - below).T / (2 * h), rtol=1e-6, atol=1e-7)
+
+
+def test_the_regressor_has_a_column_for_each_parameter_of_a_law(whole):
+    pi = fb.inertial_parameters(whole)
+    names = [name.removeprefix("joint1.") for name in pi if name.startswith("joint1.")]
+    assert names == [name for law in EVERY for name in law.parameters]
+    tau = fb.inverse_dynamics(whole, Q, QD, QDD)
+    Y = fb.regressor(whole, Q, QD, QDD)
+    np.testing.assert_allclose(Y @ np.array(list(pi.values())), tau, rtol=1e-12)
+    again = whole.with_inertial_parameters(pi)
+    np.testing.assert_allclose(fb.inverse_dynamics(again, Q, QD, QDD), tau, rtol=1e-12)
+    fewer = fb.inertial_parameters(arm(LAWS["viscous"], LAWS["stribeck"]))
+    usual = [name for law in EVERY if law.usual for name in law.parameters]
+    assert [n.partition(".")[2] for n in fewer if "joint1." in n] == [*usual, "stribeck"]
+
+
+def test_energy_is_what_the_torque_gives_less_what_friction_takes(whole):
+    tau, h = [1.0, -2.0, 0.5], 1e-6
+    qdd = fb.forward_dynamics(whole, Q, QD, tau)
+
+    def energy(t):
+        q = np.add(Q, t * np.array(QD)) + 0.5 * t * t * qdd
+        qd = np.add(QD, t * qdd)
+        return fb.kinetic_energy(whole, q, qd) + fb.potential_energy(whole, q)
+
+    rubbing = drive_of(*(law for law in EVERY if law.feature == "friction"))
+    lost = sum(QD[k] * rubbing.torque((Q[k],), (QD[k],)) for k in (0, 2))
+    gained = (energy(h) - energy(-h)) / (2 * h)
+    assert gained == pytest.approx(np.dot(tau, QD) - lost, rel=1e-7)
+
+
+def test_numbers_by_name_families_and_features(whole):
+    tau = fb.inverse_dynamics(whole, Q, QD, QDD)
+    changed = whole.bind({"joint1.friction.stribeck_speed": 0.9, "joint3.spring.hardening": 7.0})
+    other = whole.with_drive("joint1", stribeck_speed=0.9).with_drive("joint3", hardening=7.0)
+    np.testing.assert_array_equal(
+        fb.inverse_dynamics(changed, Q, QD, QDD), fb.inverse_dynamics(other, Q, QD, QDD)
+    )
+    several = whole.with_drive("joint1", stribeck=np.array([0.0, 0.5]))
+    each = [whole.with_drive("joint1", stribeck=x) for x in (0.0, 0.5)]
+    np.testing.assert_allclose(
+        fb.inverse_dynamics(several, Q, QD, QDD),
+        [fb.inverse_dynamics(model, Q, QD, QDD) for model in each],
+        rtol=1e-13,
+    )
+    np.testing.assert_allclose(fb.inverse_dynamics(several[1], Q, QD, QDD), tau, rtol=1e-13)
+    bare = whole.without("friction", "rotors", "springs")
+    np.testing.assert_allclose(
+        fb.inverse_dynamics(bare, Q, QD, QDD), fb.inverse_dynamics(arm(), Q, QD, QDD), rtol=1e-13
+    )
+
+
+def test_a_law_that_is_none_costs_nothing():
+    usual, more = arm(LAWS["viscous"]), arm(LAWS["viscous"], LAWS["stribeck"])
+    none = more.with_drive("joint1", stribeck=0.0).with_drive("joint3", stribeck=0.0)
+    sizes = [
+        sum(fb.kernel(model, "forward_dynamics").program.operations.values())
+        for model in (usual, none, more)
+    ]
+    assert sizes[0] == sizes[1] < sizes[2]
+    assert fb.kernel(more, "inverse_dynamics").program.operations["exp"] == 2  # of two joints
+    assert none.structure is usual.structure
+
+
+def test_files_have_all_numbers(whole, tmp_path):
+    fb.save(whole, tmp_path / "arm.toml")
+    again = fb.load(tmp_path / "arm.toml")
+    for k in (0, 2):
+        assert again.bodies[k].joint.drive == whole.bodies[k].joint.drive
+    text = (tmp_path / "arm.toml").read_text()
+    assert text.count("stribeck_speed") == 2
+    fb.save(arm(LAWS["viscous"]), tmp_path / "plain.toml")
+    assert "stribeck" not in (tmp_path / "plain.toml").read_text()
+    (tmp_path / "lacking.toml").write_text(text.replace("stribeck_speed = 0.3, ", "", 1))
+    with pytest.raises(FreebodyError, match="stribeck_speed"):
+        fb.load(tmp_path / "lacking.toml")
+
+
+def test_what_no_drive_has():
+    arm = fb.planar("R")
+    for given, words in (
+        ({"stribeck": 0.1}, r"joint 'joint1': stribeck_speed is 0; give a number above 0\."),
+        ({"quadratic": -1.0}, r"quadratic friction -1 is negative; give it as 0 or more\."),
+    ):
+        with pytest.raises(ModelError, match=words):
+            arm.with_drive("joint1", **given)
+    with pytest.raises(FreebodyError, match=r"^no number 'colomb' in a drive\. Did you mean 'cou"):
+        arm.with_drive("joint1", colomb=1.0)
+
+
+@pytest.mark.parametrize("precision", ["float32", "float64"])
+def test_kernels_of_both_precisions(whole, precision):
+    found = fb.kernel(whole, "inverse_dynamics", dtype=precision)(Q, QD, QDD)
+    expected = fb.inverse_dynamics(whole, Q, QD, QDD)
+    np.testing.assert_allclose(found, expected, rtol=1e-5 if precision == "float32" else 1e-13)
+
+
+@pytest.mark.parametrize("language", ["c", "javascript", "jax"])
+def test_source_text_of_all_laws(whole, language, tmp_path):
+    fb.export(whole, "inverse_dynamics", tmp_path, language)
+    require(language)
+    passes(tmp_path, language, "inverse_dynamics")
+
+
+def test_numbers_of_laws_as_inputs(whole):
+    names = ["joint1.friction.stribeck_speed", "joint3.spring.hardening"]
+    kernel = fb.kernel(whole, "inverse_dynamics", inputs=names)
+    changed = whole.bind(dict(zip(names, (0.9, 7.0), strict=True)))
+    found = kernel(Q, QD, QDD, [0.9, 7.0])
+    np.testing.assert_allclose(found, fb.inverse_dynamics(changed, Q, QD, QDD), rtol=1e-13)
+
+
+def test_derivations_have_the_laws_that_are_polynomials():
+    text = fb.equations(
+        fb.planar("RP", drives=[fb.Drive(asymmetric="e", offset="o"), fb.Drive(quadratic="c")])
+    ).text()
+    assert "+ o + e sgn(θ̇₁) θ̇₁" in text
+    assert "+ c ḋ₂² sgn(ḋ₂)" in text
+    with pytest.raises(FreebodyError, match=r"^the Stribeck friction at body 'link1' has no clos"):
+        fb.derive(fb.planar("R", drives=[fb.Drive(stribeck=0.1, stribeck_speed=0.2)]))
+
+
+# ------------------------------------------------------------ in motion
+def test_friction_that_no_plan_knows_is_refused():
+    with pytest.raises(
+        FreebodyError, match=r"^plan: the quadratic friction of body 'link1' is nei"
+    ):
+        simple_friction("plan", block(quadratic=0.2))
+
+
+RUBBING = {
+    "stribeck": {"coulomb": 0.3, "stribeck": 0.8, "stribeck_speed": 0.2},
+    "stribeck alone": {"stribeck": 0.8, "stribeck_speed": 0.2, "viscous": 0.1},
+    "two directions": {"offset": 0.3, "coulomb": 0.5, "quadratic": 0.4, "asymmetric": 0.2},
+}
+
+
+@pytest.mark.parametrize("name", RUBBING)
+def test_dry_friction_is_the_limit_of_smooth_friction(name):
+    model = block(**RUBBING[name])
+    push = fb.compile(lambda t: [1.5 * fb.math.sin(3.0 * t)], {"t": ()}, {"tau": 1})
+    given = model, [0.0], [0.0], np.linspace(0.0, 4.0, 9), push
+    dry = fb.simulate(*given, friction="dry").q.values
+    assert np.ptp(dry) > 0.01
+    apart = [
+        np.abs(fb.simulate(*given, friction_width=width, tolerance=1e-8).q.values - dry).max()
+        for width in (1e-3, 1e-4)
+    ]
+    assert apart[1] < 3e-3
+    assert apart[0] / apart[1] > 6.0
+    steps = {"method": "implicit", "step": 1e-3, "friction_width": 1e-4}
+    assert np.abs(fb.simulate(*given, **steps).q.values - dry).max() < 6e-3
+
+
+def test_closed_forms_of_what_slows_down():
+    t, m = np.array([0.0, 0.5, 1.0, 3.0]), 2.0
+    for friction in ("smooth", "dry"):
+        run = fb.simulate(block(quadratic=0.6), [0.0], [1.5], t, friction=friction)
+        assert run.qd.values[:, 0] == pytest.approx(1.5 / (1 + 0.6 * 1.5 * t / m), rel=1e-7)
+    left = np.maximum(0.5 ** (2 / 3) - 2 * 0.9 / (3 * m) * t, 0.0) ** 1.5
+    for more in ({"friction": "dry"}, {}, {"method": "implicit", "step": 1e-3}):
+        run = fb.simulate(block(cube_root=0.9), [0.0], [0.5], t, **more)
+        assert run.qd.values[:, 0] == pytest.approx(left, abs=1e-5)
+    run = fb.simulate(block(asymmetric=0.3, viscous=0.5), [0.0], [[1.0], [-1.0]], t)
+    expected = [np.exp(-0.8 * t / m), -np.exp(-0.2 * t / m)]
+    assert run.qd.values[..., 0] == pytest.approx(np.array(expected), rel=1e-7)
+
+
+def test_what_rests_is_held_up_to_the_whole_of_dry_friction():
+    def moved(model, push):
+        run = fb.simulate(model, [0.0], [0.0], [0.0, 3.0], [push], friction="dry")
+        return run.q.values[-1, 0]
+
+    hard = block(coulomb=0.3, stribeck=0.8, stribeck_speed=0.2)
+    assert moved(hard, 1.09) == 0.0
+    assert moved(hard, 1.2) > 0.3  # what moves is held less
+    askew = block(coulomb=0.5, offset=0.3)
+    found = [np.sign(moved(askew, push)) for push in (0.79, 0.81, -0.19, -0.21)]
+    assert found == [0.0, 1.0, 0.0, -1.0]
+
+
+def test_a_hardening_spring_keeps_its_energy():
+    model = block(hardening=4.0, hardening_rest=0.1, stiffness=2.0)
+    run = fb.simulate(model, [0.9], [0.0], np.linspace(0.0, 6.0, 13))
+    energy = (run.kinetic_energy + run.potential_energy).values
+    assert energy == pytest.approx(energy[0], rel=1e-8)
+    assert energy[0] == pytest.approx(0.8**4 + 0.9**2)
+
+
+def test_stops_and_smooth_friction_under_a_python_function():
+    """The friction is counted once, whoever calls the torque."""
+    slide = fb.planar(
+        "P", l=[0], lc=[0], m=[2], I=[0], limits=[(-9, 9)], drives=[fb.Drive(coulomb=0.5)]
+    ).replace(gravity=0.0)
+    law = fb.compile(lambda t: [0.1 * fb.math.sin(t)], {"t": ()}, {"tau": 1})
+    given = slide, [0.0], [1.0], [0.0, 1.0]
+    more = {"restitution": 0.5, "method": "rk4", "step": 1e-3}
+    one = fb.simulate(*given, law, **more).q.values[-1, 0]
+    other = fb.simulate(*given, lambda t, q, qd: np.array([0.1 * np.sin(t)]), **more)
+    assert other.q.values[-1, 0] == pytest.approx(one, abs=1e-9)
+
+
+def test_acting_laws_are_told_by_their_strength():
+    assert [x.law.name for x in every_law(VALUES.__getitem__)] == list(LAWS)
+    idle = every_law(dict.fromkeys(NUMBERS, 0.0).__getitem__)
+    assert all(isinstance(x, ActingLaw) and x.law.usual for x in idle)
