@@ -515,7 +515,9 @@ class _Expansion:
         """The value of $(text)."""
         name, _, rest = text.strip().partition(" ")
         if name == "eval":
-            return evaluated(rest, {**self.arguments_read(), **self.commands()}, self.budget)
+            read = {"arg": Function(lambda of: _literal(self.arg(of)))}
+            names = {**self.arguments_read(), **self.commands(), **read}
+            return evaluated(rest, names, self.budget)
         if name == "cwd":
             return os.getcwd()
         known = self.commands()
