@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A .urdf, .xacro, .toml or .csv (DH table) file, a bundled model's name, "
+        help="A .urdf, .xacro, .xml (MJCF), .toml or .csv (DH table) file, a bundled model's name, "
         "or letters such as RRP."
     ),
 ]

@@ -11,6 +11,7 @@ from typing import Literal
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
 from freebody.formats import dh_csv, read_file, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
+from freebody.formats.mjcf import reader as mjcf
 from freebody.formats.packages import Packages, packages_around
 from freebody.formats.urdf_elements import parse
 from freebody.formats.xacro.expand import expanded, without_links
@@ -23,8 +24,6 @@ from freebody.model.model import Model
 from freebody.model.parameters import real
 
 _NOT_READ = {
-    ".xml": "MJCF and other XML are not read; export the robot as URDF, "
-    "or describe it in freebody's TOML.",
     ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
 }
 _BARE = "files without suffix"
@@ -76,6 +75,21 @@ def _xacro(given: _Given) -> RobotDescription:
     return replace(described, notices=(*found.notices, *described.notices))
 
 
+def _xml(given: _Given) -> RobotDescription:
+    """MJCF; URDF is called .xml too."""
+    root = parse(given.file, given.data)
+    if root.tag == "robot":
+        return _urdf(given)
+    if root.tag != "mujoco":
+        raise FileError(
+            given.file,
+            root.line,
+            f"the root element is <{root.tag}>, expected <mujoco> or <robot>.",
+        )
+    on_disk = given.packages.folder is not None
+    return mjcf.describe(given.file, on_disk, given.data, given.name)
+
+
 def _toml(given: _Given) -> RobotDescription:
     return toml.describe(given.file, read_file.decoded(given.file, given.data), name=given.name)
 
@@ -88,6 +102,8 @@ def _csv(given: _Given) -> RobotDescription:
 _FORMATS = {
     ".urdf": _Format(_urdf, ("package_path",)),
     ".xacro": _Format(_xacro, ("package_path", "xacro", "xacro_environment")),
+    ".xml": _Format(_xml, ("package_path",)),
+    ".mjcf": _Format(_xml),
     ".toml": _Format(_toml),
     ".csv": _Format(_csv, ("convention",)),
 }
@@ -105,7 +121,7 @@ def load(
     source: str | os.PathLike[str] | None = None,
     *,
     text: str | None = None,
-    format: Literal["urdf", "xacro", "toml", "csv"] | None = None,  # noqa: A002
+    format: Literal["urdf", "xacro", "mjcf", "toml", "csv"] | None = None,  # noqa: A002
     tip: str | None = None,
     base: BasePolicy | None = None,
     mimic: MimicPolicy = "follow",
@@ -118,8 +134,8 @@ def load(
     xacro: Mapping[str, object] | None = None,
     xacro_environment: Sequence[str] = (),
 ) -> Model:
-    """A model from a .urdf, .xacro, .toml or .csv (DH table) file, from such text, or a bundled
-    model by its name (see `models()`).
+    """A model from a .urdf, .xacro, .xml (MJCF), .toml or .csv (DH table) file, from such text, or
+    a bundled model by its name (see `models()`).
 
     Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
     planar("RRP"). A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no
@@ -130,8 +146,8 @@ def load(
     source
         Path of a file, or the name of a bundled model.
     text, format
-        In place of a source: a description as text, and its format, "urdf", "xacro", "toml" or
-        "csv". Errors count the text's lines.
+        In place of a source: a description as text, and its format, "urdf", "xacro", "mjcf",
+        "toml" or "csv". Errors count the text's lines.
     tip
         The frame that `frame=None` means; default: the file's, else the only one that is called
         tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of
