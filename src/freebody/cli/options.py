@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A .urdf, .xacro, .xml (MJCF), .toml or .csv (DH table) file, a bundled model's name, "
-        "or letters such as RRP."
+        help="A .urdf, .xacro, .xml (MJCF), .sdf, .toml or .csv (DH table) file, a bundled "
+        "model's name, or letters such as RRP."
     ),
 ]
 Tip = Annotated[

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
-from freebody.formats import dh_csv, read_file, toml, urdf
+from freebody.formats import dh_csv, read_file, sdf, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
 from freebody.formats.mjcf import reader as mjcf
 from freebody.formats.packages import Packages, packages_around
@@ -23,9 +23,6 @@ from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
-_NOT_READ = {
-    ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
-}
 _BARE = "files without suffix"
 
 
@@ -75,6 +72,11 @@ def _xacro(given: _Given) -> RobotDescription:
     return replace(described, notices=(*found.notices, *described.notices))
 
 
+def _sdf(given: _Given) -> RobotDescription:
+    root = parse(given.file, given.data, sdf.TEXT)
+    return sdf.describe(root, given.file, name=given.name, snap_angles=given.how.snap_angles)
+
+
 def _xml(given: _Given) -> RobotDescription:
     """MJCF; URDF is called .xml too."""
     root = parse(given.file, given.data)
@@ -104,6 +106,7 @@ _FORMATS = {
     ".xacro": _Format(_xacro, ("package_path", "xacro", "xacro_environment")),
     ".xml": _Format(_xml, ("package_path",)),
     ".mjcf": _Format(_xml),
+    ".sdf": _Format(_sdf),
     ".toml": _Format(_toml),
     ".csv": _Format(_csv, ("convention",)),
 }
@@ -121,7 +124,7 @@ def load(
     source: str | os.PathLike[str] | None = None,
     *,
     text: str | None = None,
-    format: Literal["urdf", "xacro", "mjcf", "toml", "csv"] | None = None,  # noqa: A002
+    format: Literal["urdf", "xacro", "mjcf", "sdf", "toml", "csv"] | None = None,  # noqa: A002
     tip: str | None = None,
     base: BasePolicy | None = None,
     mimic: MimicPolicy = "follow",
@@ -134,8 +137,8 @@ def load(
     xacro: Mapping[str, object] | None = None,
     xacro_environment: Sequence[str] = (),
 ) -> Model:
-    """A model from a .urdf, .xacro, .xml (MJCF), .toml or .csv (DH table) file, from such text, or
-    a bundled model by its name (see `models()`).
+    """A model from a .urdf, .xacro, .xml (MJCF), .sdf, .toml or .csv (DH table) file, from such
+    text, or a bundled model by its name (see `models()`).
 
     Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
     planar("RRP"). A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no
@@ -147,7 +150,7 @@ def load(
         Path of a file, or the name of a bundled model.
     text, format
         In place of a source: a description as text, and its format, "urdf", "xacro", "mjcf",
-        "toml" or "csv". Errors count the text's lines.
+        "sdf", "toml" or "csv". Errors count the text's lines.
     tip
         The frame that `frame=None` means; default: the file's, else the only one that is called
         tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of
@@ -265,8 +268,6 @@ def read(
         _used(how, (), given)
         return _named(given)
     suffix = path.suffix.lower()
-    if suffix in _NOT_READ:
-        raise FileError(path, None, _NOT_READ[suffix])
     if suffix not in SUFFIXES and not path.is_dir():
         raise FileError(
             path, None, f"freebody does not know {suffix or _BARE}; it reads {', '.join(SUFFIXES)}."

@@ -364,8 +364,8 @@ def test_files_that_only_look_like_urdf_are_told(folder):
     path = written(folder, '<xacro:macro name="a"/>', "arm.urdf")
     assert "call the file .urdf.xacro" in refusal(path)
     assert fb.load(text=LINK.format("a").join((HEAD, "</robot>")), format="urdf").name == "arm"
-    with pytest.raises(fb.FreebodyError, match="no format 'sdf' in load"):
-        fb.load(text="<sdf/>", format="sdf")
+    with pytest.raises(fb.FreebodyError, match="no format 'vrml' in load"):
+        fb.load(text="x", format="vrml")
     with pytest.raises(fb.FreebodyError, match="take the place of a path"):
         fb.load("2R", text="x", format="toml")
     with pytest.raises(fb.FreebodyError, match="give a path"):

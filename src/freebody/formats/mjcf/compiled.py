@@ -8,6 +8,7 @@ freebody.
 
 import json
 import sys
+from typing import Any
 
 KINDS = ("free", "ball", "slide", "hinge")
 EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
@@ -127,8 +128,9 @@ def compiled(model, mujoco):
 
 
 def main():
-    import mujoco
+    import mujoco as library
 
+    mujoco: Any = library
     try:
         if len(sys.argv) > 1:
             model = mujoco.MjModel.from_xml_path(sys.argv[1])

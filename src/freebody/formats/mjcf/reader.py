@@ -33,7 +33,7 @@ from freebody.model.description import (
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.placement import Placement, rotate, shift
-from freebody.spatial import of_dimension
+from freebody.spatial import SPACE
 
 _SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
@@ -43,7 +43,7 @@ _WORLD = "world"
 def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescription:
     """The description in an MJCF file, or in its text where it is not on disk. Raises FileError
     for what MuJoCo refuses and for constraints that freebody does not know."""
-    return _Reader(file, _compiled(file, on_disk, data)).description(name)
+    return _MjcfReader(file, _compiled(file, on_disk, data)).description(name)
 
 
 def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
@@ -81,7 +81,7 @@ def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
 
 
 @dataclass
-class _Reader:
+class _MjcfReader:
     """One compiled model, and the parts of the description found so far."""
 
     file: str
@@ -344,7 +344,7 @@ def _turned(quaternion: Any) -> Placement:
     w, x, y, z = (float(c) for c in quaternion)
     if not (x or y or z):
         return Placement()
-    return rotate(of_dimension(3).quaternion((w, x, y, z)), "quaternion")
+    return rotate(SPACE.quaternion((w, x, y, z)), "quaternion")
 
 
 def _about(axis: np.ndarray, angle: float) -> Placement:

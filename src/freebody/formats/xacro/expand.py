@@ -27,8 +27,8 @@ from freebody.formats.xacro.values import (
     TOKENIZE,
     Budget,
     ExpressionError,
-    Function,
     Namespace,
+    XacroFunction,
     evaluated,
     size,
 )
@@ -54,7 +54,7 @@ _TRUE, _FALSE = ("true", "True"), ("false", "False")
 
 
 @dataclass(frozen=True)
-class _Parameter:
+class _MacroParameter:
     """A parameter of a macro: `name` (with * or ** for a block), whether the caller's value of that
     name is its default, and a default's text."""
 
@@ -64,11 +64,11 @@ class _Parameter:
 
 
 @dataclass(frozen=True)
-class _Macro:
+class _XacroMacro:
     """A macro as it is written: its parameters in order, and the element that it stands for."""
 
     name: str
-    parameters: tuple[_Parameter, ...]
+    parameters: tuple[_MacroParameter, ...]
     body: XmlElement
 
 
@@ -80,7 +80,7 @@ class _Scope(Mapping[str, Any]):
         self.evaluate, self.around = evaluate, around
         self.values: dict[str, Any] = {}
         self.unread: dict[str, str] = {}
-        self.macros: dict[str, _Macro] = {}
+        self.macros: dict[str, _XacroMacro] = {}
         self.namespaces: dict[str, _Scope] = {}
         self.space = False
 
@@ -135,7 +135,7 @@ class _Scope(Mapping[str, Any]):
         around = (scope for scope in self.around.chain() if self.space or not scope.space)
         return next(around, outermost)
 
-    def macro(self, name: str) -> tuple[_Macro, _Scope] | None:
+    def macro(self, name: str) -> tuple[_XacroMacro, _Scope] | None:
         """The macro of that name, perhaps with namespaces before it, and the scope it is called
         over."""
         for scope in self.chain():
@@ -171,7 +171,7 @@ def expanded(
     """The expansion of a xacro file's bytes. arguments: values for its `<xacro:arg>`; environment:
     the variables that `$(env NAME)` may read. Raises FileError with the file and line of what
     cannot be expanded."""
-    return _Expansion(file, packages, arguments, environment).of(parse(file, data, _TEXT))
+    return _XacroExpansion(file, packages, arguments, environment).of(parse(file, data, _TEXT))
 
 
 def without_links(found: Expanded) -> str:
@@ -184,7 +184,7 @@ def without_links(found: Expanded) -> str:
     )
 
 
-class _Expansion:
+class _XacroExpansion:
     """One file being expanded, with the files that it includes."""
 
     def __init__(
@@ -200,7 +200,7 @@ class _Expansion:
         self.budget, self.left, self.depth = Budget(), _ELEMENTS, 0
         self.notices: list[Notice] = []
         self.known: dict[str, XmlElement] = {}
-        self.defined: dict[str, _Macro] = {}
+        self.defined: dict[str, _XacroMacro] = {}
         self.place: XmlElement | None = None
         self.bare = ""
         self.roots = [*packages.readable]
@@ -342,7 +342,7 @@ class _Expansion:
         name = self.given_text(source, "name").removeprefix(_PREFIX)
         if name == "call" or "." in name:
             self.refuse(source, f"a macro cannot be called {shown(name)}.")
-        scope.macros[name] = self.defined[name] = _Macro(
+        scope.macros[name] = self.defined[name] = _XacroMacro(
             name, _parameters(source.attributes.get("params", "")), source
         )
 
@@ -445,8 +445,8 @@ class _Expansion:
     def default(
         self,
         source: XmlElement,
-        macro: _Macro,
-        parameter: _Parameter,
+        macro: _XacroMacro,
+        parameter: _MacroParameter,
         scope: _Scope,
         inner: _Scope,
     ) -> None:
@@ -515,7 +515,7 @@ class _Expansion:
         """The value of $(text)."""
         name, _, rest = text.strip().partition(" ")
         if name == "eval":
-            read = {"arg": Function(lambda of: _literal(self.arg(of)))}
+            read = {"arg": XacroFunction(lambda of: _literal(self.arg(of)))}
             names = {**self.arguments_read(), **self.commands(), **read}
             return evaluated(rest, names, self.budget)
         if name == "cwd":
@@ -526,13 +526,13 @@ class _Expansion:
             raise ExpressionError(str(problem).removesuffix("."))
         return known[name].call(*rest.split(maxsplit=1 if name == "optenv" else -1))
 
-    def commands(self) -> dict[str, Function]:
+    def commands(self) -> dict[str, XacroFunction]:
         return {
-            "arg": Function(self.arg),
-            "find": Function(self.find),
-            "env": Function(self.env),
-            "optenv": Function(self.optenv),
-            "dirname": Function(lambda: os.path.dirname(os.path.abspath(self.files[-1]))),
+            "arg": XacroFunction(self.arg),
+            "find": XacroFunction(self.find),
+            "env": XacroFunction(self.env),
+            "optenv": XacroFunction(self.optenv),
+            "dirname": XacroFunction(lambda: os.path.dirname(os.path.abspath(self.files[-1]))),
         }
 
     def functions(self) -> dict[str, Any]:
@@ -550,13 +550,13 @@ class _Expansion:
             return os.path.join(os.path.dirname(os.path.abspath(self.files[-1])), name)
 
         return {
-            "load_yaml": Function(self.load_yaml),
-            "abs_filename": Function(absolute),
-            "arg": Function(self.arg),
-            "dotify": Function(dict),
+            "load_yaml": XacroFunction(self.load_yaml),
+            "abs_filename": XacroFunction(absolute),
+            "arg": XacroFunction(self.arg),
+            "dotify": XacroFunction(dict),
             "tokenize": TOKENIZE,
-            **{name: Function(told) for name in ("message", "warning", "error")},
-            "fatal": Function(fatal),
+            **{name: XacroFunction(told) for name in ("message", "warning", "error")},
+            "fatal": XacroFunction(fatal),
         }
 
     def arg(self, name: str) -> Any:
@@ -602,23 +602,23 @@ class _Expansion:
         raise FileError(source.file or self.files[-1], source.line or None, problem)
 
 
-_TAGS: dict[str, Callable[[_Expansion, XmlElement, _Scope, XmlElement], None]] = {
-    "xacro:arg": _Expansion.argument,
-    "xacro:attribute": _Expansion.attribute,
-    "xacro:call": _Expansion.named_call,
-    "xacro:element": _Expansion.named_element,
-    "xacro:if": _Expansion.when,
-    "xacro:include": _Expansion.include,
-    "xacro:insert_block": _Expansion.insert,
-    "xacro:macro": _Expansion.define,
-    "xacro:property": _Expansion.property,
-    "xacro:unless": _Expansion.when,
+_TAGS: dict[str, Callable[[_XacroExpansion, XmlElement, _Scope, XmlElement], None]] = {
+    "xacro:arg": _XacroExpansion.argument,
+    "xacro:attribute": _XacroExpansion.attribute,
+    "xacro:call": _XacroExpansion.named_call,
+    "xacro:element": _XacroExpansion.named_element,
+    "xacro:if": _XacroExpansion.when,
+    "xacro:include": _XacroExpansion.include,
+    "xacro:insert_block": _XacroExpansion.insert,
+    "xacro:macro": _XacroExpansion.define,
+    "xacro:property": _XacroExpansion.property,
+    "xacro:unless": _XacroExpansion.when,
 }
 
 
-def _parameters(text: str) -> tuple[_Parameter, ...]:
+def _parameters(text: str) -> tuple[_MacroParameter, ...]:
     return tuple(
-        _Parameter(
+        _MacroParameter(
             found["name"],
             found["forward"] is not None,
             found["default"] or None,

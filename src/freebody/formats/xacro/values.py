@@ -51,7 +51,7 @@ class Namespace:
 
 
 @dataclass(frozen=True)
-class Function:
+class XacroFunction:
     """A function that expressions may call. keywords: the names of arguments that it takes."""
 
     call: Callable[..., Any]
@@ -95,34 +95,36 @@ def _tokenize(text: str, sep: str = ",; ", skip_empty: bool = True) -> list[str]
 
 _NO_FUNCTIONS_OF_MATH = {"comb", "factorial", "perm", "isqrt", "lcm", "prod", "fsum", "dist"}
 _MATH: dict[str, Any] = {
-    name: Function(value) if callable(value) else value
+    name: XacroFunction(value) if callable(value) else value
     for name, value in vars(math).items()
     if not name.startswith("_") and name not in _NO_FUNCTIONS_OF_MATH
 }
 _PYTHON: dict[str, Any] = {
-    "abs": Function(abs),
-    "all": Function(all),
-    "any": Function(any),
-    "bool": Function(bool),
-    "dict": Function(dict),
-    "enumerate": Function(lambda of, start=0: list(enumerate(of, start)), frozenset({"start"})),
-    "float": Function(float),
-    "int": Function(int),
-    "len": Function(len),
-    "list": Function(list),
-    "max": Function(max),
-    "min": Function(min),
-    "range": Function(_range),
-    "reversed": Function(lambda of: list(reversed(of))),
-    "round": Function(_round),
-    "sorted": Function(sorted, frozenset({"reverse"})),
-    "str": Function(str),
-    "sum": Function(sum),
-    "tuple": Function(tuple),
-    "zip": Function(lambda *of: list(zip(*of, strict=False))),
+    "abs": XacroFunction(abs),
+    "all": XacroFunction(all),
+    "any": XacroFunction(any),
+    "bool": XacroFunction(bool),
+    "dict": XacroFunction(dict),
+    "enumerate": XacroFunction(
+        lambda of, start=0: list(enumerate(of, start)), frozenset({"start"})
+    ),
+    "float": XacroFunction(float),
+    "int": XacroFunction(int),
+    "len": XacroFunction(len),
+    "list": XacroFunction(list),
+    "max": XacroFunction(max),
+    "min": XacroFunction(min),
+    "range": XacroFunction(_range),
+    "reversed": XacroFunction(lambda of: list(reversed(of))),
+    "round": XacroFunction(_round),
+    "sorted": XacroFunction(sorted, frozenset({"reverse"})),
+    "str": XacroFunction(str),
+    "sum": XacroFunction(sum),
+    "tuple": XacroFunction(tuple),
+    "zip": XacroFunction(lambda *of: list(zip(*of, strict=False))),
 }
 _CONSTANTS = {"True": True, "False": False, "None": None, "true": True, "false": False}
-TOKENIZE = Function(_tokenize, frozenset({"sep", "skip_empty"}))
+TOKENIZE = XacroFunction(_tokenize, frozenset({"sep", "skip_empty"}))
 GLOBALS: dict[str, Any] = {
     **_CONSTANTS,
     **_MATH,
@@ -241,7 +243,7 @@ def evaluated(text: str, names: Mapping[str, Any], budget: Budget) -> Any:
     except (SyntaxError, ValueError, MemoryError, RecursionError):
         raise ExpressionError(f"{shown(text)} is no expression") from None
     try:
-        return _Evaluation(names, budget).value(tree)
+        return _ExpressionWalk(names, budget).value(tree)
     except RecursionError:
         raise ExpressionError("the expression is nested too deeply") from None
     except (TypeError, ValueError, ArithmeticError, LookupError, AttributeError) as problem:
@@ -249,7 +251,7 @@ def evaluated(text: str, names: Mapping[str, Any], budget: Budget) -> Any:
         raise ExpressionError(f"{shown(text)}: {told}") from None
 
 
-class _Evaluation:
+class _ExpressionWalk:
     """One expression being walked."""
 
     def __init__(self, names: Mapping[str, Any], budget: Budget):
@@ -359,12 +361,12 @@ class _Evaluation:
             return owner[node.attr]
         method = _METHODS.get(type(owner), {}).get(node.attr)
         if method is not None:
-            return Function(partial(method, owner))
+            return XacroFunction(partial(method, owner))
         raise ExpressionError(f"{shown(ast.unparse(node))} is not allowed")
 
     def call(self, node: ast.Call) -> Any:
         called = self.value(node.func)
-        if not isinstance(called, Function):
+        if not isinstance(called, XacroFunction):
             raise ExpressionError(f"{shown(ast.unparse(node.func))} is no function")
         arguments = [self.value(argument) for argument in node.args]
         keywords: dict[str, Any] = {}
@@ -417,21 +419,21 @@ class _Evaluation:
         raise ExpressionError(f"{shown(ast.unparse(target))} is not allowed")
 
 
-_NODES: dict[type[ast.AST], Callable[[_Evaluation, Any], Any]] = {
-    ast.Constant: _Evaluation.constant,
-    ast.Name: _Evaluation.name,
-    ast.List: _Evaluation.entries,
-    ast.Tuple: _Evaluation.entries,
-    ast.Dict: _Evaluation.mapping,
-    ast.BinOp: _Evaluation.binary,
-    ast.UnaryOp: _Evaluation.unary,
-    ast.BoolOp: _Evaluation.boolean,
-    ast.Compare: _Evaluation.comparison,
-    ast.IfExp: _Evaluation.condition,
-    ast.Subscript: _Evaluation.entry,
-    ast.Attribute: _Evaluation.dotted,
-    ast.Call: _Evaluation.call,
-    ast.ListComp: _Evaluation.comprehension,
-    ast.GeneratorExp: _Evaluation.comprehension,
-    ast.DictComp: _Evaluation.comprehension,
+_NODES: dict[type[ast.AST], Callable[[_ExpressionWalk, Any], Any]] = {
+    ast.Constant: _ExpressionWalk.constant,
+    ast.Name: _ExpressionWalk.name,
+    ast.List: _ExpressionWalk.entries,
+    ast.Tuple: _ExpressionWalk.entries,
+    ast.Dict: _ExpressionWalk.mapping,
+    ast.BinOp: _ExpressionWalk.binary,
+    ast.UnaryOp: _ExpressionWalk.unary,
+    ast.BoolOp: _ExpressionWalk.boolean,
+    ast.Compare: _ExpressionWalk.comparison,
+    ast.IfExp: _ExpressionWalk.condition,
+    ast.Subscript: _ExpressionWalk.entry,
+    ast.Attribute: _ExpressionWalk.dotted,
+    ast.Call: _ExpressionWalk.call,
+    ast.ListComp: _ExpressionWalk.comprehension,
+    ast.GeneratorExp: _ExpressionWalk.comprehension,
+    ast.DictComp: _ExpressionWalk.comprehension,
 }
