@@ -30,7 +30,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.model.quantity_reader import VALUES
-from freebody.spatial import SPACE
+from freebody.spatial import space
 
 TEXT = 400
 """Characters of an element's text that are read: a pose of seven numbers."""
@@ -183,14 +183,14 @@ class _SdfReader(Elements):
             *p, x, y, z, w = self.numbers(pose, 7, where)
             if not any((x, y, z, w)):
                 self.refuse(pose, f"{where}: the quaternion is zero.")
-            return np.array(SPACE.quaternion((w, x, y, z)), dtype=float), np.array(p)
+            return np.array(space.quaternion((w, x, y, z)), dtype=float), np.array(p)
         if form != "euler_rpy":
             self.refuse(pose, f"{where}: rotation_format is {form!r}, not euler_rpy or quat_xyzw.")
         values = self.numbers(pose, 6, where) if pose.content else [0.0] * 6
         angles = values[3:]
         if pose.attributes.get("degrees", "").strip() in ("true", "1"):
             angles = [math.radians(angle) for angle in angles]
-        R, _ = rpy(*angles, snap=self.snap).lower(SPACE, VALUES)
+        R, _ = rpy(*angles, snap=self.snap).lower(space, VALUES)
         return np.array(R, dtype=float), np.array(values[:3])
 
     def frame(self, element: XmlElement) -> None:

@@ -33,7 +33,7 @@ from freebody.model.description import (
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.placement import Placement, rotate, shift
-from freebody.spatial import SPACE
+from freebody.spatial import space
 
 _SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
@@ -344,7 +344,7 @@ def _turned(quaternion: Any) -> Placement:
     w, x, y, z = (float(c) for c in quaternion)
     if not (x or y or z):
         return Placement()
-    return rotate(SPACE.quaternion((w, x, y, z)), "quaternion")
+    return rotate(space.quaternion((w, x, y, z)), "quaternion")
 
 
 def _about(axis: np.ndarray, angle: float) -> Placement:
