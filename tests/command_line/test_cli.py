@@ -203,7 +203,9 @@ def test_what_is_no_robot_is_refused(capsys: pytest.CaptureFixture[str], tmp_pat
     assert error(capsys, "study", "short.urdf") == (
         "short.urdf:3: the file ends inside <link>, opened on line 2; it seems to be truncated."
     )
-    assert error(capsys, "show", "robot.xyz").endswith("it reads .urdf, .toml, .csv.")
+    assert error(capsys, "show", "robot.xyz").endswith(
+        "it reads .urdf, .xacro, .xml, .mjcf, .sdf, .toml, .csv."
+    )
     assert "no model 'ur5' in the bundled models. Did you mean 'ur5e'?" in error(
         capsys, "study", "ur5"
     )

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 Robot = Annotated[
     str,
     typer.Argument(
-        help="A .urdf, .toml or .csv (DH table) file, a bundled model's name, "
-        "or letters such as RRP."
+        help="A .urdf, .xacro, .xml (MJCF), .sdf, .toml or .csv (DH table) file, a bundled "
+        "model's name, or letters such as RRP."
     ),
 ]
 Tip = Annotated[
@@ -87,14 +87,15 @@ ParametersOption = Annotated[
 ]
 
 
-def pairs(option: str, texts: list[str] | None, example: str) -> dict[str, str]:
+def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=") -> dict[str, str]:
     """Names and values, left and right of the = in the values of an option."""
     found = {}
     for text in texts or ():
-        name, equals, meaning = text.partition("=")
-        if not (name.strip() and equals and meaning.strip()):
+        name, sign, meaning = text.partition(equals)
+        if not (name.strip() and sign and meaning.strip()):
             raise FreebodyError(
-                f"{option} {text}: write a name, =, and what it stands for, such as {example}."
+                f"{option} {text}: write a name, {equals}, and what it stands for, such as "
+                f"{example}."
             )
         found[name.strip()] = meaning.strip()
     return found
@@ -142,6 +143,33 @@ _READING: dict[str, tuple[Any, Any]] = {
         ],
         None,
     ),
+    "package_path": (
+        Annotated[
+            list[str] | None,
+            typer.Option(
+                metavar="FOLDER",
+                help="A folder of ROS packages that a xacro file includes, or of meshes. Packages "
+                "around the file are found without.",
+            ),
+        ],
+        None,
+    ),
+    "xacro": (
+        Annotated[
+            list[str] | None,
+            typer.Option(metavar="NAME:=VALUE", help="A value for an argument of a xacro file."),
+        ],
+        None,
+    ),
+    "xacro_environment": (
+        Annotated[
+            list[str] | None,
+            typer.Option(
+                metavar="NAME", help="A variable of the environment that a xacro file may read."
+            ),
+        ],
+        None,
+    ),
     "parameters": (
         Annotated[
             list[str] | None,
@@ -183,7 +211,18 @@ _READING: dict[str, tuple[Any, Any]] = {
 }
 """Options of how a robot is read, by the argument of `fb.load`, with their defaults; and which of
 its numbers are others."""
-FILE = ("tip", "base", "mimic", "physical", "snap_angles", "convention", "parameters")
+FILE = (
+    "tip",
+    "base",
+    "mimic",
+    "physical",
+    "snap_angles",
+    "convention",
+    "package_path",
+    "xacro",
+    "xacro_environment",
+    "parameters",
+)
 """Options of most commands."""
 CASE = (*FILE, "payload")
 """Options of commands that move the robot."""
@@ -208,6 +247,10 @@ class GivenRobot:
             value = in_units(text, "angle")
             given[name] = text if value is None else repr(value)
         payload = how.pop("payload", None)
+        arguments = pairs("--xacro", how.pop("xacro", None), "length:=0.5", ":=")
+        how["xacro"] = arguments
+        for name in ("package_path", "xacro_environment"):
+            how[name] = how.get(name) or ()
         with terminal.warnings_as_lines():
             model = load(self.name, **how)
         if payload is not None:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Literal
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
-from freebody.formats import dh_csv, read_file, toml, urdf
+from freebody.formats import dh_csv, read_file, sdf, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
-from freebody.formats.urdf_elements import xacro
+from freebody.formats.mjcf import reader as mjcf
+from freebody.formats.packages import Packages, packages_around
+from freebody.formats.urdf_elements import parse
+from freebody.formats.xacro.expand import expanded, without_links
 from freebody.model import planar_arms
 from freebody.model.build import BasePolicy, MimicPolicy, Policy, build_model
 from freebody.model.description import RobotDescription
@@ -18,19 +23,108 @@ from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
-_NOT_READ = {
-    ".xacro": "xacro is not read directly; {xacro}, and load that.",
-    ".xml": "MJCF and other XML are not read; export the robot as URDF, "
-    "or describe it in freebody's TOML.",
-    ".sdf": "SDF is not read; convert it to URDF, or describe the robot in freebody's TOML.",
-}
-SUFFIXES = (".urdf", ".toml", ".csv")
 _BARE = "files without suffix"
 
 
+@dataclass(frozen=True)
+class ReadingOptions:
+    """How files of some formats are to be read, see `load`."""
+
+    snap_angles: float = 3e-9
+    convention: Convention | None = None
+    package_path: tuple[str, ...] = ()
+    xacro: Mapping[str, object] = field(default_factory=dict)
+    xacro_environment: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Given:
+    """One description to be read: its name in messages, its bytes, the name of a robot that has
+    none, and the packages that it can name."""
+
+    file: str
+    data: bytes
+    name: str
+    packages: Packages
+    how: ReadingOptions
+
+
+@dataclass(frozen=True)
+class _Format:
+    """A file format: its reader, and the options that it uses."""
+
+    describe: Callable[[_Given], RobotDescription]
+    uses: tuple[str, ...] = ()
+
+
+def _urdf(given: _Given) -> RobotDescription:
+    root = parse(given.file, given.data)
+    return urdf.describe(root, given.file, name=given.name, snap_angles=given.how.snap_angles)
+
+
+def _xacro(given: _Given) -> RobotDescription:
+    how, file = given.how, given.file
+    found = expanded(file, given.data, given.packages, how.xacro, how.xacro_environment)
+    if not found.root.all("link"):
+        raise FileError(file, None, without_links(found))
+    name = given.name.removesuffix(".urdf")
+    described = urdf.describe(found.root, file, name=name, snap_angles=how.snap_angles)
+    return replace(described, notices=(*found.notices, *described.notices))
+
+
+def _sdf(given: _Given) -> RobotDescription:
+    root = parse(given.file, given.data, sdf.TEXT)
+    return sdf.describe(root, given.file, name=given.name, snap_angles=given.how.snap_angles)
+
+
+def _xml(given: _Given) -> RobotDescription:
+    """MJCF; URDF is called .xml too."""
+    root = parse(given.file, given.data)
+    if root.tag == "robot":
+        return _urdf(given)
+    if root.tag != "mujoco":
+        raise FileError(
+            given.file,
+            root.line,
+            f"the root element is <{root.tag}>, expected <mujoco> or <robot>.",
+        )
+    on_disk = given.packages.folder is not None
+    return mjcf.describe(given.file, on_disk, given.data, given.name)
+
+
+def _toml(given: _Given) -> RobotDescription:
+    return toml.describe(given.file, read_file.decoded(given.file, given.data), name=given.name)
+
+
+def _csv(given: _Given) -> RobotDescription:
+    text = read_file.decoded(given.file, given.data)
+    return dh_csv.describe(given.file, text, name=given.name, convention=given.how.convention)
+
+
+_FORMATS = {
+    ".urdf": _Format(_urdf, ("package_path",)),
+    ".xacro": _Format(_xacro, ("package_path", "xacro", "xacro_environment")),
+    ".xml": _Format(_xml, ("package_path",)),
+    ".mjcf": _Format(_xml),
+    ".sdf": _Format(_sdf),
+    ".toml": _Format(_toml),
+    ".csv": _Format(_csv, ("convention",)),
+}
+SUFFIXES = tuple(_FORMATS)
+_PURPOSES = {
+    "convention": "DH tables in .csv files, which do not always state it",
+    "package_path": "URDF and xacro files, which name packages",
+    "xacro": "xacro files, which have arguments",
+    "xacro_environment": "xacro files, which can ask for variables",
+}
+"""Options that are refused where nothing uses them, and whose they are."""
+
+
 def load(
-    source: str | os.PathLike[str],
+    source: str | os.PathLike[str] | None = None,
     *,
+    text: str | None = None,
+    format: Literal["urdf", "xacro", "mjcf", "sdf", "toml", "csv"] | None = None,  # noqa: A002
     tip: str | None = None,
     base: BasePolicy | None = None,
     mimic: MimicPolicy = "follow",
@@ -39,9 +133,12 @@ def load(
     convention: Convention | None = None,
     estimate_inertia: float | None = None,
     loop_tolerance: tuple[float, float] | None = None,
+    package_path: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
+    xacro: Mapping[str, object] | None = None,
+    xacro_environment: Sequence[str] = (),
 ) -> Model:
-    """A model from a .urdf, .toml or .csv (DH table) file, or a bundled model by its name (see
-    `models()`).
+    """A model from a .urdf, .xacro, .xml (MJCF), .sdf, .toml or .csv (DH table) file, from such
+    text, or a bundled model by its name (see `models()`).
 
     Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
     planar("RRP"). A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no
@@ -51,6 +148,9 @@ def load(
     ----------
     source
         Path of a file, or the name of a bundled model.
+    text, format
+        In place of a source: a description as text, and its format, "urdf", "xacro", "mjcf",
+        "sdf", "toml" or "csv". Errors count the text's lines.
     tip
         The frame that `frame=None` means; default: the file's, else the only one that is called
         tcp, tool0, flange, ee… or grasp…, in this order, else the end of the longest chain of
@@ -74,6 +174,13 @@ def load(
     loop_tolerance
         (m, rad) by which rounded numbers may keep loops from closing, see `Model.with_loop`;
         default: the file's, else 1 mm or a thousandth of the loop's size, the smaller, and 1 mrad.
+    package_path
+        Folders of ROS packages that a xacro file includes, or that hold meshes. Packages around the
+        file are found without, then those in FREEBODY_PACKAGE_PATH and where ROS keeps them.
+    xacro
+        Values for the arguments of a xacro file, by their names.
+    xacro_environment
+        The environment variables that a xacro file may read.
 
     Returns
     -------
@@ -92,9 +199,20 @@ def load(
     MassWarning
         Masses of a URDF that are missing, placeholders or implausible.
     """
-    description = read(source, snap_angles=snap_angles, convention=convention)
+    how = ReadingOptions(
+        snap_angles, convention, _paths(package_path), dict(xacro or {}), tuple(xacro_environment)
+    )
+    if source is None:
+        description = _text(text, format, how)
+    elif text is None and format is None:
+        description = read(source, how)
+    else:
+        raise FreebodyError("load: text= and format= take the place of a path; leave one out.")
     if estimate_inertia is not None:
-        description = _estimated(description, estimate_inertia)
+        file = None if source is None else os.fspath(source)
+        description = _estimated(
+            description, estimate_inertia, packages_around(file, how.package_path)
+        )
     chosen = base or description.base
     model = build_model(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
     if loop_tolerance is not None:
@@ -102,13 +220,13 @@ def load(
     return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
 
 
-def _estimated(description: RobotDescription, mass: float) -> RobotDescription:
+def _estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
     if not description.real:
         raise FreebodyError(
             f"load: estimate_inertia= needs the shapes of a URDF, and {description.name!r} comes "
             f"from none; give masses in its file."
         )
-    return estimated(description, mass)
+    return estimated(description, mass, packages)
 
 
 def _weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
@@ -140,41 +258,70 @@ def settled(model: Model) -> Model:
 
 
 def read(
-    source: str | os.PathLike[str],
-    *,
-    snap_angles: float = 3e-9,
-    convention: Convention | None = None,
+    source: str | os.PathLike[str], how: ReadingOptions = ReadingOptions()
 ) -> RobotDescription:
     """The description in a file or of a bundled model, before it is checked and lumped; see
     `load`."""
-    if not 0.0 <= real(snap_angles, "load: snap_angles") < 0.1:
-        raise FreebodyError(
-            f"load: snap_angles is {snap_angles}, expected radians between 0 and 0.1."
-        )
     given = _path(source)
     path = Path(given)
-    if convention is not None and path.suffix.lower() != ".csv":
-        raise FreebodyError(
-            f"load: convention= is for DH tables in .csv files, which do not always state it; "
-            f"leave it out for {given!r}."
-        )
     if not path.suffix and os.sep not in given and "/" not in given:
+        _used(how, (), given)
         return _named(given)
     suffix = path.suffix.lower()
-    if suffix in _NOT_READ:
-        advice = xacro(path.name, path.stem.removesuffix(".urdf"))
-        raise FileError(path, None, _NOT_READ[suffix].format(xacro=advice))
     if suffix not in SUFFIXES and not path.is_dir():
         raise FileError(
             path, None, f"freebody does not know {suffix or _BARE}; it reads {', '.join(SUFFIXES)}."
         )
     data = read_file.read(path)
-    if suffix == ".urdf":
-        return urdf.describe(given, data, name=path.stem, snap_angles=snap_angles)
-    text = read_file.decoded(given, data)
-    if suffix == ".csv":
-        return dh_csv.describe(given, text, name=path.stem, convention=convention)
-    return toml.describe(given, text, name=path.stem)
+    return _described(suffix, given, data, path.stem, packages_around(given, how.package_path), how)
+
+
+def _text(text: object, kind: str | None, how: ReadingOptions) -> RobotDescription:
+    """The description in a text of a stated format."""
+    if text is None or kind is None:
+        raise FreebodyError(
+            "load: give a path or a bundled model's name, or text= and format= of a description."
+        )
+    if not isinstance(text, str) or not text.strip():
+        what = "empty" if isinstance(text, str) else f"of type {type(text).__name__}"
+        raise FreebodyError(f"load: text= is {what}, expected a description.")
+    known = [suffix[1:] for suffix in SUFFIXES]
+    if kind not in known:
+        raise UnknownNameError("format", kind, "load", known)
+    if len(text) > read_file.LARGEST_FILE:
+        raise FreebodyError("load: text= is longer than any robot description.")
+    data = text.encode(errors="replace")
+    packages = packages_around(None, how.package_path)
+    return _described(f".{kind}", "text", data, "robot", packages, how)
+
+
+def _described(
+    suffix: str, file: str, data: bytes, name: str, packages: Packages, how: ReadingOptions
+) -> RobotDescription:
+    reader = _FORMATS[suffix]
+    _used(how, reader.uses, file)
+    return reader.describe(_Given(file, data, name, packages, how))
+
+
+def _used(how: ReadingOptions, uses: tuple[str, ...], given: str) -> None:
+    """Refuse options that what is read has no use for, and values that are none."""
+    if not 0.0 <= real(how.snap_angles, "load: snap_angles") < 0.1:
+        raise FreebodyError(
+            f"load: snap_angles is {how.snap_angles}, expected radians between 0 and 0.1."
+        )
+    for name, purpose in _PURPOSES.items():
+        if getattr(how, name) and name not in uses:
+            raise FreebodyError(f"load: {name}= is for {purpose}; leave it out for {given!r}.")
+
+
+def _paths(given: object) -> tuple[str, ...]:
+    """Folders as one path or several."""
+    entries = (given,) if isinstance(given, str | os.PathLike) else given
+    if not isinstance(entries, Sequence) or not all(
+        isinstance(entry, str | os.PathLike) for entry in entries
+    ):
+        raise FreebodyError("load: package_path= takes a folder or a list of folders.")
+    return tuple(os.fspath(entry) for entry in entries)
 
 
 def _path(source: object) -> str:
@@ -184,10 +331,10 @@ def _path(source: object) -> str:
             f"load: expected a path or a model's name, not {type(source).__name__}."
         )
     if given.lstrip().startswith("<") or "\n" in given:
-        kind = ".urdf" if given.lstrip().startswith("<") else ".toml or .csv"
+        kind = "urdf" if given.lstrip().startswith("<") else "toml"
         raise FreebodyError(
-            f"load: {shown(given)} is the text of a description, not a path; write it to a {kind} "
-            f"file and load that: its lines are what errors refer to."
+            f"load: {shown(given)} is the text of a description, not a path; give it as text=, "
+            f'with its format, such as format="{kind}".'
         )
     return given
 

@@ -25,12 +25,12 @@ import io
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from freebody.errors import FileError, FreebodyError, MissingPackageError, listed
+from freebody.formats.packages import Packages
 from freebody.formats.read_file import contents
 from freebody.model.bodies import Body
 from freebody.model.description import Link, RobotDescription
@@ -275,7 +275,7 @@ _MESHES = (".stl", ".obj", ".ply", ".dae")
 files."""
 
 
-def estimated(description: RobotDescription, mass: float) -> RobotDescription:
+def estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
     """The description, its inertias replaced by estimates that weigh `mass` (kg) together, the base
     included.
 
@@ -287,7 +287,7 @@ def estimated(description: RobotDescription, mass: float) -> RobotDescription:
             f"load: estimate_inertia is {mass}, expected the robot's whole mass, kg above 0."
         )
     file = description.file or description.name
-    filled = {link.name: _filled(link, file) for link in description.links}
+    filled = {link.name: _filled(link, file, packages) for link in description.links}
     volume = sum(inertia.numbers()[0] for inertia in filled.values() if inertia)
     if not volume:
         raise FileError(
@@ -328,18 +328,20 @@ def _estimate_doubts(
         yield Doubt(IMPLAUSIBLE, text, description.file)
 
 
-def _filled(link: Link, file: str) -> Inertia | None:
+def _filled(link: Link, file: str, packages: Packages) -> Inertia | None:
     """The link at density 1, in its frame; None where it has no shape."""
     collision = [shape for shape in link.shapes if shape.role == "collision"]
-    parts = list(_parts(collision or link.shapes, link, file))
+    parts = list(_parts(collision or link.shapes, link, file, packages))
     parts = [part for part in parts if part.numbers()[0] > 0]
     return combined(parts) if parts else None
 
 
-def _parts(shapes: tuple[Shape, ...] | list[Shape], link: Link, file: str) -> Iterator[Inertia]:
+def _parts(
+    shapes: tuple[Shape, ...] | list[Shape], link: Link, file: str, packages: Packages
+) -> Iterator[Inertia]:
     for shape in shapes:
         R, p = shape.placement.lower(of_dimension(3), VALUES)
-        own = _mesh(shape, link, file) if shape.kind == "mesh" else shape.uniform(1.0)
+        own = _mesh(shape, link, file, packages) if shape.kind == "mesh" else shape.uniform(1.0)
         yield own.placed(np.array(R, dtype=float), p)
 
 
@@ -351,15 +353,15 @@ def _scaled(inertia: Inertia | None, density: float) -> Inertia | None:
 
 
 # ------------------------------------------------------------ meshes
-def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
+def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
     """A mesh at density 1: what it encloses; of one with holes, what its convex hull does."""
-    path = located(shape.file, Path(file).absolute().parent)
+    path = packages.located(shape.file)
     if path is None:
         raise FileError(
             file,
             shape.line,
             f"link {link.name!r}: its mesh {shape.file!r} was not found beside the file or above "
-            f"it.",
+            f"it; package_path= names folders of packages.",
         )
     try:
         import trimesh  # an extra
@@ -394,22 +396,3 @@ def _mesh(shape: Shape, link: Link, file: str) -> Inertia:
             f"link {link.name!r}: its mesh {path.name!r} cannot be read: "
             f"{' '.join(str(problem).split())}.",
         ) from None
-
-
-def located(name: str, folder: Path) -> Path | None:
-    """The file that a mesh's name means: a path from `folder` (absolute), or package://NAME/REST,
-    where NAME/REST, or else REST alone, is found from `folder` or one above it, the nearest first.
-    None where there is no such file."""
-    scheme, colon, rest = name.partition("://")
-    if not colon:
-        candidates = [folder / name]
-    elif scheme == "file":
-        candidates = [Path(rest)]
-    elif scheme in ("package", "model"):
-        inside = rest.partition("/")[2]
-        above = (folder, *folder.parents)
-        candidates = [place / rest for place in above]
-        candidates += [place / inside for place in above]  # folders of packages are often renamed
-    else:
-        return None
-    return next((path for path in candidates if path.is_file()), None)

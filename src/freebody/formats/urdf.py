@@ -13,7 +13,7 @@ from typing import Literal
 
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
-from freebody.formats.urdf_elements import Elements, XmlElement, parse, xacro
+from freebody.formats.urdf_elements import UNEXPANDED, Elements, XmlElement
 from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -34,10 +34,10 @@ _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _ROLES: tuple[Literal["collision", "visual"], ...] = ("collision", "visual")
 
 
-def describe(file: str, data: bytes, *, name: str, snap_angles: float) -> RobotDescription:
-    """The description in a URDF file. `name` stands in where <robot> has none; snap_angles in
-    rad."""
-    return _UrdfReader(file, snap_angles).description(parse(file, data), name)
+def describe(robot: XmlElement, file: str, *, name: str, snap_angles: float) -> RobotDescription:
+    """The description in a URDF's root element, of that file. `name` stands in where <robot> has
+    none; snap_angles in rad."""
+    return _UrdfReader(file, snap_angles).description(robot, name)
 
 
 class _UrdfReader(Elements):
@@ -63,7 +63,7 @@ class _UrdfReader(Elements):
         self.remarks["<transmission> in <robot>"] = _reductions(robot)
         if not robot.all("link"):
             unexpanded = any(child.tag.startswith("xacro:") for child in robot.children)
-            hint = f"; it looks like xacro: {xacro('FILE', 'out')}" if unexpanded else ""
+            hint = f"; it is xacro, {UNEXPANDED}" if unexpanded else ""
             self.refuse(robot, f"there are no links; a robot needs at least one{hint}.")
         for element in robot.all("link"):
             self.link(element)

@@ -29,7 +29,8 @@ _MOST_KINDS = 100
 
 @dataclass(slots=True)
 class XmlElement:
-    """One element: tag with its prefix as written, attributes, line, elements and text inside."""
+    """One element: tag with its prefix as written, attributes, line, elements and text inside, and
+    the file it is written in."""
 
     tag: str
     attributes: dict[str, str]
@@ -37,6 +38,7 @@ class XmlElement:
     children: list[XmlElement] = field(default_factory=list)
     content: str = ""
     """The beginning of the text directly inside, stripped."""
+    file: str = ""
 
     def all(self, tag: str) -> list[XmlElement]:
         """The elements of that tag directly inside."""
@@ -47,9 +49,9 @@ class XmlElement:
         return self.attributes.get("name", "").strip()
 
 
-def parse(file: str, data: bytes) -> XmlElement:
-    """The root element. Raises FileError with the line where the text is not XML, ends early or
-    declares entities."""
+def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
+    """The root element; of an element's text `most` characters are kept. Raises FileError with the
+    line where the text is not XML, ends early or declares entities."""
     parser = expat.ParserCreate()
     opened: list[XmlElement] = []
     roots: list[XmlElement] = []
@@ -73,13 +75,13 @@ def parse(file: str, data: bytes) -> XmlElement:
             )
         if len(opened) == _DEEPEST:
             refuse(f"elements are nested more than {_DEEPEST} deep.")
-        element = XmlElement(tag, attributes, parser.CurrentLineNumber)
+        element = XmlElement(tag, attributes, parser.CurrentLineNumber, file=file)
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
     def text(data: str) -> None:
-        if opened and len(opened[-1].content) < _TEXT:
-            opened[-1].content += data.strip()[:_TEXT]
+        if opened and len(opened[-1].content) < most:
+            opened[-1].content += data.strip()[:most]
 
     def doctype(*_: object) -> NoReturn:
         # expanding entities can fill the memory (the "billion laughs") or read other files
@@ -106,13 +108,8 @@ def parse(file: str, data: bytes) -> XmlElement:
     return roots[0]
 
 
-def xacro(name: str, stem: str) -> str:
-    """Advice on how to expand a file of that name, with ROS and without."""
-    return (
-        f"expand it first, with `xacro {name} -o {stem}.urdf`; without ROS, `pip install xacro` "
-        f"has this command, and each $(find PACKAGE) in the file is to be replaced by that "
-        f"package's folder"
-    )
+UNEXPANDED = "which this suffix does not say: call the file .urdf.xacro, and it is expanded"
+"""Advice on a .urdf file that is a xacro file."""
 
 
 class Elements:
@@ -166,7 +163,7 @@ class Elements:
         value = read_file.number(word)
         problem = None if value is None else read_file.fault(value, infinite)
         if value is None or problem == read_file.NOT_FINITE:
-            hint = f"; it is a xacro expression: {xacro('FILE', 'out')}" if "${" in word else ""
+            hint = f"; it is a xacro expression, {UNEXPANDED}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
             self.refuse(
                 element,
@@ -241,10 +238,10 @@ class Elements:
         return notices
 
     def notice(self, kind: str, element: XmlElement, text: str) -> None:
-        self.notices.append(Notice(kind, text, self.file, element.line))
+        self.notices.append(Notice(kind, text, element.file, element.line))
 
     def refuse(self, element: XmlElement, problem: str) -> NoReturn:
-        raise FileError(self.file, element.line, problem)
+        raise FileError(element.file, element.line, problem)
 
 
 def _times(n: int) -> str:

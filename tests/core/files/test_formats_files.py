@@ -46,7 +46,7 @@ def test_a_name_is_a_bundled_model(tmp_path, monkeypatch):
 def test_unknown_names(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     start = "Did you mean 'ur5e'? Models: 2R, 3R, 3RRR, "
-    end = ". A file needs its suffix: .urdf, .toml, .csv."
+    end = ". A file needs its suffix: .urdf, .xacro, .xml, .mjcf, .sdf, .toml, .csv."
     text = message("ur5")
     assert text.startswith(f"load: no model 'ur5' in the bundled models. {start}")
     assert text.endswith(f" ({len(fb.models())} in all){end}")
@@ -54,38 +54,22 @@ def test_unknown_names(tmp_path, monkeypatch):
     assert message("robot") == (
         "load: 'robot' is not a bundled model. The file of that name needs a suffix that tells its "
         "format: .urdf, "
-        ".toml, .csv."
+        ".xacro, .xml, .mjcf, .sdf, .toml, .csv."
     )
     assert message("2R", tip="hand") == "no frame 'hand' in '2R'. Frames: base, link1, link2, tip."
 
 
 def test_files_that_are_not_read(tmp_path):
-    assert message(tmp_path / "arm.xacro", tmp_path) == (
-        "arm.xacro: xacro is not read directly; expand it first, with `xacro arm.xacro -o "
-        "arm.urdf`; without ROS, `pip install xacro` has this "
-        "command, and each $(find PACKAGE) in the file is to be replaced by that "
-        "package's folder, and load that."
-    )
-    assert message("arm.urdf.xacro") == (
-        "arm.urdf.xacro: xacro is not read directly; expand it first, with `xacro "
-        "arm.urdf.xacro -o arm.urdf`; without ROS, `pip install xacro` has this "
-        "command, and each $(find PACKAGE) in the file is to be replaced by that "
-        "package's folder, and load that."
-    )
-    assert message("scene.xml") == (
-        "scene.xml: MJCF and other XML are not read; export the robot as URDF, or describe it in "
-        "freebody's TOML."
-    )
-    assert message("world.sdf") == (
-        "world.sdf: SDF is not read; convert it to URDF, or describe the robot in freebody's TOML."
-    )
     assert (
         message("arm.step")
-        == "arm.step: freebody does not know .step; it reads .urdf, .toml, .csv."
+        == "arm.step: freebody does not know .step; it reads .urdf, .xacro, .xml, .mjcf, .sdf, "
+        ".toml, .csv."
     )
     assert (
         message("./arm")
-        == "arm: freebody does not know files without suffix; it reads .urdf, .toml, .csv."
+        == "arm: freebody does not know files without suffix; it reads .urdf, .xacro, .xml, .mjcf, "
+        ".sdf, "
+        ".toml, .csv."
     )
     assert message(tmp_path, tmp_path.parent).endswith(": this is a folder; name a file in it.")
 

@@ -363,9 +363,8 @@ MASSLESS = (
         (joint('<origin xyz="${a} 0 0"/>'),
          "arm.urdf:5: joint 'elbow': xyz of <origin> is '${a}', expected a "
          "finite number; "
-             "it is a xacro expression: expand it first, with `xacro FILE -o out.urdf`; without "
-             "ROS, `pip install xacro` has this command, and each $(find PACKAGE) in the file is "
-             "to be replaced by that package's folder."),
+         "it is a xacro expression, which this suffix does not say: call the file "
+         ".urdf.xacro, and it is expanded."),
         (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'),
          "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
         (joint('<limit lower="1" upper="-1"/>'),
@@ -412,10 +411,8 @@ def test_refused(tmp_path, body: str, text: str):
         ("<robot name='a'/>", "arm.urdf:1: there are no links; a robot needs at least one."),
         ("<robot xmlns:xacro='x'><xacro:arm/></robot>",
          "arm.urdf:1: there are no links; a robot needs at least "
-         "one; it looks "
-             "like xacro: expand it first, with `xacro FILE -o out.urdf`; without "
-             "ROS, `pip install xacro` has this command, and each $(find PACKAGE) in the file is "
-             "to be replaced by that package's folder."),
+         "one; it is xacro, which this suffix does not say: call the file .urdf.xacro, and it is "
+         "expanded."),
     ],
 )  # fmt: skip
 def test_not_a_robot(tmp_path, text: str, problem: str):

@@ -131,12 +131,9 @@ def test_names_that_no_file_can_have():
 def test_text_instead_of_a_path():
     assert refusal(lambda: fb.load(" <robot name='a'><link name='b'/></robot>")) == (
         "load: \" <robot name='a'><link name='b'/></robot>\" is the text of a description, not a "
-        "path; write it to a "
-        ".urdf file and load that: its lines are what errors refer to."
+        'path; give it as text=, with its format, such as format="urdf".'
     )
-    assert "write it to a .toml or .csv file" in refusal(
-        lambda: fb.load('name = "a"\n[planar]\nword = "R"')
-    )
+    assert 'such as format="toml".' in refusal(lambda: fb.load('name = "a"\n[planar]\nword = "R"'))
     assert "standard input" in refusal(lambda: fb.load("-"))
 
 

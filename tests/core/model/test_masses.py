@@ -13,7 +13,7 @@ import pytest
 
 import freebody as fb
 from freebody import FileError, FreebodyError, Inertia
-from freebody.formats.masses import located
+from freebody.formats.packages import packages_around
 from support.command import run
 from support.extras import extra
 
@@ -361,15 +361,16 @@ def test_where_meshes_are_looked_for(tmp_path: Path):
     for name in ("pkg/urdf/arm.urdf", "pkg/meshes/a.stl"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("x")
-    found, folder = tmp_path / "pkg/meshes/a.stl", tmp_path / "pkg/urdf"
+    found = tmp_path / "pkg/meshes/a.stl"
+    packages = packages_around(str(tmp_path / "pkg/urdf/arm.urdf"))
     for name in (
         "package://pkg/meshes/a.stl",
         "package://renamed/meshes/a.stl",
         "../meshes/a.stl",
         f"file://{found}",
     ):
-        where = located(name, folder)
+        where = packages.located(name)
         assert where is not None
         assert where.resolve() == found
     for name in ("package://pkg/meshes/b.stl", "http://pkg/meshes/a.stl", "b.stl"):
-        assert located(name, folder) is None
+        assert packages.located(name) is None

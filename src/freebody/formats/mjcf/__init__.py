@@ -1,0 +1,1 @@
+"""MJCF, the format of MuJoCo, read through MuJoCo's own parser (the extra freebody[mjcf])."""

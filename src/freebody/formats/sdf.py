@@ -1,0 +1,461 @@
+"""SDF, the format of Gazebo and Drake: the links, joints, loops and frames of one model.
+
+Poses are relative to the model unless they say otherwise, a joint's to its child; an axis is in the
+joint's frame (up to version 1.4, and with use_parent_model_frame, in the model's). A link that is
+the child of several joints closes a loop with each after the first. What else the file holds is
+counted and reported.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from freebody.errors import UnknownNameError, listed, shown
+from freebody.formats import read_file
+from freebody.formats.urdf_elements import Elements, XmlElement
+from freebody.model.description import (
+    INFINITE,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mimic,
+    Mount,
+    RobotDescription,
+)
+from freebody.model.gravity import gravity_of
+from freebody.model.inertia import Inertia
+from freebody.model.placement import Placement, rotate, rpy, shift
+from freebody.model.quantity_reader import VALUES
+from freebody.spatial import space
+
+TEXT = 400
+"""Characters of an element's text that are read: a pose of seven numbers."""
+_TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_MODEL, _WORLD = "__model__", "world"
+_UNLIMITED = 1e16
+"""Limits from which Gazebo takes a joint to have none."""
+FramePose = tuple[np.ndarray, np.ndarray]
+"""(R, p) of a frame in the model's."""
+_TYPES: dict[str, tuple[str, str | None]] = {
+    "revolute": ("revolute", "revolute"),
+    "continuous": ("revolute", "revolute"),
+    "prismatic": ("prismatic", "prismatic"),
+    "ball": ("spherical", "spherical"),
+    "fixed": ("fixed", "fixed"),
+    "universal": ("revolute", None),
+    "revolute2": ("revolute", None),
+}
+"""The kind of joint, and of loop, of each type; those with two axes are two joints."""
+_AXES = {"revolute": 1, "continuous": 1, "prismatic": 1, "universal": 2, "revolute2": 2}
+
+
+def describe(root: XmlElement, file: str, *, name: str, snap_angles: float) -> RobotDescription:
+    """The description in an SDF's root element, of that file. `name` stands in where the model has
+    none; snap_angles in rad."""
+    return _SdfReader(file, snap_angles).description(root, name)
+
+
+class _SdfReader(Elements):
+    """One reading: the frames, links and joints found so far."""
+
+    def __init__(self, file: str, snap: float):
+        super().__init__(file, snap)
+        self.links: dict[str, Link] = {}
+        self.joints: list[Joint] = []
+        self.mounts: list[Mount] = []
+        self.loops: list[Loop] = []
+        self.written: dict[str, tuple[XmlElement, str]] = {}
+        """Each frame's element, and the frame its pose is relative to where it does not say."""
+        still = np.eye(3), np.zeros(3)
+        self.poses: dict[str, FramePose] = {_MODEL: still, _WORLD: still}
+        self.assumed: list[str] = []
+        """Links of which the format assumes a mass or inertia."""
+
+    def description(self, root: XmlElement, name: str) -> RobotDescription:
+        if root.tag != "sdf":
+            self.refuse(root, f"the root element is <{root.tag}>, expected <sdf>.")
+        self.version = self.read_version(root)
+        model, gravity = self.model(root)
+        self.sort_out(model, "link", "joint", "frame", "pose", "static", "model", "include")
+        for tag in ("model", "include"):
+            for inner in model.all(tag):
+                self.refuse(inner, f"a <{tag}> inside a model is not read; put its links here.")
+        links, joints = model.all("link"), model.all("joint")
+        if not links:
+            self.refuse(model, "there are no links; a robot needs at least one.")
+        for element in (*links, *model.all("frame"), *joints):
+            self.declare(element)
+        pose = self.one(model, "pose", "the model")
+        if pose is not None:
+            self.poses[_WORLD] = _between(self.local(pose, "the model"), self.poses[_MODEL])
+        for element in links:
+            self.link(element)
+        self.tree(model, joints)
+        for element in model.all("frame"):
+            self.frame(element)
+        if self.assumed:
+            self.notice(
+                "inertia",
+                model,
+                f"warning: {listed(self.assumed, 5)}: no mass or inertia, for which SDF assumes 1 "
+                f"kg and 1 kg m².",
+            )
+        return RobotDescription(
+            model.name() or name,
+            3,
+            tuple(self.links.values()),
+            tuple(self.joints),
+            gravity,
+            mounts=tuple(self.mounts),
+            loops=tuple(self.loops),
+            source=self.file,
+            notices=(*self.notices, *self.summary()),
+            file=self.file,
+            real=True,
+        )
+
+    def read_version(self, root: XmlElement) -> tuple[int, int]:
+        words = root.attributes.get("version", "1.6").split(".")
+        if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
+            self.refuse(root, f"the version is {root.attributes.get('version')!r}, such as 1.7.")
+        return int(words[0]), int(words[1])
+
+    def model(self, root: XmlElement) -> tuple[XmlElement, tuple]:
+        """The one model of the file that is no scenery, and gravity."""
+        worlds, models = root.all("world"), root.all("model")
+        gravity: float | list[float] = 9.81
+        for world in worlds:
+            models += world.all("model")
+            for element in world.all("gravity"):
+                gravity = self.numbers(element, 3, "gravity")
+        moving = [m for m in models if not self.truth(m, "static")] or models
+        if len(moving) != 1:
+            names = listed([repr(m.name()) for m in moving], 6) or "none"
+            self.refuse(root, f"a robot is one <model>, and here are {names}; leave one.")
+        name = None if isinstance(gravity, list) else "g"
+        return moving[0], gravity_of(gravity, 3, name=name)
+
+    # ------------------------------------------------------------ frames
+    def declare(self, element: XmlElement) -> None:
+        where = f"{element.tag} {element.name()!r}"
+        name = self.text(element, "name", element.tag)
+        if name in self.written or name in (_MODEL, _WORLD):
+            self.refuse(element, f"{where}: there are two of that name; rename one.")
+        around = _MODEL
+        if element.tag == "joint":
+            around = self.end(element, "child", where)
+        elif element.tag == "frame":
+            around = element.attributes.get("attached_to", "").strip() or _MODEL
+        self.written[name] = element, around
+
+    def pose_of(self, name: str, asked_by: XmlElement, above: tuple[str, ...] = ()) -> FramePose:
+        """A frame's pose in the model's frame."""
+        if name not in self.poses:
+            if name not in self.written:
+                known = [_MODEL, *self.written]
+                self.refuse(asked_by, str(UnknownNameError("frame", name, "the model", known)))
+            if name in above or len(above) > 200:
+                chain = listed([*above, name], 6)
+                self.refuse(asked_by, f"frames are placed in circles: {chain}.")
+            element, around = self.written[name]
+            self.poses[name] = self.placed(element, around, (*above, name))
+        return self.poses[name]
+
+    def placed(self, element: XmlElement, around: str, above: tuple[str, ...] = ()) -> FramePose:
+        """The pose that an element's <pose> gives, in the model's frame."""
+        where = f"{element.tag} {element.name()!r}"
+        pose = self.one(element, "pose", where)
+        if pose is None:
+            return self.pose_of(around, element, above)
+        self.only(pose, "relative_to", "frame", "degrees", "rotation_format")
+        base = pose.attributes.get("relative_to", "").strip() or around
+        outer = self.pose_of(base, pose, above)
+        return _composed(outer, self.local(pose, where))
+
+    def local(self, pose: XmlElement, where: str) -> FramePose:
+        """The numbers of a <pose>: position, then roll, pitch, yaw or a quaternion x, y, z, w."""
+        form = pose.attributes.get("rotation_format", "euler_rpy")
+        if form == "quat_xyzw":
+            *p, x, y, z, w = self.numbers(pose, 7, where)
+            if not any((x, y, z, w)):
+                self.refuse(pose, f"{where}: the quaternion is zero.")
+            return np.array(space.quaternion((w, x, y, z)), dtype=float), np.array(p)
+        if form != "euler_rpy":
+            self.refuse(pose, f"{where}: rotation_format is {form!r}, not euler_rpy or quat_xyzw.")
+        values = self.numbers(pose, 6, where) if pose.content else [0.0] * 6
+        angles = values[3:]
+        if pose.attributes.get("degrees", "").strip() in ("true", "1"):
+            angles = [math.radians(angle) for angle in angles]
+        R, _ = rpy(*angles, snap=self.snap).lower(space, VALUES)
+        return np.array(R, dtype=float), np.array(values[:3])
+
+    def frame(self, element: XmlElement) -> None:
+        """A frame fixed to a link, directly or through others."""
+        name, body, seen = element.name(), element.name(), set[str]()
+        while body not in self.links:
+            if body in seen or body == _MODEL:
+                body = self.root
+                break
+            seen.add(body)
+            holder, around = self.written.get(body, (element, _MODEL))
+            body = self.end(holder, "child", "") if holder.tag == "joint" else around
+        inside = _between(self.pose_of(body, element), self.pose_of(name, element))
+        self.mounts.append(Mount(name, body, _placement(inside)))
+
+    # ------------------------------------------------------------ links
+    def link(self, element: XmlElement) -> None:
+        self.only(element, "name")
+        self.sort_out(element, "inertial", "pose")
+        where = f"link {element.name()!r}"
+        self.pose_of(element.name(), element)
+        inertial = self.one(element, "inertial", where)
+        inertia, placement = self.inertial(inertial, where)
+        line = (inertial or element).line
+        self.links[element.name()] = Link(element.name(), inertia, placement, line)
+
+    def inertial(self, element: XmlElement | None, where: str) -> tuple[Inertia, Placement]:
+        mass, tensor, pose = 1.0, {"ixx": 1.0, "iyy": 1.0, "izz": 1.0}, None
+        if element is not None:
+            self.sort_out(element, "mass", "inertia", "pose")
+            given = self.one(element, "mass", where)
+            mass = self.number_in(given, where) if given is not None else 1.0
+            pose = self.one(element, "pose", where)
+            entries = self.one(element, "inertia", where)
+            for key in _TENSOR:
+                found = self.one(entries, key, where) if entries is not None else None
+                if found is not None:
+                    tensor[key] = self.number_in(found, where)
+        if element is None or not (element.all("mass") and element.all("inertia")):
+            self.assumed.append(where)
+        Rp = self.local(pose, where) if pose is not None else (np.eye(3), np.zeros(3))
+        numbers = tuple(tensor.get(key, 0.0) for key in _TENSOR)
+        return Inertia(mass, (0.0, 0.0, 0.0), numbers), _placement(Rp)
+
+    # ------------------------------------------------------------ joints
+    def tree(self, model: XmlElement, joints: list[XmlElement]) -> None:
+        """The tree of joints, and a loop for each joint to a link that has one."""
+        placed: set[str] = set()
+        held, own = False, tuple(self.links)
+        for element in joints:
+            where = f"joint {element.name()!r}"
+            parent, child = (self.end(element, tag, where) for tag in ("parent", "child"))
+            if child == _WORLD:
+                self.refuse(element, f"{where}: its child is the world; swap parent and child.")
+            held |= parent == _WORLD
+            if child in placed:
+                self.loop(element, where, parent, child)
+            else:
+                placed.add(child)
+                self.joint(element, where, parent, child)
+        roots = [name for name in own if name not in placed]
+        outer = self.poses[_WORLD]
+        if len(roots) == 1 and not held:
+            at = _placement(_between(outer, self.pose_of(roots[0], model)))
+            self.root = _WORLD if at.steps else roots[0]
+            if at.steps:
+                weld = f"{roots[0]}_in_world"
+                self.joints.append(Joint(weld, "fixed", _WORLD, roots[0], at))
+        else:
+            self.root = _WORLD
+            for name in roots:
+                self.notice(
+                    "floating", model, f"link {name!r} is joined to nothing and floats freely."
+                )
+                self.joints.append(Joint(f"{name}_floats", "free", _WORLD, name))
+        if self.root == _WORLD:
+            self.links = {_WORLD: Link(_WORLD), **self.links}
+
+    def end(self, element: XmlElement, tag: str, where: str) -> str:
+        """The link that <parent> or <child> names, itself or by a frame on it."""
+        found = self.one(element, tag, where)
+        if found is None or not found.content:
+            self.refuse(element, f"{where}: it has no <{tag}>; name a link in it.")
+        name = found.content
+        if name in (_WORLD, *self.links) or name not in self.written:
+            known = [_WORLD, *self.links] if self.links else [_WORLD, *self.written]
+            if name not in known and name not in self.written:
+                self.refuse(found, str(UnknownNameError("link", name, "the model", known)))
+            return name
+        for _ in range(200):
+            holder, around = self.written[name]
+            if holder.tag == "link":
+                return name
+            name = self.end(holder, "child", where) if holder.tag == "joint" else around
+            if name in (_MODEL, _WORLD):
+                return _WORLD
+        self.refuse(found, f"{where}: frames are attached in circles.")
+
+    def joint(self, element: XmlElement, where: str, parent: str, child: str) -> None:
+        """A joint of the tree; where its frame is not its child's, a link without mass lies
+        between."""
+        name, kind, axes = element.name(), self.kind(element, where)[0], self.axes(element, where)
+        at = self.pose_of(name, element)
+        outer = self.pose_of(parent, element)
+        inside = _between(at, self.pose_of(child, element))
+        placement = _placement(_between(outer, at))
+        steps = [
+            (name if k == 0 else f"{name}_{k + 1}", kind, axis, tag)
+            for k, (axis, tag) in enumerate(axes)
+        ] or [(name, kind, (), None)]
+        direct = not _placement(inside).steps
+        for k, (called, kind, axis, tag) in enumerate(steps):
+            last = k == len(steps) - 1
+            to = child if last and direct else f"{called}_frame"
+            if to != child:
+                self.links[to] = Link(to, line=element.line)
+            self.joints.append(
+                Joint(
+                    called,
+                    kind,
+                    parent,
+                    to,
+                    placement,
+                    axis,
+                    self.limits(tag, where),
+                    self.drive(tag, where),
+                    self.mimic(tag, where),
+                    element.line,
+                )
+            )
+            parent, placement = to, Placement()
+        if not direct:
+            at_child = _placement(inside)
+            self.joints.append(Joint(f"{name}_to_link", "fixed", parent, child, at_child))
+
+    def loop(self, element: XmlElement, where: str, parent: str, child: str) -> None:
+        """A loop joint, its frames at the joint's own pose on both links."""
+        kind, axes = self.kind(element, where)[1], self.axes(element, where)
+        if kind is None:
+            self.refuse(element, f"{where}: a joint with two axes that closes a loop is not known.")
+        at, ends = self.pose_of(element.name(), element), []
+        for side, link in (("a", parent), ("b", child)):
+            outer = self.pose_of(link, element)
+            ends.append(f"{element.name()}_{side}")
+            self.mounts.append(Mount(ends[-1], link, _placement(_between(outer, at))))
+        axis = axes[0][0] if axes else ()
+        self.loops.append(Loop(element.name(), kind, (ends[0], ends[1]), axis, line=element.line))
+
+    def kind(self, element: XmlElement, where: str) -> tuple[str, str | None]:
+        given = self.text(element, "type", where)
+        if given not in _TYPES:
+            self.refuse(element, str(UnknownNameError("type", given, where, _TYPES)))
+        self.only(element, "name", "type")
+        self.sort_out(element, "parent", "child", "pose", *self.axis_tags(given))
+        return _TYPES[given]
+
+    def axis_tags(self, given: str) -> tuple[str, ...]:
+        return ("axis", "axis2")[: _AXES.get(given, 0)]
+
+    def axes(
+        self, element: XmlElement, where: str
+    ) -> list[tuple[tuple[float, ...], XmlElement | None]]:
+        """Each axis in the joint's frame, with its element."""
+        found = []
+        for tag in self.axis_tags(element.attributes.get("type", "").strip()):
+            axis = self.one(element, tag, where)
+            xyz = self.one(axis, "xyz", where) if axis is not None else None
+            direction = np.array(self.numbers(xyz, 3, where) if xyz is not None else (0, 0, 1.0))
+            if not direction.any():
+                self.refuse(element, f"{where}: the axis is zero; give a direction such as 0 0 1.")
+            frame = xyz.attributes.get("expressed_in", "").strip() if xyz is not None else ""
+            if not frame and axis is not None and self.in_model(axis):
+                frame = _MODEL
+            if frame:
+                mine, theirs = self.pose_of(element.name(), element), self.pose_of(frame, element)
+                direction = mine[0].T @ theirs[0] @ direction
+            length = float(np.linalg.norm(direction))
+            x, y, z = (direction / length).tolist()
+            found.append(((x, y, z), axis))
+        return found
+
+    def in_model(self, axis: XmlElement) -> bool:
+        """Whether an axis is given in the model's frame, as old versions do."""
+        return self.version < (1, 5) or self.truth(axis, "use_parent_model_frame")
+
+    def limits(self, axis: XmlElement | None, where: str) -> Limits:
+        limit = self.one(axis, "limit", where) if axis is not None else None
+        if limit is None:
+            return Limits()
+        lower, upper = (self.inside(limit, tag, where) for tag in ("lower", "upper"))
+        effort, velocity = (self.inside(limit, tag, where) for tag in ("effort", "velocity"))
+
+        def most(value: float | None) -> float:
+            """A size, of which a negative one means that there is none."""
+            return INFINITE if value is None or value < 0 or value >= _UNLIMITED else value
+
+        return Limits(
+            -INFINITE if lower is None or lower <= -_UNLIMITED else lower,
+            INFINITE if upper is None or upper >= _UNLIMITED else upper,
+            most(velocity),
+            most(effort),
+        )
+
+    def drive(self, axis: XmlElement | None, where: str) -> Drive:
+        dynamics = self.one(axis, "dynamics", where) if axis is not None else None
+        if dynamics is None:
+            return Drive()
+        tags = ("damping", "friction", "spring_stiffness", "spring_reference")
+        d, f, k, rest = (self.inside(dynamics, tag, where) or 0.0 for tag in tags)
+        return Drive(viscous=d, coulomb=f, stiffness=k, rest=rest if k else 0.0)
+
+    def mimic(self, axis: XmlElement | None, where: str) -> Mimic | None:
+        tag = self.one(axis, "mimic", where) if axis is not None else None
+        if tag is None:
+            return None
+        ratio, offset, reference = (
+            self.inside(tag, key, where) for key in ("multiplier", "offset", "reference")
+        )
+        ratio = 1.0 if ratio is None else ratio
+        leader = self.text(tag, "joint", where)
+        return Mimic(leader, ratio, (offset or 0.0) - ratio * (reference or 0.0))
+
+    # ------------------------------------------------------------ values
+    def numbers(self, element: XmlElement, count: int, where: str) -> list[float]:
+        """The numbers in an element's text."""
+        words = element.content.split()
+        if len(words) != count:
+            self.refuse(
+                element, f"{where}: <{element.tag}> has {len(words)} numbers, expected {count}."
+            )
+        return [self.checked(element, word, where) for word in words]
+
+    def number_in(self, element: XmlElement, where: str) -> float:
+        return self.numbers(element, 1, where)[0]
+
+    def inside(self, element: XmlElement, tag: str, where: str) -> float | None:
+        """The number in the element of that tag, perhaps infinite."""
+        found = self.one(element, tag, where)
+        if found is None:
+            return None
+        return self.checked(found, found.content.strip(), where, infinite=True)
+
+    def checked(self, element: XmlElement, word: str, where: str, infinite: bool = False) -> float:
+        value = read_file.number(word)
+        problem = None if value is None else read_file.fault(value, infinite)
+        if value is None or problem:
+            self.refuse(element, f"{where}: {shown(word)} in <{element.tag}> is no usable number.")
+        return value
+
+    def truth(self, element: XmlElement, tag: str) -> bool:
+        return any(found.content in ("1", "true") for found in element.all(tag))
+
+
+def _composed(outer: FramePose, inner: FramePose) -> FramePose:
+    return outer[0] @ inner[0], outer[0] @ inner[1] + outer[1]
+
+
+def _between(outer: FramePose, inner: FramePose) -> FramePose:
+    """The inner pose seen from the outer one."""
+    back = outer[0].T
+    return back @ inner[0], back @ (inner[1] - outer[1])
+
+
+def _placement(pose: FramePose) -> Placement:
+    R, p = pose
+    near = np.allclose(R, np.eye(3), rtol=0, atol=1e-15)
+    turned = Placement() if near else rotate(R, "pose")
+    return (shift(*p.tolist()) if p.any() else Placement()).then(turned)

@@ -1,0 +1,237 @@
+"""SDF files: the same equations of motion as Drake reads from them, loops of second parents, and
+what is wrong told with its line."""
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from support.extras import extra
+
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
+INERTIAL = (
+    "<inertial><pose>0.1 0.2 0.3 0.1 0.2 0.3</pose><mass>{}</mass><inertia><ixx>0.3</ixx>"
+    "<iyy>0.4</iyy><izz>0.5</izz><ixy>0.01</ixy><ixz>-0.02</ixz><iyz>0.03</iyz></inertia></inertial>"
+)
+
+
+def link(name, pose="", mass=1.5):
+    return f'<link name="{name}">{pose}{INERTIAL.format(mass)}</link>'
+
+
+def joint(name, parent, child, inside, kind="revolute"):
+    return (
+        f'<joint name="{name}" type="{kind}"><parent>{parent}</parent><child>{child}</child>'
+        f"{inside}</joint>"
+    )
+
+
+def sdf(inside, version="1.7"):
+    return f'<sdf version="{version}"><model name="arm">\n{inside}\n</model></sdf>'
+
+
+Y = "<axis><xyz>0 1 0</xyz></axis>"
+ROBOTS = {
+    "poses of the model": sdf(
+        link("a", "<pose>0 0 1 0.1 0.2 0.3</pose>")
+        + link("b", "<pose>1 0 1 0 0.5 0</pose>")
+        + joint("j", "world", "a", Y)
+        + joint("k", "a", "b", "<axis><xyz>1 2 3</xyz></axis>")
+    ),
+    "poses of others": sdf(
+        link("a", "<pose>0 0 1 0.1 0.2 0.3</pose>")
+        + link("b", '<pose relative_to="a">1 0 1 0 0.5 0</pose>')
+        + '<frame name="f" attached_to="a"><pose relative_to="b">0.1 0 0 0.4 0 0</pose></frame>'
+        + joint("j", "world", "a", Y)
+        + joint("k", "a", "b", '<axis><xyz expressed_in="f">0 0 1</xyz></axis>', "prismatic")
+    ),
+    "a joint away from its child": sdf(
+        link("a")
+        + link("b", "<pose>1 0 0 0 0 0</pose>")
+        + joint("j", "world", "a", f"<pose>0.1 0.2 0.3 0.5 0 0</pose>{Y}")
+        + joint("k", "a", "b", f'<pose relative_to="a">0.5 0 0.1 0 0.3 0</pose>{Y}')
+    ),
+    "degrees and quaternions": sdf(
+        link("a", '<pose degrees="true">0 0 1 20 30 40</pose>')
+        + link("b", '<pose rotation_format="quat_xyzw">0.5 0 0 0.1 0.2 0.3 0.9273618495</pose>')
+        + joint("j", "world", "a", Y)
+        + joint("k", "a", "b", Y),
+        "1.9",
+    ),
+    "an axis of the model": sdf(
+        link("a", "<pose>0 0 1 0.5 0.2 0</pose>")
+        + joint(
+            "j",
+            "world",
+            "a",
+            "<axis><use_parent_model_frame>1</use_parent_model_frame><xyz>0 1 0</xyz></axis>",
+        ),
+        "1.6",
+    ),
+    "two axes": sdf(
+        link("a", "<pose>0 0 1 0.5 0.2 0</pose>")
+        + joint("j", "world", "a", "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>",
+                "universal")
+    ),
+    "fixed and ball": sdf(
+        link("a")
+        + link("b", "<pose>1 0 0 0 0 0.4</pose>")
+        + link("c", "<pose>1 0 1 0 0 0.4</pose>")
+        + joint("w", "world", "a", "", "fixed")
+        + joint("k", "a", "b", Y)
+        + joint("f", "b", "c", "", "fixed")
+    ),
+    "a model that is turned": sdf(
+        "<pose>1 2 3 0.3 0.2 0.1</pose>"
+        + link("a")
+        + joint("j", "world", "a", Y)
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_equations_are_those_of_drake(robot):
+    extra("pydrake", "Drake")
+    from pydrake.multibody.parsing import Parser
+    from pydrake.multibody.plant import MultibodyPlant
+
+    plant = MultibodyPlant(0.0)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -9.81])
+    Parser(plant).AddModelsFromString(ROBOTS[robot], "sdf")
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    model = fb.load(text=ROBOTS[robot], format="sdf")
+    assert model.nq == plant.num_positions()
+    names = [name.removesuffix("_2") for name in model.joint_names]
+    at = [plant.GetJointByName(name).position_start() for name in names]
+    at = [start + names[:k].count(names[k]) for k, start in enumerate(at)]
+    rng = np.random.default_rng(5)
+    for _ in range(4):
+        q = rng.normal(size=model.nq)
+        theirs = np.zeros(model.nq)
+        theirs[at] = q
+        plant.SetPositions(context, theirs)
+        M = plant.CalcMassMatrix(context)[np.ix_(at, at)]
+        G = -plant.CalcGravityGeneralizedForces(context)[at]
+        np.testing.assert_allclose(fb.mass_matrix(model, q), M, atol=1e-9)
+        np.testing.assert_allclose(fb.gravity_torque(model, q), G, atol=1e-8)
+
+
+def test_old_versions_give_axes_in_the_model():
+    robot = link("a", "<pose>0 0 1 0.5 0.2 0</pose>") + joint("j", "world", "a", Y)
+    flag = "<use_parent_model_frame>1</use_parent_model_frame>"
+    old = fb.load(text=sdf(robot, "1.4"), format="sdf")
+    new = fb.load(text=sdf(robot.replace("<xyz>", f"{flag}<xyz>"), "1.6"), format="sdf")
+    other = fb.load(text=sdf(robot, "1.6"), format="sdf")
+    q = np.array([0.4])
+    assert fb.gravity_torque(old, q) == pytest.approx(fb.gravity_torque(new, q))
+    assert fb.gravity_torque(old, q) != pytest.approx(fb.gravity_torque(other, q))
+
+
+def test_a_second_parent_closes_a_loop():
+    """A parallelogram: the coupler's second parent is the other crank."""
+    bars = (
+        link("left")
+        + link("top", "<pose>0 0 1 0 0 0</pose>")
+        + link("right", "<pose>2 0 0 0 0 0</pose>")
+    )
+    pins = (
+        joint("a", "world", "left", Y)
+        + joint("b", "left", "top", Y)
+        + joint("c", "world", "right", Y)
+        + joint("d", "right", "top", f'<pose relative_to="right">0 0 1 0 0 0</pose>{Y}')
+    )
+    model = fb.load(text=sdf(bars + pins), format="sdf")
+    (loop,) = model.loops
+    assert (loop.name, loop.kind) == ("d", "revolute")
+    q = fb.assemble(model, {"a": 0.5}, free=["b", "c"])
+    assert dict(zip(model.joint_names, q, strict=True)) == pytest.approx(
+        {"a": 0.5, "b": -0.5, "c": 0.5}
+    )
+    assert fb.mobility(model, q).instantaneous == 1
+
+
+def test_limits_friction_springs_mimics_and_frames():
+    inside = (
+        "<axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>2</upper><effort>30</effort>"
+        "<velocity>-1</velocity></limit><dynamics><damping>0.5</damping><friction>0.2</friction>"
+        "<spring_stiffness>7</spring_stiffness><spring_reference>0.1</spring_reference></dynamics>"
+        "</axis>"
+    )
+    follow = (
+        '<axis><xyz>0 1 0</xyz><mimic joint="j" axis="axis"><multiplier>2</multiplier>'
+        "<offset>0.3</offset><reference>0.1</reference></mimic></axis>"
+    )
+    model = fb.load(
+        text=sdf(
+            link("a")
+            + link("b")
+            + '<frame name="tool" attached_to="b"><pose>0 0 0.2 0 0 0</pose></frame>'
+            + joint("j", "world", "a", inside)
+            + joint("k", "a", "b", follow)
+        ),
+        format="sdf",
+    )
+    first, second = (body.joint for body in model.bodies)
+    limits = first.limits
+    assert (limits.lower, limits.upper, limits.effort, limits.velocity) == (-1, 2, 30, np.inf)
+    assert (second.mimic.ratio, second.mimic.offset) == (2.0, pytest.approx(0.1))
+    assert "tool" in model.frame_names
+    M = fb.mass_matrix(model, [0.0])
+    tau = fb.inverse_dynamics(model, [0.4], [1.0], [0.0])
+    back = fb.inverse_dynamics(model, [0.4], [-1.0], [0.0])
+    assert M.shape == (1, 1)
+    assert (tau - back)[0] == pytest.approx(2 * (0.5 + 0.2))
+
+
+def test_what_is_not_said_is_told():
+    model = fb.load(text=sdf('<link name="a"/>' + joint("j", "world", "a", Y)), format="sdf")
+    assert any("SDF assumes 1 kg and 1 kg m²" in str(notice) for notice in model.notices)
+    assert fb.mass_matrix(model, [0.0]) == pytest.approx(np.ones((1, 1)))
+    floating = fb.load(text=sdf(link("a") + link("b") + joint("j", "world", "a", Y)), format="sdf")
+    assert floating.nv == 7
+    assert any("floats freely" in str(notice) for notice in floating.notices)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("<robot/>", ":1: the root element is <robot>, expected <sdf>."),
+        (sdf(""), "there are no links"),
+        (sdf(link("a") + link("a")), "there are two of that name"),
+        (sdf(link("a", "<pose>1 2 3</pose>")), "<pose> has 3 numbers, expected 6"),
+        (sdf(link("a", "<pose>1 2 3 4 5 x</pose>")), "'x' in <pose> is no usable number"),
+        (sdf(link("a", '<pose relative_to="b"/>')), "no frame 'b' in the model"),
+        (
+            sdf(link("a", '<pose relative_to="b"/>') + link("b", '<pose relative_to="a"/>')),
+            "placed in circles",
+        ),
+        (sdf(link("a") + joint("j", "world", "c", Y)), "no link 'c'"),
+        (sdf(link("a") + joint("j", "a", "world", Y)), "swap parent and child"),
+        (sdf(link("a") + joint("j", "world", "a", "", "gearbox")), "no type 'gearbox'"),
+        (
+            sdf(link("a") + joint("j", "world", "a", "<axis><xyz>0 0 0</xyz></axis>")),
+            "the axis is zero",
+        ),
+        (sdf(link("a") + "<include/>"), "a <include> inside a model is not read"),
+        ('<sdf version="x"><model name="a"/></sdf>', "the version is 'x'"),
+        ('<sdf version="1.7"><world name="w"/></sdf>', "a robot is one <model>"),
+    ],
+)
+def test_refusals(text, told):
+    with pytest.raises(fb.FreebodyError) as caught:
+        fb.load(text=text, format="sdf")
+    assert told in str(caught.value)
+
+
+def test_a_world_with_one_robot(tmp_path):
+    path = tmp_path / "world.sdf"
+    robot = link("a") + joint("j", "world", "a", Y)
+    path.write_text(
+        '<sdf version="1.6"><world name="w"><gravity>0 0 -1.6</gravity><model name="ground">'
+        f'<static>true</static><link name="g"/></model><model name="arm">{robot}</model></world>'
+        "</sdf>"
+    )
+    model = fb.load(path)
+    assert model.name == "arm"
+    assert model.gravity == pytest.approx([0, 0, -1.6])
