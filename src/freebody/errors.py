@@ -10,7 +10,7 @@ import sys
 import warnings
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 
 def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
@@ -226,10 +226,19 @@ class OutOfMemoryError(FreebodyError, MemoryError):
         super().__init__(problem)
 
 
+class IncludedLine(NamedTuple):
+    """A line of a file that another file includes."""
+
+    file: str
+    line: int
+
+
 class FileError(FreebodyError, ValueError):
     """Something in a file, with the file and, where known, the line."""
 
-    def __init__(self, path: str | Path, line: int | None, problem: str):
+    def __init__(self, path: str | Path, line: int | IncludedLine | None, problem: str):
+        if isinstance(line, IncludedLine):
+            path, line = line
         if len(problem) > _MOST:  # of a file's own text
             problem = f"{problem[: _MOST // 2]} … {problem[-_MOST // 2 :]}"
         self.path, self.line, self.problem = str(path), line, problem

@@ -244,7 +244,8 @@ class _UrdfReader(Elements):
         value = self.number(tag, key, where, INFINITE, infinite=True)
         if value != 0.0:
             return value
-        self.unknown.setdefault(key, [0, tag.line])[0] += 1
+        n, first = self.unknown.get(key, (0, tag.line))
+        self.unknown[key] = n + 1, first
         return INFINITE
 
     def drive(self, element: XmlElement, where: str) -> Drive:

@@ -12,7 +12,7 @@ from itertools import islice
 from typing import NoReturn
 from xml.parsers import expat
 
-from freebody.errors import FileError, shown
+from freebody.errors import FileError, IncludedLine, shown
 from freebody.formats import read_file
 from freebody.model.description import Notice
 
@@ -34,7 +34,7 @@ class XmlElement:
 
     tag: str
     attributes: dict[str, str]
-    line: int
+    line: int | IncludedLine
     children: list[XmlElement] = field(default_factory=list)
     content: str = ""
     """The beginning of the text directly inside, stripped."""
@@ -120,9 +120,9 @@ class Elements:
         self.file, self.snap = file, snap
         self.notices: list[Notice] = []
         self.shapes: Counter[str] = Counter()
-        self.ignored: dict[str, list[int]] = {}
+        self.ignored: dict[str, tuple[int, int | IncludedLine]] = {}
         self.remarks: dict[str, str] = {}
-        self.unknown: dict[str, list[int]] = {}
+        self.unknown: dict[str, tuple[int, int | IncludedLine]] = {}
         self.changes: list[float] = []
 
     # ------------------------------------------------------------ values
@@ -188,8 +188,9 @@ class Elements:
             elif child.tag not in known:
                 self.count(f"<{child.tag}> in {owner or f'<{element.tag}>'}", child.line)
 
-    def count(self, what: str, line: int) -> None:
-        self.ignored.setdefault(what, [0, line])[0] += 1
+    def count(self, what: str, line: int | IncludedLine) -> None:
+        n, first = self.ignored.get(what, (0, line))
+        self.ignored[what] = n + 1, first
 
     def one(self, element: XmlElement, tag: str, where: str) -> XmlElement | None:
         """The only element of that tag inside, or None."""
@@ -238,10 +239,10 @@ class Elements:
         return notices
 
     def notice(self, kind: str, element: XmlElement, text: str) -> None:
-        self.notices.append(Notice(kind, text, element.file, element.line))
+        self.notices.append(Notice(kind, text, self.file, element.line))
 
     def refuse(self, element: XmlElement, problem: str) -> NoReturn:
-        raise FileError(element.file, element.line, problem)
+        raise FileError(self.file, element.line, problem)
 
 
 def _times(n: int) -> str:

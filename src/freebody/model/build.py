@@ -12,7 +12,14 @@ from typing import Literal, NoReturn, Protocol, TypeVar
 
 import numpy as np
 
-from freebody.errors import FileError, ModelError, PhysicalWarning, UnknownNameError, warn
+from freebody.errors import (
+    FileError,
+    IncludedLine,
+    ModelError,
+    PhysicalWarning,
+    UnknownNameError,
+    warn,
+)
 from freebody.model import changes
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import (
@@ -231,7 +238,7 @@ class _DescriptionChecks:
         self.links = self.unique("link", description.links)
         self.unique("joint", description.joints)
 
-    def refuse(self, problem: str, line: int | None = None) -> NoReturn:
+    def refuse(self, problem: str, line: int | IncludedLine | None = None) -> NoReturn:
         """Raise with the file and line where there is one."""
         if self.description.file:
             raise FileError(self.description.file, line, problem)
@@ -331,7 +338,9 @@ class _DescriptionChecks:
         if self.physical != "ignore":
             self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
 
-    def _doubt(self, kind: str, what: str, fault: str | None, line: int | None) -> None:
+    def _doubt(
+        self, kind: str, what: str, fault: str | None, line: int | IncludedLine | None
+    ) -> None:
         """Warn about what no robot has, or refuse it."""
         if fault is None:
             return
@@ -392,7 +401,7 @@ def _shortened(names: list[str], most: int = 12) -> list[str]:
 class _Refuse(Protocol):
     """Raises with what is wrong and the line of the file."""
 
-    def __call__(self, problem: str, line: int | None = None) -> NoReturn: ...
+    def __call__(self, problem: str, line: int | IncludedLine | None = None) -> NoReturn: ...
 
 
 def _leaders(joints: list[Joint], refuse: _Refuse) -> dict[str, Mimic]:

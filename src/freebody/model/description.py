@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from freebody.errors import ModelError, shown
+from freebody.errors import IncludedLine, ModelError, shown
 from freebody.lazy import Keeps
 from freebody.model.drives import LAWS, NUMBERS, LawNumber
 from freebody.model.families import Members
@@ -177,7 +177,7 @@ class Joint(Keeps):
     limits: Limits = Limits()
     drive: Drive = Drive()
     mimic: Mimic | None = None
-    line: int | None = field(default=None, compare=False)
+    line: int | IncludedLine | None = field(default=None, compare=False)
     passive: bool = False
     """Nothing drives it: it is moved by the others, and no torque acts there but friction and a
     spring."""
@@ -193,7 +193,7 @@ class Link:
     name: str
     inertia: Inertia | None = None
     placement: Placement = Placement()
-    line: int | None = field(default=None, compare=False)
+    line: int | IncludedLine | None = field(default=None, compare=False)
     shapes: tuple[Shape, ...] = ()
 
 
@@ -229,7 +229,7 @@ class Loop:
     frames: tuple[str, str]
     axis: tuple[float, ...] = ()
     distance: Quantity | None = None
-    line: int | None = field(default=None, compare=False)
+    line: int | IncludedLine | None = field(default=None, compare=False)
 
 
 CHANGED = "parameter"
@@ -246,7 +246,13 @@ class Notice:
     kind: str
     text: str
     file: str | None = None
-    line: int | None = None
+    line: int | IncludedLine | None = None
+
+    def __post_init__(self) -> None:
+        if isinstance(self.line, IncludedLine):
+            file, line = self.line
+            object.__setattr__(self, "file", file)
+            object.__setattr__(self, "line", line)
 
     def __str__(self) -> str:
         place = (

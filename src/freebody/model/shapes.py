@@ -8,6 +8,7 @@ from typing import Literal
 
 import numpy as np
 
+from freebody.errors import IncludedLine
 from freebody.model.inertia import Inertia
 from freebody.model.placement import Placement
 
@@ -27,7 +28,7 @@ class Shape:
     role: Literal["collision", "visual"]
     file: str = ""
     """The file of a mesh, as written."""
-    line: int | None = None
+    line: int | IncludedLine | None = None
 
     @property
     def volume(self) -> float:

@@ -213,6 +213,13 @@ def test_faults_in_an_included_file_are_told_with_its_name(folder):
     assert "parts/bad.xacro:2: link 'a': <inertial> has no <mass>" in refusal(path)
     bad.write_text(f'{HEAD}\n<link name="${{x}}"/></robot>')
     assert "parts/bad.xacro:2: 'x' is not defined" in refusal(path)
+    # what is found only when the parts are put together, and notices
+    twice = LINK.format("a").replace('value="1"', 'value="1" unit="kg"')
+    bad.write_text(f"{HEAD}\n{twice}\n{twice}</robot>")
+    assert "parts/bad.xacro:3: two links are called 'a'" in refusal(path)
+    bad.write_text(f"{HEAD}\n{twice}\n</robot>")
+    told = [str(notice) for notice in fb.load(path).notices]
+    assert any("parts/bad.xacro:2: attribute unit of <mass> is ignored" in text for text in told)
 
 
 def test_calls_in_eval(folder):

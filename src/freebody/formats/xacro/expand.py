@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
 
-from freebody.errors import FileError, UnknownNameError, listed, shown
+from freebody.errors import FileError, IncludedLine, UnknownNameError, listed, shown
 from freebody.formats import read_file
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement, parse
@@ -263,7 +263,10 @@ class _XacroExpansion:
         if self.left < 0:
             self.refuse(source, f"the expansion has more than {_ELEMENTS} elements.")
         content = str(self.value(source.content, scope)) if source.content else ""
-        made = XmlElement(tag, attributes, source.line, [], content, source.file)
+        line = source.line
+        if source.file != self.files[0] and isinstance(line, int):
+            line = IncludedLine(source.file, line)
+        made = XmlElement(tag, attributes, line, [], content, source.file)
         into.children.append(made)
         self.children(source, scope, made)
 
