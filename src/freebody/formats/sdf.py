@@ -36,6 +36,8 @@ TEXT = 400
 """Characters of an element's text that are read: a pose of seven numbers."""
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MODEL, _WORLD = "__model__", "world"
+_OTHER_WORLD = "__world__"
+"""The world's name where an old file has a link called world, which its joints then mean."""
 _UNLIMITED = 1e16
 """Limits from which Gazebo takes a joint to have none."""
 FramePose = tuple[np.ndarray, np.ndarray]
@@ -71,7 +73,8 @@ class _SdfReader(Elements):
         self.written: dict[str, tuple[XmlElement, str]] = {}
         """Each frame's element, and the frame its pose is relative to where it does not say."""
         still = np.eye(3), np.zeros(3)
-        self.poses: dict[str, FramePose] = {_MODEL: still, _WORLD: still}
+        self.poses: dict[str, FramePose] = {_MODEL: still}
+        self.world = _WORLD
         self.assumed: list[str] = []
         """Links of which the format assumes a mass or inertia."""
 
@@ -87,11 +90,14 @@ class _SdfReader(Elements):
         links, joints = model.all("link"), model.all("joint")
         if not links:
             self.refuse(model, "there are no links; a robot needs at least one.")
+        if any(element.name() == _WORLD for element in links):
+            self.world = _OTHER_WORLD
+        self.poses[self.world] = self.poses[_MODEL]
         for element in (*links, *model.all("frame"), *joints):
             self.declare(element)
         pose = self.one(model, "pose", "the model")
         if pose is not None:
-            self.poses[_WORLD] = _between(self.local(pose, "the model"), self.poses[_MODEL])
+            self.poses[self.world] = _between(self.local(pose, "the model"), self.poses[_MODEL])
         for element in links:
             self.link(element)
         self.tree(model, joints)
@@ -143,7 +149,7 @@ class _SdfReader(Elements):
     def declare(self, element: XmlElement) -> None:
         where = f"{element.tag} {element.name()!r}"
         name = self.text(element, "name", element.tag)
-        if name in self.written or name in (_MODEL, _WORLD):
+        if name in self.written or name in (_MODEL, self.world):
             self.refuse(element, f"{where}: there are two of that name; rename one.")
         around = _MODEL
         if element.tag == "joint":
@@ -243,31 +249,31 @@ class _SdfReader(Elements):
         for element in joints:
             where = f"joint {element.name()!r}"
             parent, child = (self.end(element, tag, where) for tag in ("parent", "child"))
-            if child == _WORLD:
+            if child == self.world:
                 self.refuse(element, f"{where}: its child is the world; swap parent and child.")
-            held |= parent == _WORLD
+            held |= parent == self.world
             if child in placed:
                 self.loop(element, where, parent, child)
             else:
                 placed.add(child)
                 self.joint(element, where, parent, child)
         roots = [name for name in own if name not in placed]
-        outer = self.poses[_WORLD]
+        outer = self.poses[self.world]
         if len(roots) == 1 and not held:
             at = _placement(_between(outer, self.pose_of(roots[0], model)))
-            self.root = _WORLD if at.steps else roots[0]
+            self.root = self.world if at.steps else roots[0]
             if at.steps:
                 weld = f"{roots[0]}_in_world"
-                self.joints.append(Joint(weld, "fixed", _WORLD, roots[0], at))
+                self.joints.append(Joint(weld, "fixed", self.world, roots[0], at))
         else:
-            self.root = _WORLD
+            self.root = self.world
             for name in roots:
                 self.notice(
                     "floating", model, f"link {name!r} is joined to nothing and floats freely."
                 )
-                self.joints.append(Joint(f"{name}_floats", "free", _WORLD, name))
-        if self.root == _WORLD:
-            self.links = {_WORLD: Link(_WORLD), **self.links}
+                self.joints.append(Joint(f"{name}_floats", "free", self.world, name))
+        if self.root == self.world:
+            self.links = {self.world: Link(self.world), **self.links}
 
     def end(self, element: XmlElement, tag: str, where: str) -> str:
         """The link that <parent> or <child> names, itself or by a frame on it."""
@@ -275,8 +281,8 @@ class _SdfReader(Elements):
         if found is None or not found.content:
             self.refuse(element, f"{where}: it has no <{tag}>; name a link in it.")
         name = found.content
-        if name in (_WORLD, *self.links) or name not in self.written:
-            known = [_WORLD, *self.links] if self.links else [_WORLD, *self.written]
+        if name in (self.world, *self.links) or name not in self.written:
+            known = [self.world, *self.links] if self.links else [self.world, *self.written]
             if name not in known and name not in self.written:
                 self.refuse(found, str(UnknownNameError("link", name, "the model", known)))
             return name
@@ -285,8 +291,8 @@ class _SdfReader(Elements):
             if holder.tag == "link":
                 return name
             name = self.end(holder, "child", where) if holder.tag == "joint" else around
-            if name in (_MODEL, _WORLD):
-                return _WORLD
+            if name in (_MODEL, self.world):
+                return self.world
         self.refuse(found, f"{where}: frames are attached in circles.")
 
     def joint(self, element: XmlElement, where: str, parent: str, child: str) -> None:

@@ -224,6 +224,13 @@ def test_refusals(text, told):
     assert told in str(caught.value)
 
 
+def test_old_files_have_a_link_called_world():
+    robot = '<link name="world"/>' + link("a") + joint("j", "world", "a", Y)
+    old = fb.load(text=sdf(robot, "1.5"), format="sdf")
+    new = fb.load(text=sdf(link("a") + joint("j", "world", "a", Y), "1.5"), format="sdf")
+    assert fb.gravity_torque(old, [0.3]) == pytest.approx(fb.gravity_torque(new, [0.3]))
+
+
 def test_a_world_with_one_robot(tmp_path):
     path = tmp_path / "world.sdf"
     robot = link("a") + joint("j", "world", "a", Y)

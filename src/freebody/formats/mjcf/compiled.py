@@ -109,8 +109,9 @@ def compiled(model, mujoco):
         actuator["transmission"] = "joint" if actuator["transmission"] in direct else "other"
         actuator["direct"] = not (actuator.pop("bias") or actuator.pop("gain_type"))
     flags = m.opt.disableflags
+    named = m.names[: m.names.index(b"\0")].decode(errors="replace")
     return {
-        "name": m.names[: m.names.index(b"\0")].decode(errors="replace"),
+        "name": named if named != "MuJoCo Model" else "",
         "gravity": [0.0] * 3
         if flags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
         else m.opt.gravity.tolist(),
