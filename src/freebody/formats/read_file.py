@@ -36,10 +36,11 @@ _NUMBER = re.compile(rf"{DECIMAL}|[+-]?inf(?:inity)?|nan", re.ASCII | re.IGNOREC
 def read(
     path: str | os.PathLike[str], most: int = LARGEST_FILE, what: str = "a robot description"
 ) -> bytes:
-    """The bytes of a text file: as `contents`, and binary ones refused."""
+    """The bytes of a text file: as `contents`, and binary ones refused; NUL bytes at the end do not
+    make it one."""
     data = contents(path, most, what)
     wide = data.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if b"\0" in data and not wide:
+    if b"\0" in data.rstrip(b"\0") and not wide:
         raise FileError(Path(path), None, "the file is binary, not text.")
     return data
 

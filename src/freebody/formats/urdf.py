@@ -14,7 +14,16 @@ from typing import Literal
 from freebody.errors import UnknownNameError
 from freebody.formats import read_file
 from freebody.formats.urdf_elements import UNEXPANDED, Elements, XmlElement
-from freebody.model.description import INFINITE, Drive, Joint, Limits, Link, Mimic, RobotDescription
+from freebody.model.description import (
+    INFINITE,
+    Drive,
+    Joint,
+    Limits,
+    Link,
+    Mimic,
+    Notice,
+    RobotDescription,
+)
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -28,6 +37,7 @@ TYPES = {
     "prismatic": "prismatic",
     "fixed": "fixed",
     "floating": "free",
+    "spherical": "spherical",  # Bullet's, outside the format's own list
     "planar": "planar",
 }
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -55,6 +65,7 @@ class _UrdfReader(Elements):
                 f"the root element is <{robot.tag}>, expected <robot>{_other_format(robot.tag)}.",
             )
         self.only(robot, "name", "version")
+        self.notices += [Notice("passed over", text, self.file) for text in robot.passed_over]
         if robot.name():
             name = robot.name()
         else:

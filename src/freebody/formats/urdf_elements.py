@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import NoReturn
+from typing import Any, NoReturn
 from xml.parsers import expat
 
 from freebody.errors import FileError, IncludedLine, shown
@@ -39,6 +39,8 @@ class XmlElement:
     content: str = ""
     """The beginning of the text directly inside, stripped."""
     file: str = ""
+    passed_over: tuple[str, ...] = ()
+    """Of the root: faults of the file that parsers are to refuse and simulators pass over."""
 
     def all(self, tag: str) -> list[XmlElement]:
         """The elements of that tag directly inside."""
@@ -52,13 +54,14 @@ class XmlElement:
 def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
     """The root element; of an element's text `most` characters are kept. Raises FileError with the
     line where the text is not XML, ends early or declares entities."""
+    data, above, passed_over = _mended(data)
     parser = expat.ParserCreate()
     opened: list[XmlElement] = []
     roots: list[XmlElement] = []
     left, attributes_left = _ELEMENTS, _ATTRIBUTES
 
     def refuse(problem: str) -> NoReturn:
-        raise FileError(file, parser.CurrentLineNumber, problem)
+        raise FileError(file, above + parser.CurrentLineNumber, problem)
 
     def start(tag: str, attributes: dict[str, str]) -> None:
         nonlocal left, attributes_left
@@ -75,7 +78,7 @@ def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
             )
         if len(opened) == _DEEPEST:
             refuse(f"elements are nested more than {_DEEPEST} deep.")
-        element = XmlElement(tag, attributes, parser.CurrentLineNumber, file=file)
+        element = XmlElement(tag, attributes, above + parser.CurrentLineNumber, file=file)
         (opened[-1].children if opened else roots).append(element)
         opened.append(element)
 
@@ -102,10 +105,25 @@ def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
             else f"this is not well-formed XML: {expat.ErrorString(error.code)} at column "
             f"{error.offset + 1}."
         )
-        raise FileError(file, error.lineno, problem) from None
+        raise FileError(file, above + error.lineno, problem) from None
     except (ValueError, LookupError) as error:  # an encoding that Python does not know
         raise FileError(file, None, f"the XML cannot be decoded: {error}.") from None
+    roots[0].passed_over = passed_over
     return roots[0]
+
+
+def _mended(data: bytes) -> tuple[bytes, int, tuple[str, ...]]:
+    """A file's text without what stands before its declaration or behind its end; how many lines
+    that are before it; and in words what it was."""
+    found, text = [], data.rstrip(b"\0")
+    if len(text) < len(data):
+        found.append(f"{len(data) - len(text)} NUL bytes at the end of the file are passed over.")
+    begun = text.lstrip()
+    before = text[: len(text) - len(begun)]
+    if before and begun.startswith(b"<?xml"):
+        found.append("what is blank before the XML declaration is passed over.")
+        return begun, before.count(b"\n"), tuple(found)
+    return text, 0, tuple(found)
 
 
 UNEXPANDED = "which this suffix does not say: call the file .urdf.xacro, and it is expanded"
@@ -193,10 +211,13 @@ class Elements:
         self.ignored[what] = n + 1, first
 
     def one(self, element: XmlElement, tag: str, where: str) -> XmlElement | None:
-        """The only element of that tag inside, or None."""
+        """The element of that tag inside, or None; of several the first, as simulators do, which is
+        told."""
         found = element.all(tag)
-        if len(found) > 1:
-            self.refuse(found[1], f"{where}: there are {len(found)} <{tag}>; keep one.")
+        for other in found[1:]:
+            same = _contents(other) == _contents(found[0])
+            kept = "they are equal" if same else "warning: they differ, and the first is used"
+            self.notice("doubled", other, f"{where}: there are {len(found)} <{tag}>; {kept}.")
         return found[0] if found else None
 
     def summary(self) -> list[Notice]:
@@ -243,6 +264,12 @@ class Elements:
 
     def refuse(self, element: XmlElement, problem: str) -> NoReturn:
         raise FileError(self.file, element.line, problem)
+
+
+def _contents(element: XmlElement) -> tuple[Any, ...]:
+    """What an element says, wherever it stands."""
+    inside = tuple(map(_contents, element.children))
+    return element.tag, element.attributes, element.content, inside
 
 
 def _times(n: int) -> str:

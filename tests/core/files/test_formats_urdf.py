@@ -316,7 +316,7 @@ MASSLESS = (
         (joint(kind="revolut"),
          "arm.urdf:4: no type 'revolut' in joint 'elbow'. Did you mean 'revolute'? Types: "
          "revolute, "
-             "continuous, prismatic, fixed, floating, planar."),
+             "continuous, prismatic, fixed, floating, spherical, planar."),
         (joint(kind=""), "arm.urdf:4: joint 'elbow': <joint> has no type; add type=\"...\"."),
         (joint(ends='<child link="hand"/>'),
          "arm.urdf:4: joint 'elbow': it has no <parent>; add <parent "
@@ -365,8 +365,6 @@ MASSLESS = (
          "finite number; "
          "it is a xacro expression, which this suffix does not say: call the file "
          ".urdf.xacro, and it is expanded."),
-        (joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>'),
-         "arm.urdf:5: joint 'elbow': there are 2 <axis>; keep one."),
         (joint('<limit lower="1" upper="-1"/>'),
          "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
          "them."),
@@ -433,4 +431,31 @@ def test_entities_are_refused(tmp_path):
         fb.load(path)
     path.write_text('<!DOCTYPE robot SYSTEM "file:///etc/passwd"><robot/>')
     with pytest.raises(fb.FreebodyError, match="DOCTYPE"):
+        fb.load(path)
+
+
+def test_faults_that_simulators_pass_over(tmp_path):
+    """NUL bytes at the end, blank lines before the declaration, elements given twice: read, and
+    told."""
+    path = tmp_path / "arm.urdf"
+    axes = joint('<axis xyz="1 0 0"/><axis xyz="0 1 0"/>')
+    links = '<link name="base"/><link name="hand"/>'
+    twice = f"<?xml version='1.0'?>\n<robot name='arm'>\n{links}\n{axes}</robot>"
+    path.write_bytes(b"\n \n" + twice.encode() + b"\0\0")
+    model = fb.load(path)
+    told = [str(notice).replace(f"{tmp_path}/", "") for notice in model.notices]
+    assert told[:2] == [
+        "arm.urdf: 2 NUL bytes at the end of the file are passed over.",
+        "arm.urdf: what is blank before the XML declaration is passed over.",
+    ]
+    (doubled,) = (text for text in told if "<axis>" in text)
+    assert doubled.endswith(
+        "joint 'elbow': there are 2 <axis>; warning: they differ, and the first is used."
+    )
+    lines = path.read_text().split("\n")
+    assert "<axis" in lines[int(doubled.split(":")[1]) - 1]
+    path.write_bytes(twice.replace("0 1 0", "1 0 0").encode())
+    assert any("they are equal" in str(notice) for notice in fb.load(path).notices)
+    path.write_bytes(twice.encode() + b"\0x")
+    with pytest.raises(fb.FreebodyError, match="binary, not text"):
         fb.load(path)
