@@ -56,10 +56,11 @@ class Area:
 AREAS = (
     Area(
         "algorithms",
-        ("algorithms/*.py", "spatial.py", "model/joints/*.py"),
+        ("algorithms/*.py", "spatial.py", "model/joints/*.py",
+         "model/drives/*.py"),
         ("yardsticks", "base_parameters", "states", "derivatives", "closed_three_ways",
          "operational", "equations", "steps", "controllers", "time_optimal",
-         "laws", "pinocchio"),
+         "laws", "drives", "pinocchio"),
     ),
     Area(
         "control laws",
@@ -69,7 +70,7 @@ AREAS = (
     Area(
         "kernels",
         ("program/*.py", "targets/*.py", "targets/llvm/*.py", "scalars/*.py", "kernels/**/*.py",
-         "scalar_math.py", "elementary.py"),
+         "scalar_math.py", "elementary.py", "dual.py"),
         ("program", "kernels", "threads", "llvm_text", "sine_and_cosine", "code_cache", "targets",
          "trig", "fastcall", "columns", "expr", "operational", "order_of_calls", "code_from_text",
          "recurrence", "memory", "compile", "gradients", "differentials", "parameter_derivatives",
@@ -91,9 +92,10 @@ AREAS = (
     ),
     Area(
         "models and files",
-        ("model/*.py", "formats/*.py", "robots/*.py"),
+        ("model/*.py", "formats/*.py", "formats/xacro/*.py", "formats/mjcf/*.py", "robots/*.py"),
         ("model", "inertia", "structure", "families", "changed_copies", "formats_toml",
-         "formats_urdf", "formats_files", "masses", "parameter_formulas", "planar_dh", "robots",
+         "formats_urdf", "formats_files", "xacro", "mjcf", "sdf", "masses",
+         "parameter_formulas", "planar_dh", "robots",
          "uniform", "joint_kinds", "pickling", "lifting"),
     ),
     Area(

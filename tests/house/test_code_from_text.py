@@ -60,6 +60,11 @@ KNOWN = {
     "pickles what it sends in the same way",
     ("model/description.py", "make_dataclass"): "the numbers of the laws of drives, by names that "
     "stand in their files",
+    (
+        "formats/mjcf/reader.py",
+        "subprocess",
+    ): "this Python with a file of freebody's own, which "
+    "has MuJoCo parse the user's; its path is an argument, never a shell's text",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (

@@ -1,4 +1,4 @@
-"""The data that a page which can be tried brings for its script, as the browser inflates it."""
+"""The data and script that a page which can be tried brings, as the browser inflates them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,13 @@ import re
 import zlib
 from base64 import b64decode
 from typing import Any
+
+
+def page_script(html: str) -> str:
+    """The script that the page runs, which its policy names."""
+    found = re.search(r'inflated\("([^"]*)"\)\.text', html)
+    assert found, "this page has no script"
+    return zlib.decompress(b64decode(found[1])).decode()
 
 
 def page_data(html: str) -> dict[str, Any]:

@@ -10,9 +10,10 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import takewhile
 from pathlib import Path
+
+from freebody.lazy import cached_property
 
 VARIABLE = "FREEBODY_PACKAGE_PATH"
 """Environment variable with folders of packages, as PATH lists them."""

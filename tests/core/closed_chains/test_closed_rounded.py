@@ -226,9 +226,7 @@ def test_the_tolerance_is_said_in_toml_in_load_and_in_python_and_saved(tmp_path)
             fb.FreebodyError, match=r"loop_tolerance is .*, expected \(metres, radians\)"
         ):
             plain.replace(loop_tolerance=bad)
-    with pytest.raises(
-        fb.FreebodyError, match=r"machine\.toml:3: .*loop_tolerance is \(-1\.0, 0\.0\)"
-    ):
+    with pytest.raises(fb.FreebodyError, match=r"\.toml:3: .*loop_tolerance is \(-1\.0, 0\.0\)"):
         loaded(four_bar_text("0", loop_tolerance="[-1, 0]"))
 
 

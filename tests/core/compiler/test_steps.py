@@ -42,7 +42,7 @@ def motion(seed: int, dim: int) -> tuple[State, np.ndarray, np.ndarray, State]:
     load = np.random.default_rng(seed).normal(size=6 if dim == 3 else 3)
     qd += np.copysign(0.5, qd)
     tau = fb.inverse_dynamics(model, q, qd, qdd, {"tool": load})
-    rubs = any(body.drive and np.any(body.drive.coulomb) for body in model.tree.bodies)
+    rubs = any(joint.drive.coulomb for joint in generate.tree(seed, dim).joints)
     width = {"friction_width": 1e-5} if rubs else {}
     true = fb.simulate(model, q, qd, [0, 0.1], tau, {"tool": load}, tolerance=1e-13, **width)
     return (q, qd), tau, load, (true["q"].values[-1], true["qd"].values[-1])

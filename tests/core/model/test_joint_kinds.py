@@ -396,7 +396,9 @@ def test_turns_of_a_screw_beyond_the_starts_are_not_called_out_of_reach():
 
 COMMON = {"fixed", "free", "planar", "point", "distance"}
 """Names of kinds that are words with other meanings too."""
-OTHERWISE = {"formats/urdf.py": "what the format calls them"}
+OTHERWISE = {
+    f"formats/{name}.py": "what the format calls them" for name in ("urdf", "sdf", "mjcf/reader")
+}
 SOURCE = Path(fb.__file__).parent
 
 
