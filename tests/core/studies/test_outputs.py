@@ -576,7 +576,7 @@ def test_every_page_has_the_policy_and_no_name_is_markup(arm: fb.Study):
         parsed = Tags(text)
         scripts = re.findall("<script>(.*?)</script>", text, re.DOTALL)
         assert len(scripts) == (name in LIVING), name
-        inflated = [page_script(text)] if name == "chapter" else []
+        inflated = [page_script(text)] if name in LIVING else []
         assert parsed.policy == allowing([*scripts, *inflated]), name
         assert parsed.before == ["html", "head", "meta"], name
         assert parsed.active == [("script", {})] * len(scripts), name
