@@ -9,6 +9,7 @@ import cmath
 import math
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -132,28 +133,40 @@ class Crowd:
 
     def settle(self, wanted: Sequence[Wanted]) -> list[Box]:
         """Boxes for all: one after the other, then each once more among the others, until none
-        moves."""
+        moves; from the first to the last and from the last to the first, of which the cheaper is
+        kept."""
         choices = [_candidates(w) for w in wanted]
         choices = [(boxes, prices + self._fixed(boxes)) for boxes, prices in choices]
-        first = len(self.boxes)
-        for boxes, prices in choices:
-            self.boxes.append(self._cheapest(boxes, prices))
-        for _ in range(RULE["sweeps"]):
-            before = self.boxes[first:]
-            for k, (boxes, prices) in enumerate(choices, first):
-                self.boxes.pop(k)
-                self.boxes.insert(k, self._cheapest(boxes, prices))
-            if self.boxes[first:] == before:
-                break
-        return self.boxes[first:]
+        order = range(len(choices))
+        settled = (self._settled(choices, way) for way in (order, order[::-1]))
+        _, placed = min(settled, key=itemgetter(0))
+        self.boxes += placed
+        return placed
 
-    def _cheapest(self, boxes: Array, prices: Array) -> Box:
+    def _settled(
+        self, choices: Sequence[tuple[Array, Array]], order: Iterable[int]
+    ) -> tuple[float, list[Box]]:
+        """The price of all, and their boxes."""
+        placed: dict[int, Box] = {}
+        total = 0.0
+        for _ in range(1 + RULE["sweeps"]):
+            before, total = dict(placed), 0.0
+            for k in order:
+                others = [box for i, box in placed.items() if i != k]
+                price, placed[k] = self._cheapest(*choices[k], others)
+                total += price
+            if placed == before:
+                break
+        return total, [placed[k] for k in sorted(placed)]
+
+    def _cheapest(self, boxes: Array, prices: Array, others: Iterable[Box]) -> tuple[float, Box]:
         total = prices.copy()
-        for other in self.boxes:
+        for other in (*self.boxes, *others):
             total += RULE["near"] * overlaps(boxes, other)
             total += RULE["forbidden"] * (overlaps(boxes, other, (0.0, 0.0)) > 0.0)
-        left, top, right, bottom = boxes[int(np.argmin(total))].tolist()
-        return left, top, right, bottom
+        best = int(np.argmin(total))
+        left, top, right, bottom = boxes[best].tolist()
+        return float(total[best]), (left, top, right, bottom)
 
     def _fixed(self, boxes: Array) -> Array:
         """The price of a place whatever the other labels do: being off the page, and lines under

@@ -136,8 +136,9 @@ function guide({svg, crowd}, from, to, way, scale) {
   crowd.clear(a, b);
   const strokes = Math.max(Math.floor(2 * half / pitch / 0.9), 2);
   for (let k = 1; k <= strokes; k++) {
-    const foot = plus(a, minus(b, a), k / strokes);
-    line(svg, "hatch", foot, plus(foot, [-y - 0.7 * x, x - 0.7 * y], pitch));
+    const foot = plus(a, minus(b, a), k / strokes), end = plus(foot, [-y - 0.7 * x, x - 0.7 * y], pitch);
+    line(svg, "hatch", foot, end);
+    crowd.clear(foot, end);
   }
 }
 // A wheel, a body without extent that turns and carries nothing: a ring about its axis, which in the

@@ -54,10 +54,11 @@ function crowding(box, other) {
   const x = wide + RULE.apart[0], y = high + RULE.apart[1];
   return x > 0 && y > 0 ? RULE.near * x * y + (wide > 0 && high > 0 ? RULE.forbidden : 0) : 0;
 }
-// One label after the other, then each once more among the others, until none moves. last: where
-// they were before.
+// One label after the other, then each once more among the others, until none moves; from the first
+// to the last and from the last to the first, of which the cheaper is kept. last: where they were
+// before.
 function settle(wanted, crowd, last) {
-  const hits = crowd.count(), placed = wanted.map(() => null), made = wanted.map(() => []);
+  const hits = crowd.count(), made = wanted.map(() => []), order = [...wanted.keys()];
   const cheapest = (one, own, others) => {
     const before = last.get(one.key), moving = before === undefined ? 0 : RULE.stay;
     let best = null, least = Infinity;
@@ -69,16 +70,24 @@ function settle(wanted, crowd, last) {
       for (let k = 0; k < others.length && cost < least; k++) cost += crowding(it, others[k]);
       if (cost < least) [best, least] = [it, cost];
     }
-    return best;
+    return [best, least];
   };
-  for (let sweep = 0, moved = true; moved && sweep <= RULE.sweeps; sweep++) {
-    moved = false;
-    wanted.forEach((one, k) => {
-      const best = cheapest(one, made[k], [...crowd.boxes, ...placed.filter((other, i) => other && i !== k)]);
-      moved ||= best !== placed[k];
-      placed[k] = best;
-    });
-  }
+  const settled = (order) => {
+    const placed = [];
+    let total = 0;
+    for (let sweep = 0, moved = true; moved && sweep <= RULE.sweeps; sweep++) {
+      [moved, total] = [false, 0];
+      for (const k of order) {
+        const others = [...crowd.boxes, ...placed.filter((_, i) => i !== k)];
+        const [best, cost] = cheapest(wanted[k], made[k], others);
+        moved ||= best !== placed[k];
+        placed[k] = best;
+        total += cost;
+      }
+    }
+    return {placed, total};
+  };
+  const [a, b] = [order, [...order].reverse()].map(settled), {placed} = b.total < a.total ? b : a;
   wanted.forEach((one, k) => last.set(one.key, placed[k].key));
   return placed;
 }
