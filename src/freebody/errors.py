@@ -44,7 +44,7 @@ def _apart(a: str, b: str) -> tuple[float, int]:
 
 
 def _bare(name: str) -> str:
-    """Without what is easily overlooked."""
+    """A name in lower case without spaces, hyphens and underscores, for comparison."""
     return re.sub(r"[_\s-]", "", name).casefold()
 
 

@@ -170,7 +170,7 @@ value itself, or in a derivation a name for it."""
 
 
 def unnamed(name: str, body: int, value: Vector) -> Vector:
-    """The value itself."""
+    """The vector as it is: what numbers and kernels take where a derivation gives it a name."""
     return value
 
 

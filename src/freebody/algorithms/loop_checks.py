@@ -123,7 +123,7 @@ def solution_margins(
 
 
 def largest(values: Vector, rates: Vector) -> Scalar:
-    """The largest of rates, or of their derivatives, as an angular one."""
+    """Largest of rates, or of their derivatives, each divided by its scale, as an angular one."""
     return _largest(x / r for x, r in zip(values, rates, strict=True))
 
 

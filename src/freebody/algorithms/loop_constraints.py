@@ -70,7 +70,7 @@ class Counting(NamedTuple):
     to their terms."""
 
     def left_out(self, tree: Tree) -> tuple[int, ...]:
-        """The others."""
+        """Rows of the loop equations that do not count."""
         return tuple(k for k in range(tree.constraints) if k not in self.rows)
 
 

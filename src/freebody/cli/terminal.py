@@ -85,7 +85,7 @@ def _console(stderr: bool) -> Console:
 
 
 class Gone(Exception):
-    """Whoever read stdout has read enough."""
+    """Raised when the reader of stdout, such as `head`, has closed it."""
 
 
 class _Stream:

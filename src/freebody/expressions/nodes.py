@@ -227,12 +227,12 @@ class Equation(Expression):
 
     @property
     def lhs(self) -> Expression:
-        """The first side."""
+        """Left side of an equation; of a chain, the first side."""
         return self.sides[0]
 
     @property
     def rhs(self) -> Expression:
-        """The last side."""
+        """Right side of an equation; of a chain, the last side."""
         return self.sides[-1]
 
 

@@ -72,7 +72,7 @@ class Determinant:
 
     @property
     def number(self) -> Fraction:
-        """The number in front of the factors."""
+        """Constant factor of the determinant."""
         return self._product[0]
 
     @cached_property

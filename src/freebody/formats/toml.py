@@ -277,7 +277,7 @@ class _ParameterTable:
                 left += self._take_formula(name, name, self.texts[name])
 
     def _take_formula(self, name: str, key: str, text: str) -> tuple[str, ...]:
-        """The names in it."""
+        """Enter a parameter's formula; the names that it contains."""
         formula = self._read(name, text, key)
         self._keys[name] = key
         if formula.names:

@@ -92,7 +92,7 @@ class TomlTable:
         return line_of(self.lines, self.path)
 
     def called(self, where: str) -> TomlTable:
-        """This table with another name in errors."""
+        """This table, called `where` in errors."""
         return TomlTable(self.file, self.lines, self.path, self.data, where)
 
     def refuse(self, problem: str, *at: str | int) -> NoReturn:
@@ -394,7 +394,7 @@ class _Scanner:
         return (*path, self.sizes[path] - 1) if path in self.sizes else path
 
     def entry(self, table: KeyPath) -> None:
-        """key = value."""
+        """Read one line key = value of a table and note where each key stands."""
         start = self.at
         path = (*table, *self.key())
         self.note(path, start)

@@ -159,7 +159,7 @@ def counting_values(known: Redundancy) -> Kept:
 
 
 def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundancy:
-    """From positions (k, nq) on the mechanism's ways."""
+    """The redundancy that positions (k, nq) on the mechanism's ways show."""
     seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
     s = np.linalg.svd(A, compute_uv=False)

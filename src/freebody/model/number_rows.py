@@ -98,7 +98,7 @@ class NumberRows:
         return slot
 
     def _all_rows(self) -> Iterable[NumberRow]:
-        """In the order of the structure's numbers."""
+        """Rows of all pieces of the model, in the order of the structure's numbers."""
         model, dim = self._model, self.space.dim
         for i, rows in zip(self._structure.order, self._structure.rows, strict=True):
             path, body = ("bodies", i), model.bodies[i]
@@ -190,7 +190,8 @@ class NumberRows:
         return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
 
     def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
-        """Without a place among the numbers of a model none of whose drives acts."""
+        """Row of a drive's numbers; without slots in the structure where no drive of the model
+        acts."""
         names = counted_laws(drive)
         slots = {
             number.name: self._slot((*path, number.name), getattr(drive, number.name))

@@ -206,7 +206,8 @@ class _Judged:
         return any(map(_says_nothing, self.verdict.equations))
 
     def explained_by(self, other: _Judged, cause: str) -> _Judged:
-        """This answer with a cause of what is wrong here without a word, and right there."""
+        """This answer with `cause` noted at each equation that is wrong and unexplained here but
+        right in `other`."""
         rows = self.verdict.equations, other.verdict.equations
         if len(rows[0]) != len(rows[1]):
             return self

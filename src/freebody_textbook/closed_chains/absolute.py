@@ -153,7 +153,7 @@ class AbsoluteCoordinates:
         return ux, uy, -uy, ux
 
     def gap(self, i: int) -> tuple[Trig, ...]:
-        """From the place of joint i on the body before to its own origin."""
+        """Vector from the place of joint i on the body before it to the origin of body i."""
         body = self.tree.bodies[i]
         there = self.point(body.parent, body.p)
         return tuple(a - b for a, b in zip(self.point(i, (0.0, 0.0)), there, strict=True))
@@ -249,7 +249,8 @@ class AbsoluteCoordinates:
 
     @cached_property
     def forces(self) -> list[Trig]:
-        """Q - Φ_qᵀ λ: what M q̈ is, by coordinate; Q of efforts, weights and load."""
+        """Generalized forces by coordinate, Q - Φ_qᵀ λ, which M q̈ equals; Q: motors, weights and
+        load."""
         ring = self.symbols.ring
         total = [a + b for a, b in zip(self._weights(), self._load(), strict=True)]
         pairs = [(self.coordinate(i), ring[name]) for i, name in self.efforts.items()]

@@ -335,7 +335,7 @@ class _Coefficients:
 
     @cached_property
     def symbols(self) -> dict[Trig, Symbol]:
-        """The name of each."""
+        """Symbol by which each Christoffel symbol is printed: h, h_k or h_ijk."""
         n, count = len(self.equations.M), len(self.found)
         if count == 1:
             return {key: Symbol("h", "h") for key in self.found}

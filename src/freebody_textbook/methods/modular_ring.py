@@ -155,7 +155,7 @@ def _general(s: RingSetting) -> Step:
 
 
 def _turned(s: RingSetting) -> Step:
-    """From the ground's axes to those of the last body."""
+    """Step: quantities turned from the ground's axes through all bodies to the last."""
     lines = []
     for quantity in s.quantities:
         for k, i in enumerate(s.order):

@@ -127,7 +127,7 @@ class _LoopedBodies(FreeBodies):
     """The free bodies with the forces of the loops on them."""
 
     def join(self, loops: Loops) -> None:
-        """Tell the loops."""
+        """Take over the loops, with the forces that they exert on the bodies."""
         self.loops, self.loop_forces = loops, LoopForces(self.s, loops)
         self.system = needs_of(self.reactions, loops)
 
@@ -342,7 +342,7 @@ def _carried(s: Setting, i: int, drives: Mapping[int, Trig]) -> Step:
 
 
 def _arms(s: Setting, i: int) -> list[Equation]:
-    """From the pivot to the centres of mass beyond the next joint."""
+    """Equations of the arms from pivot i to the centres of mass beyond the next joint."""
     if not s.turns(i):
         return []
     lines = [eq(_arm(s, i, k), _way(s, i, k, s.centre_name(k))) for k in _subtree(s, i) if k != i]

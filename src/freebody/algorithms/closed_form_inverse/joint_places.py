@@ -174,7 +174,7 @@ def turn_by(l: AxisLine, x: Scalar) -> JointPlace:
 
 
 def least(*clear: Scalar) -> Scalar:
-    """How clear a whole is of which these are parts."""
+    """The smallest of the margins, which is that of the whole."""
     found = clear[0]
     for x in clear[1:]:
         found = minimum(found, x)

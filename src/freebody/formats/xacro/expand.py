@@ -515,7 +515,7 @@ class _XacroExpansion:
         return joined
 
     def command(self, text: str, scope: Mapping[str, Any]) -> Any:
-        """The value of $(text)."""
+        """Value of a substitution $(…) whose inside is `text`."""
         name, _, rest = text.strip().partition(" ")
         if name == "eval":
             read = {"arg": XacroFunction(lambda of: _literal(self.arg(of)))}

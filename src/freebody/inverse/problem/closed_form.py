@@ -47,7 +47,7 @@ _ElbowWords = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class ClosedFormArm:
-    """All branches of a task."""
+    """An arm whose inverse kinematics has a closed form: its branches, task and words."""
 
     branches: Branches
     task: Task

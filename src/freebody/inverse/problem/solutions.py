@@ -60,7 +60,7 @@ class Solutions(Tabled, ByValue):
 
     @classmethod
     def lazily_named(cls, names: BranchNames, **fields: Any) -> Solutions:
-        """With all fields but the branches' names, which are found when they are asked for."""
+        """Solutions from all fields but the branches' names, which are found on first access."""
         made = object.__new__(cls)
         vars(made).update(fields, _names=names)
         for name in ("q", "residual", "within_limits", "distance"):

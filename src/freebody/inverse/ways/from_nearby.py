@@ -62,7 +62,8 @@ class Follow:
     def descended(
         self, solver: NumericalSolver, q: Array, target: Array, rows: np.ndarray
     ) -> Array:
-        """Where starts q (M, nq) come to, each of the target of a row."""
+        """Where the numerical solver leads from starts q (M, nq); `rows` tells the target of each
+        start."""
         task, k = solver.task, len(solver.task.linear)
         goal, iterations = 1e-3 * EXACT, 100
         if self.kernel is not None:

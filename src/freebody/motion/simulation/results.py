@@ -145,7 +145,8 @@ class States:
 
 
 class RecordedQuantity(NamedTuple):
-    """Its dimensions besides batch and time, unit, words, and how it follows from the states."""
+    """A quantity that `simulate` can record: its dimensions, unit, words, and its function of the
+    states."""
 
     dims: tuple[str, ...]
     unit: str

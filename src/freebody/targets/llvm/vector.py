@@ -68,7 +68,7 @@ class LaneValue:
         return self._with("shl", count)
 
     def __rshift__(self, count: int) -> LaneValue:
-        """Without regard to a sign."""
+        """Logical shift right: zeros enter at the top, whatever the sign."""
         return self._with("lshr", count)
 
     def __lt__(self, other: LaneValue | float) -> LaneValue:

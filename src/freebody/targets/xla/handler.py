@@ -146,7 +146,7 @@ class _TextLines(list[str]):
         return f"%{name}"
 
     def entry(self, name: str, base: str, index: int) -> str:
-        """Load a pointer, or a size, of an array of them."""
+        """Emit the load of one pointer or size from an array of them."""
         return self.field(name, "ptr", base, 8 * index)
 
     def put(self, kind: str, value: str | int, base: str, offset: int) -> None:

@@ -264,7 +264,7 @@ class Workspace:
         return (self.value + slope * (value - self.values[node])) % PRIME
 
     def _above(self, parent: Expression, node: Expression, value: int) -> int:
-        """The value of a node if one of its parts had another one."""
+        """Value that `parent` would have if `node`, one of its parts, had `value`."""
         slope = self._slope(parent, node)
         if slope is not None:
             return self.values[parent] + slope * (value - self.values[node])
