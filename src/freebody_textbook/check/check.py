@@ -29,7 +29,7 @@ from freebody_textbook.check.verdicts import senses
 from freebody_textbook.check.verdicts.equation_verdict import Judge
 from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.verdict_at_states import ONE_ASSEMBLY
-from freebody_textbook.derive import freed
+from freebody_textbook.given_parameters import freed
 
 _ABSOLUTE = (
     "This would be right if all angles were measured from the x axis; here each is measured from "

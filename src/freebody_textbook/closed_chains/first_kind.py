@@ -17,7 +17,10 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner, times
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
+from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.model import Model
 from freebody.scalars.trig import Trig
+from freebody.spatial import of_dimension
 from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.equations.equations import Equations
@@ -33,6 +36,13 @@ MOST = 8
 def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
     """Names of the multipliers."""
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
+
+
+def multipliers(model: Model) -> tuple[str, ...]:
+    """Names of the multipliers of a model's loop equations."""
+    space = of_dimension(model.dim)
+    size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)
+    return tuple(f"{MULTIPLIER}{k}" for k in range(1, size + 1))
 
 
 def is_multiplier(name: str) -> bool:

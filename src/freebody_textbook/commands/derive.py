@@ -130,7 +130,7 @@ def derive(
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody_textbook.derive import compare as compared
     from freebody_textbook.derive import default_method, method_named
-    from freebody_textbook.drawings.illustrate import derive as derivation_of
+    from freebody_textbook.derive import derive as derivation_of
 
     model = robot.load()
     record = method_named(method) if method else default_method(model)

@@ -39,7 +39,7 @@ from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
-from freebody_textbook.derive import freed
+from freebody_textbook.given_parameters import freed
 from freebody_textbook.living.answer_names import (
     MOST_THOUGHT,
     PageNames,

@@ -32,11 +32,11 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
-from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier
+from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier, multipliers
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
-from freebody_textbook.derive import formulas_of, multipliers
 from freebody_textbook.equations.equations import Equations
+from freebody_textbook.given_parameters import formulas_of
 from freebody_textbook.methods.free_body_steps import XYZ
 from freebody_textbook.methods.whole_bodies import are_free, symbols_of_bodies, velocity_names
 
