@@ -29,7 +29,7 @@ from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT
 from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
-from freebody_textbook.check.numbers.units import in_other_units
+from freebody_textbook.check.numbers.units_of_symbols import in_other_units
 from freebody_textbook.check.numbers.written_units import UNITS
 from freebody_textbook.check.reading.vocabulary import GLUED
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint

@@ -20,7 +20,7 @@ from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.claims.formula_reader import all_right, entry_label
 from freebody_textbook.check.claims.own_definitions import OwnDefinitions
 from freebody_textbook.check.claims.unnamed_equations import UnnamedEquations
-from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import unit_of_quantity
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.reading.reading import power_behind, turn_behind

@@ -21,7 +21,7 @@ from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
-from freebody_textbook.check.numbers.units import is_of_another_kind
+from freebody_textbook.check.numbers.units_of_symbols import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, refuse_itself, uses
 from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS

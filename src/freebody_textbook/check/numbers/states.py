@@ -23,7 +23,7 @@ from freebody.outputs.number_text import shortest
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.numbers.units import unit_of
+from freebody_textbook.check.numbers.units_of_symbols import unit_of
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import Vocabulary

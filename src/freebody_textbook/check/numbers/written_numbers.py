@@ -24,7 +24,7 @@ from freebody_textbook.check.numbers.states import (
     WrittenNumber,
     WrittenNumbers,
 )
-from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.spelling.equation_marks import asked_marks, quantity_before

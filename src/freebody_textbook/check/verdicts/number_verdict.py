@@ -31,7 +31,7 @@ from freebody_textbook.check.numbers.states import (
     WrittenNumbers,
     in_words,
 )
-from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import unit_of_quantity
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.misconceptions import explaining
