@@ -32,7 +32,7 @@ from freebody.spatial import (
 
 
 class Moving(NamedTuple):
-    """A body's pose in the world, its rate, and the rate of that."""
+    """A body's pose in the world, with its first and second rates."""
 
     pose: Pose
     rate: Pose
@@ -43,9 +43,9 @@ class BodyResiduals(NamedTuple):
     """Residuals of every body of the model, about its joint's origin, world axes."""
 
     force: Matrix
-    """ΣF - m a."""
+    """Residual of Newton's equation, ΣF - m a."""
     moment: Matrix
-    """ΣM - Ḣ."""
+    """Residual of Euler's equation, ΣM - Ḣ."""
     largest: Vector
     """The largest entry of a force, and of a moment, that went in."""
 

@@ -27,11 +27,11 @@ class AxisLine:
     rest: Scalar
     """The angle taken where any would do."""
     along: Matrix
-    """w wᵀ."""
+    """Matrix of the part of a vector along the axis: w wᵀ."""
     across: Matrix
-    """1 - w wᵀ."""
+    """Matrix of the part of a vector across the axis: 1 - w wᵀ."""
     around: Matrix
-    """The matrix of w ×."""
+    """Matrix of the cross product w × r."""
 
 
 def line(screw: Screw) -> AxisLine:

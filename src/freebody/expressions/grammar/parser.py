@@ -50,7 +50,7 @@ class Parser(ABC):
     # ------------------------------------------------------------ tokens
     @property
     def token(self) -> Token:
-        """The next token."""
+        """The token that is read next."""
         return self.tokens[self.at] if self.at < len(self.tokens) else self.stop
 
     def ahead(self, k: int) -> Token:
@@ -143,7 +143,7 @@ class Parser(ABC):
 
     # ------------------------------------------------------------ expressions
     def expression(self) -> Expression:
-        """A sum of terms."""
+        """Parse a sum of terms."""
         terms = [self._signed(self.product)]
         while self.is_operator("+", "-"):
             terms.append(self._signed(self.product))
@@ -283,7 +283,7 @@ class Parser(ABC):
             self.source.fail(f"more than {DEEPEST} brackets inside one another", token.span)
 
     def _nested_call(self) -> Expression:
-        """A function or fraction; both may hold others."""
+        """Parse a function or fraction, whose parts may hold further ones."""
         token = self.token
         self._deeper(token)
         node = self._fraction() if token.kind == "fraction" else self.call()

@@ -60,7 +60,7 @@ class Match:
 
     @property
     def span(self) -> tuple[int, int]:
-        """The place in the text."""
+        """Place of the match in the text."""
         at = self.lexemes[self.start].start if self.start < len(self.lexemes) else 0
         return at, self.lexemes[self.stop - 1].end if self.stop > self.start else at
 

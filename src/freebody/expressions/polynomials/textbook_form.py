@@ -54,7 +54,7 @@ class Layout:
         return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
-        """A generator."""
+        """A generator as it is printed."""
         return sym(name)
 
     def form(self, x: Trig) -> Expression:
@@ -330,7 +330,7 @@ def _is_short(x: Fraction) -> bool:
 
 
 def _without(monomial: SymbolPowers, divisor: SymbolPowers) -> SymbolPowers:
-    """monomial / divisor."""
+    """Quotient of two monomials: monomial / divisor."""
     below = dict(divisor)
     return tuple((n, e - below.get(n, 0)) for n, e in monomial if e > below.get(n, 0))
 

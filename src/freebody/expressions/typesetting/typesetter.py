@@ -99,11 +99,11 @@ class Notation:
     gap: Callable[[Expression, Expression], str] = lambda before, after: " "
     """The text between two factors."""
     function: Callable[[str], str] = str
-    """A function's name."""
+    """How a function's name is set."""
     tight: Callable[[str], str] = str
     """An argument without the spaces around its signs."""
     words: Callable[[str], str] = str
-    """Upright words."""
+    """How words are set upright."""
     sourced: Callable[[str, str], str] = lambda source, term: term
     """A term by where it came from; it may be broken."""
     finished: Callable[[list[str]], list[str]] = list
@@ -113,7 +113,7 @@ class Notation:
     lead: str = "−"
     brackets: str = "({})"
     tall_brackets: str = "({})"
-    """Around what has a fraction in it."""
+    """Brackets around an expression that has a fraction in it."""
     cross: str = " × "
     dot: str = " · "
     equals: str = " = "
@@ -121,7 +121,7 @@ class Notation:
     colon: str = ": "
     """Behind the conditions under which something holds."""
     tenfold: str = "·"
-    """Between a decimal's digits and its power of ten."""
+    """Sign between a decimal's digits and its power of ten."""
     differentials: tuple[str, str] = ("d", "∂")
     transposed: str = "ᵀ"
     inverse_transposed: str = "⁻ᵀ"
@@ -131,7 +131,7 @@ class Notation:
     group: str = "{}"
     """Several pieces as one; where this is an element, no line is broken in it."""
     line: str = "{}"
-    """A whole formula."""
+    """Text around a whole formula."""
     width: Callable[[str], float] = len
     """About how wide a string is, in letters."""
     applied: str = "{} {}"
