@@ -1,4 +1,4 @@
-"""`freebody simulate`."""
+"""The command `freebody simulate`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`freebody study`."""
+"""The command `freebody study`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`freebody sweep`."""
+"""The command `freebody sweep`."""
 
 from __future__ import annotations
 

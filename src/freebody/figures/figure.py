@@ -44,7 +44,7 @@ class Figure(Titled):
 
     @cached_property
     def picture(self) -> Picture:
-        """The sheet."""
+        """All drawings of the figure on one sheet."""
         return sheet(self.pictures, self.title, self.columns, self.level)
 
     @property
@@ -75,7 +75,7 @@ class Figure(Titled):
         return self.svg
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the SVG; the path."""
+        """Write the figure as an SVG file; its path."""
         return save(self.svg, path, self.caller)
 
 

@@ -108,7 +108,7 @@ class Wanted:
     anchors: Sequence[tuple[complex, complex]]
     """Places on the page, the best first, each with the direction in which it would like to go."""
     width: float
-    """Pixels."""
+    """Width of the label in pixels."""
     after: str = ""
 
 

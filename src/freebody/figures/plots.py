@@ -45,7 +45,7 @@ class Plot:
 
 
 def plot(what: Plot) -> Picture:
-    """The picture of a plot."""
+    """Picture of a plot with its axes and curves."""
     what, rows, w, h = _to_print(what), _legend(what), *what.size
     h += _ROW * max(len(rows) - 2, 0)
     box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)

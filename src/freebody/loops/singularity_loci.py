@@ -48,7 +48,7 @@ class Locus(Titled, ByValue):
 
     kind: Literal["first", "second"]
     q: Array
-    """(k, nq)."""
+    """Positions along the curve (k, nq)."""
     closed: bool
     """Whether the curve ends where it began."""
 

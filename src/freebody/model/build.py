@@ -213,7 +213,7 @@ class _Assembly:
         return frames
 
     def loops(self, joints: list[Joint]) -> tuple[Loop, ...]:
-        """The loops, each checked."""
+        """Loops of the description, each checked."""
         body_of = {name: body for name, (body, _) in self.carrier.items()}
         taken = {joint.name for joint in joints}
         checked = []

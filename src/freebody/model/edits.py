@@ -103,7 +103,7 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
 
 
 def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model | None:
-    """The model with a load."""
+    """The model with a load, by the layout of its numbers; None where that is not enough."""
     layout = _layout(model)
     entries = inertia.mass, *inertia.com, *inertia.tensor
     if (

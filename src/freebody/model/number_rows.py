@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from freebody.model.structure import Structure
 
 SlotValues = list[float]
-"""The number in each slot."""
+"""Numbers in the slots of a structure, by slot."""
 TakeSlots = Callable[[Any], tuple[Any, ...]]
 """Picks the entries of several slots."""
 RowEntries = Callable[[SlotValues, list[Vector]], Any]

@@ -1,4 +1,4 @@
-"""`freebody derive`."""
+"""The command `freebody derive`."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class ClosedFormArm:
 
     @property
     def chain(self) -> ScrewChain:
-        """The joints as screws."""
+        """The arm's joints as screws."""
         return self.branches.chain
 
     @property

@@ -102,7 +102,7 @@ def candidates(
 
 
 def notes(problem: InverseProblem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
-    """Which joints (n,) could stand anywhere, and which do not matter."""
+    """Notes on joints (n,) that could stand anywhere, and on those that do not matter."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
     found = [

@@ -28,7 +28,7 @@ from freebody.model.model import Model
 from freebody.trees.states import integrate, random_state
 
 _SHOWN = 8
-"""How many of infinitely many solutions are returned."""
+"""Number of solutions that are returned of infinitely many."""
 _CLOSED = 1e-11  # scaled loop equations of a solution
 _ROUNDING = 1e-14
 """Rest of the scaled equations at which Newton's steps have nothing to gain."""
@@ -113,7 +113,7 @@ class _Held:
 
     @property
     def solver(self) -> NumericalSolver:
-        """Frame and task."""
+        """Numerical solver with frame and task."""
         return self.problem.solver
 
     @cached_property

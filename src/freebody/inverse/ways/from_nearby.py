@@ -46,7 +46,7 @@ Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 _OneMember = Callable[[InverseProblem], Solutions]
 """Solver of a problem of one member."""
 _SolvedPiece = tuple[np.ndarray, Solutions]
-"""Rows of the batch, and what was found for them."""
+"""Rows of the batch, with what was found for their targets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +92,7 @@ class NearbyForm:
 
     @property
     def method(self) -> str:
-        """Name of the method."""
+        """Name of the method, for results."""
         return f"{self.form.method}, of the arm nearby, and Levenberg–Marquardt from there"
 
 

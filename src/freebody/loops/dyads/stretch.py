@@ -11,7 +11,7 @@ from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
 class Stretch(ConstructionStep):
-    """Name: of the slide."""
+    """A chain whose slide closes it; named by the slide."""
 
     ways = ("forward", "backward")
 

@@ -24,7 +24,7 @@ USUAL = tuple(law.name for law in LAWS.values() if law.usual)
 
 @dataclass(frozen=True)
 class ActingLaw:
-    """A law with its scalars."""
+    """A law of a drive with its scalars."""
 
     law: DriveLaw
     p: Vector

@@ -131,7 +131,7 @@ class DriveLaw:
 
     @cached_property
     def size(self) -> int:
-        """The number of scalars."""
+        """Number of scalars of the law."""
         return len(self.scalars_of(lambda name: 1.0))
 
     @cached_property
