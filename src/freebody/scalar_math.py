@@ -104,12 +104,12 @@ def hypot(x: Scalar, y: Scalar) -> Scalar:
 
 
 def greater(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a > b, else 0."""
+    """Comparison as a number: 1 where a > b, else 0."""
     return less(b, a)
 
 
 def greater_equal(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a >= b, else 0."""
+    """Comparison as a number: 1 where a >= b, else 0."""
     return less_equal(b, a)
 
 
@@ -119,7 +119,7 @@ def not_equal(a: Scalar, b: Scalar) -> Scalar:
 
 
 def logical_not(a: Scalar) -> Scalar:
-    """1 where a is 0, else 0."""
+    """Logical negation as a number: 1 where a is 0, else 0."""
     return equal(a, 0.0)
 
 

@@ -42,7 +42,7 @@ def write(study: Study, path: Path) -> Path:
 
 
 def page(study: Study) -> str:
-    """The whole page."""
+    """HTML of a study's whole page."""
     diagrams, loads = figures.free_bodies(study)
     return legal(
         _templates()

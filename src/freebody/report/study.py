@@ -61,7 +61,7 @@ class Study(Tabled, ByValue):
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""
     singularity: Singularity | None
-    """None without a tip."""
+    """Singularities of the tip; None for a robot without a tip."""
     checks: tuple[Check, ...]
     """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict

@@ -44,7 +44,7 @@ class Pace:
     """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN
     without a limit."""
     held_time: Array
-    """(nv,) when (s)."""
+    """Times (nv,) at which a limit holds each coordinate back, s."""
 
 
 def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:

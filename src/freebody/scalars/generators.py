@@ -19,7 +19,7 @@ def waves_of(angle: str) -> tuple[str, str]:
 
 
 def sign_of(rate: str) -> str:
-    """The sign of a rate."""
+    """Name of the generator that is the sign of a rate."""
     return f"{SIGN}_{rate}"
 
 

@@ -15,7 +15,7 @@ from freebody.elementary import Scalar, cos, sin
 
 @dataclass(frozen=True)
 class Jet:
-    """x, ẋ, ẍ at one time."""
+    """A value with its first two time derivatives: x, ẋ, ẍ."""
 
     x: Scalar
     xd: Scalar

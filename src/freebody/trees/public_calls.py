@@ -167,7 +167,7 @@ def _is_known(
 
 
 def _input_names(function: str, option: Option) -> list[str]:
-    """Inputs without wrenches."""
+    """Names of a formula's inputs without the wrenches."""
     inputs = FORMULAS[function].inputs
     return [name for name in inputs if name != "wrenches" and (name != "point" or option.point)]
 

@@ -40,7 +40,7 @@ class PathSamples(NamedTuple):
 
     @property
     def q(self) -> Array:
-        """Positions (T, P, nv)."""
+        """Positions along the paths (T, P, nv)."""
         return self.orders[0]
 
     @property

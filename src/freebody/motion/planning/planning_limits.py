@@ -32,7 +32,7 @@ class LimitExcess:
     """A limit that a motion does not keep, where it is farthest beyond."""
 
     name: str
-    """Name of the coordinate."""
+    """Name of the coordinate that exceeds its limit."""
     quantity: str
     """The limited quantity: "position", "velocity" or "acceleration"."""
     value: float
@@ -43,7 +43,7 @@ class LimitExcess:
 
     @property
     def text(self) -> str:
-        """The excess as a clause."""
+        """The excess as a clause of a sentence."""
         value, limit = compared(self.value, self.limit, digits=5)
         end = ""
         if self.quantity == "position":

@@ -354,7 +354,7 @@ def _positions(found: Sequence[TipPosture]) -> Array:
 
 
 def _spline(marks: Array, ways: Array, x: Array) -> PiecewisePolynomial:
-    """Through x (N, n) at the ways (N,), of degree 5; the third derivative may jump at the
+    """Spline of degree 5 through x (N, n) at the ways (N,); the third derivative may jump at the
     marks."""
     stretches = np.split(ways[:-1], len(marks) - 1)
     # every way but those beside ends is a knot

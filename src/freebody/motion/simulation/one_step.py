@@ -274,5 +274,5 @@ def _torque(run: Simulation) -> tuple[TorqueLaw, LaneTorque | None]:
 
 
 def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
-    """One row for all motions as it is, one for each in the shape of the batch."""
+    """Torques as they are where all motions have one row, else in the shape of the batch."""
     return tau if tau.ndim == 1 else tau.reshape(whole)

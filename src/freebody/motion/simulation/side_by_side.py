@@ -344,7 +344,7 @@ class _LaneRun:
     """Set where an interrupt ends the steps; `advance` looks at it too."""
 
     def run(self) -> None:
-        """Fill in the result."""
+        """Run all steps and fill in the result."""
         times, rows = self.motions.times, self.motions.rows
         starts = times.calls or (0,)
         ends = (*starts[1:], len(times.edges) - 1)

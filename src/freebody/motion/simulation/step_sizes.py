@@ -84,7 +84,7 @@ class LaneMotions:
 
     @property
     def rows(self) -> int:
-        """The number of rows."""
+        """Number of rows of states."""
         return len(self.state[0])
 
     def kept(self, block: slice) -> list[Array]:

@@ -200,7 +200,7 @@ def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> Pro
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
-    """For each result its output and its index there."""
+    """Output, and index in it, of each result."""
     return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
 
 

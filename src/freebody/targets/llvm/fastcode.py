@@ -212,8 +212,8 @@ def _strides(argument: Argument, step: int) -> list[int]:
 
 
 def _named_out(outputs: int) -> list[str]:
-    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand,
-    `%outs`."""
+    """Code for a call without keywords, or with `out` alone: its value `%given`, and where the
+    arrays in it stand, `%outs`."""
     lines = [
         "counted:",
         "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
