@@ -218,7 +218,7 @@ class _Judged:
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
 
     def instead_of(self, before: _Judged) -> _Judged:
-        """This answer with a note on what is right in its own senses only."""
+        """This answer, with a note at each equation that is right in its own senses only."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))

@@ -46,7 +46,7 @@ def multipliers(model: Model) -> tuple[str, ...]:
 
 
 def is_multiplier(name: str) -> bool:
-    """Whether a symbol is one."""
+    """Whether a name is that of a multiplier."""
     return atom(name).letter == MULTIPLIER
 
 
@@ -61,7 +61,7 @@ class FirstKind:
 
     @property
     def symbols(self) -> Symbols:
-        """The ring and the tree."""
+        """Symbols of the ring, with the tree."""
         return self.loops.symbols
 
     @property
@@ -77,12 +77,12 @@ class FirstKind:
 
     @cached_property
     def multipliers(self) -> list[Trig]:
-        """λ as symbols."""
+        """Multipliers λ as symbols of the ring."""
         return [self.symbols.ring[name] for name in multiplier_names(self.loops)]
 
     @cached_property
     def pressed(self) -> list[Trig]:
-        """Φ_qᵀ λ."""
+        """Generalized forces of the loops, Φ_qᵀ λ."""
         columns = zip(*self.loops.Phi_q, strict=True)
         return [inner(column, self.multipliers, self.symbols) for column in columns]
 
@@ -124,7 +124,7 @@ class Reduction:
 
     @cached_property
     def dependent(self) -> tuple[int, ...]:
-        """The other coordinates."""
+        """Dependent coordinates, which the loop equations give."""
         return tuple(
             k for k in range(len(self.system.symbols.coordinates)) if k not in self.independent
         )
@@ -152,7 +152,7 @@ class Reduction:
 
     @cached_property
     def scaled_drift(self) -> list[Trig]:
-        """Δ γ."""
+        """Numerators Δ γ of the drift."""
         n = len(self.system.symbols.coordinates)
         return [
             self._row(k, slice(-1, None))[0] if k in self.dependent else self.system.symbols.zero()
@@ -167,17 +167,17 @@ class Reduction:
 
     @cached_property
     def N(self) -> list[list[Ratio]]:
-        """∂q̇/∂u̇."""
+        """Derivatives of all rates by the independent ones, ∂q̇/∂u̇."""
         return [[ratio(x, self.delta) for x in row] for row in self.scaled]
 
     @cached_property
     def drift(self) -> list[Ratio]:
-        """γ: q̈ where ü = 0."""
+        """Accelerations γ of the coordinates where ü = 0."""
         return [ratio(x, self.delta) for x in self.scaled_drift]
 
     @cached_property
     def mass(self) -> PolynomialRows:
-        """Δ² NᵀM N."""
+        """Reduced mass matrix times a polynomial, Δ² NᵀM N."""
         s = self.system.symbols
         columns = list(zip(*self.scaled, strict=True))
         return times(times(columns, self.system.M, s), self.scaled, s)

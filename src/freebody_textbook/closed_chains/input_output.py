@@ -85,7 +85,8 @@ class _MotionEquations:
 def input_output(
     loops: LoopEquations, frame: str | None, rows: Sequence[str] | None
 ) -> ClosedInputOutput:
-    """See `LoopEquations.input_output`."""
+    """Relation of the drives' rates and the tip's in closed form; see
+    `LoopEquations.input_output`."""
     model = loops.model
     name = model.frame(frame).name
     chosen = _rows(model.dim, len(loops.driven), rows)

@@ -48,7 +48,8 @@ class LoopStatics:
 
     @cached_property
     def _solution(self) -> tuple[list[Trig], Trig] | None:
-        """(Δ λ, Δ)."""
+        """Multipliers as quotients with a common denominator: (Δ λ, Δ); None where statics does not
+        determine them."""
         s = self.loops.symbols
         square = len(self.passive) == len(self.loops.names)
         if not square or determinant(self.A, s).is_zero:

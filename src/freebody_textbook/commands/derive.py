@@ -55,7 +55,7 @@ def _options_of(methods: Iterable[Method]) -> list[Any]:
     what was given."""
 
     def command(**_options: str | None) -> None:
-        """Never called."""
+        """Bearer of the options' signature, never called."""
 
     owned = [(method, option) for method in methods for option in method.options]
     command.__signature__ = Signature([_parameter(*pair) for pair in owned])

@@ -194,7 +194,8 @@ class BaseEquations(ClosedForm):
 
     @property
     def is_vast(self) -> bool:
-        """Not known before M is worked out: base parameters make it shorter."""
+        """Whether M is too long: not assumed before M is worked out, as base parameters make it
+        shorter."""
         return False
 
     @cached_property
@@ -215,7 +216,7 @@ class BaseEquations(ClosedForm):
 
     @cached_property
     def g(self) -> list[Trig]:
-        """Gravity terms."""
+        """Gravity terms of the equations."""
         names = {name for name in self.symbols.ring.names if name.endswith((RATE, SECOND))}
         ring = self.symbols.ring
         return [

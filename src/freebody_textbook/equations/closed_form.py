@@ -81,7 +81,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def g(self) -> list[Trig]:
-        """Gravity terms."""
+        """Gravity terms of the equations."""
         s = self.symbols
         tree = s.tree
         weight = s.element(potential_energy(_without_drives(tree), s.q))
@@ -89,7 +89,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def drives(self) -> list[Trig]:
-        """Friction and springs."""
+        """Torques of friction and springs by coordinate."""
         s = self.symbols
         found = [self.law_torques(k) for k in range(len(s.coordinates))]
         return s.of_angles([sum(laws.values(), s.zero()) for laws in found])
@@ -246,7 +246,7 @@ def symmetric(
 def _torque(
     equations: ClosedForm, layout: Layout, names: Letters, velocity: _VelocityTerms, i: int
 ) -> Iterator[Expression]:
-    """The terms of τ_i."""
+    """Terms of the torque τ_i."""
     coordinates = equations.symbols.coordinates
     for j, x in enumerate(coordinates):
         if not equations.M[i][j].is_zero:
@@ -346,7 +346,7 @@ class _Coefficients:
         }
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """Name and value."""
+        """Pairs of symbol and value of each coefficient."""
         return [(symbol, self.values[key]) for key, symbol in self.symbols.items()]
 
     @cached_property

@@ -43,7 +43,7 @@ class FreeFlight:
 
     @property
     def solved_names(self) -> tuple[str, ...]:
-        """The accelerations."""
+        """Names of the accelerations, which the page solves for."""
         return tuple(x for x in self._moving if atom(x).dots)
 
     @property

@@ -32,7 +32,7 @@ _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class BodyQuantity:
-    """One quantity of body n; h is the number of the body before, k that of the one behind."""
+    """A quantity of body n; h is the number of the body before, k that of the body behind."""
 
     known: str
     """The quantity's name in `fb.quantities`."""

@@ -137,7 +137,7 @@ class _LoopedBodies(FreeBodies):
         return [*super().outer(i), *self.loop_forces.on(i)]
 
     def turned(self, i: int) -> list[Expression]:
-        """Moments of loops."""
+        """Moments that loops exert on body i."""
         return self.loop_forces.moments_on(i)
 
     def further_forces(self, i: int) -> list[str]:
@@ -248,7 +248,7 @@ class _LoopedBodies(FreeBodies):
         ), lines
 
     def through_loops(self) -> list[Expression]:
-        """Φ_qᵀ λ by coordinate."""
+        """Generalized forces of the loops by coordinate, Φ_qᵀ λ."""
         columns = zip(*self.loops.equations.Phi_q, strict=True)
         return [
             ex.add(
@@ -265,8 +265,8 @@ class _LoopedBodies(FreeBodies):
 
 
 def _about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
-    """One equation a joint, from the base outward; drives: what each joint's friction and the like
-    takes."""
+    """Steps with one equation a joint, from the base outward; drives: what each joint's friction
+    and the like takes."""
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
     return [_carried(s, i, drives) for i in s.order]

@@ -106,7 +106,7 @@ class Outward:
         return worked(name, rule, value, self.rules)
 
     def start(self) -> Step:
-        """The motion of the base."""
+        """Step: the motion of the base, from which the recursion starts."""
         s = self.s
         if not s.weighs:
             reason = "The base is at rest, and there is no gravity."

@@ -96,7 +96,7 @@ class EnergyQuantities(QuantityGroup):
         )
 
     def _rate(self, energy: Trig) -> Callable[[], Trig]:
-        """The rate of an energy."""
+        """Time derivative of an energy."""
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
     def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:

@@ -80,7 +80,7 @@ class RightEquations:
 
     @property
     def ring(self) -> TrigRing:
-        """The ring of answers."""
+        """Ring of the polynomials of answers."""
         return self.symbols.ring
 
     @cached_property
@@ -165,7 +165,7 @@ class RightEquations:
 
     @property
     def zero(self) -> Trig:
-        """The polynomial 0."""
+        """The polynomial 0 of the ring of answers."""
         return self.symbols.zero()
 
     def element(self, x: Trig) -> Trig:

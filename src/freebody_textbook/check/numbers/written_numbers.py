@@ -108,7 +108,7 @@ class _NumberSearch:
 
     @property
     def lexemes(self) -> Lexemes:
-        """The lexemes of the text."""
+        """Lexemes of the text in which numbers are sought."""
         return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:

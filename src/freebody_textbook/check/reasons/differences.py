@@ -140,7 +140,7 @@ def printed(
 
 
 def polynomial(setting: RightEquations, key: ProductKey, value: Fraction) -> Trig:
-    """A term with its number."""
+    """Polynomial of one term with its coefficient."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])
     for function, argument, exponent in wave:

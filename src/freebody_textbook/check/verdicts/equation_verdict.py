@@ -1,5 +1,5 @@
-"""One equation of an answer against the right one: equal, or the simplest explanation of the
-difference."""
+"""Verdict on an equation of an answer against the right one: equal, or the simplest explanation of
+the difference."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ _VAGUE = 0.05
 
 @dataclass(frozen=True)
 class NumberAtState:
-    """One claim in numbers, and the right number at its state."""
+    """A claim in numbers, and the right number at its state."""
 
     setting: RightEquations
     claim: Claim
@@ -89,7 +89,7 @@ class NumberAtState:
 
     @cached_property
     def yours(self) -> float:
-        """The answer, in SI units."""
+        """The answer's number in SI units."""
         return float(self._number.fraction) * self.factor
 
     @cached_property

@@ -153,7 +153,7 @@ class Rounded:
         return found
 
     def _slack(self) -> dict[ProductKey, Fraction]:
-        """By how much each term in numbers changes when every number is half a unit off."""
+        """Change of each term in numbers when every number is half a unit off."""
         total: dict[ProductKey, Fraction] = {}
         for node, half in self._decimals.items():
             moved = replaced(self.node, {node: replace(node, value=node.value + half)})

@@ -101,7 +101,7 @@ def _has_conditions(setting: RightEquations) -> bool:
 
 @dataclass(frozen=True)
 class _AtStates:
-    """One claim and the states at which it must hold."""
+    """A claim and the states at which it must hold."""
 
     judge: Judge
     claim: Claim

@@ -137,7 +137,7 @@ class Wording:
         return self.node(repair.new.factors[-1])
 
     def _reason(self, kind: str, old: Expression, new: Expression) -> str:
-        """Why, in half a sentence."""
+        """Half a sentence that says why a piece is wrong."""
         name = self._name(old)
         if name in self.setting.foreign:
             return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
