@@ -170,8 +170,8 @@ class MissingValueError(FreebodyError, ValueError):
 
 
 class MissingArgumentError(FreebodyError):
-    """None of some arguments was given, one of which is needed; the command line words it with its
-    options."""
+    """Raised where none of some arguments was given, one of which is needed; the command line words
+    it with its options."""
 
     def __init__(self, problem: str, names: Iterable[str], remark: str = ""):
         self.problem, self.names, self.remark = problem, tuple(names), remark

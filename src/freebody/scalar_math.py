@@ -114,7 +114,7 @@ def greater_equal(a: Scalar, b: Scalar) -> Scalar:
 
 
 def not_equal(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a and b differ, else 0."""
+    """Comparison as a number: 1 where a and b differ, else 0."""
     return 1.0 - equal(a, b)
 
 

@@ -49,7 +49,7 @@ class Partition(NamedTuple):
     """The coordinates that these equations determine, as many as there are equations; the undriven
     ones are among them."""
     driven: tuple[int, ...]
-    """The others, and maybe more."""
+    """Coordinates that are not dependent, and maybe more."""
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,8 @@ from freebody.trees.special_joints import refuse_passive
 def _by_chain(
     closed: Callable[..., Any], opened: Callable[..., Any] = careful
 ) -> Callable[..., Any]:
-    """What answers where no kernel is ready: `closed` for closed chains, `opened` for open ones."""
+    """Function that answers where no kernel is ready: `closed` for closed chains, `opened` for open
+    ones."""
 
     def answer(
         key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, wrenches: FrameWrenchTable

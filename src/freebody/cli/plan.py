@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-12
-"""rad, m: what is left of 0 in a polynomial of positions."""
+"""Size in rad or m of what rounding leaves of 0 in a polynomial of positions."""
 
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 

@@ -131,7 +131,7 @@ class _Stream:
 
 @contextmanager
 def streams() -> Iterator[None]:
-    """Within the block a stdout that is closed, full or no longer read is said so."""
+    """Context in which a stdout that is closed, full or no longer read is said so."""
     real = sys.stdout, sys.stderr
     sys.stdout = cast(TextIO, _Stream(real[0], "standard output"))
     sys.stderr = cast(TextIO, _Stream(real[1], ""))

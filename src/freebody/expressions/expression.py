@@ -106,7 +106,7 @@ def mul(*factors: Like) -> Expression:
 
 
 def _factors(factors: Iterable[Expression]) -> Iterable[Expression]:
-    """Factors of products and signs, one by one."""
+    """Single factors of products, with their signs taken apart."""
     for factor in factors:
         if isinstance(factor, Negative):
             yield Number(Fraction(-1))

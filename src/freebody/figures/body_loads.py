@@ -41,7 +41,7 @@ class Load:
     role: str
     """reaction (by the parent), counter (by a child), weight, or external."""
     other: str
-    """Who exerts it."""
+    """Name of what exerts the load."""
     place: Array
     force: Array
     moment: Array

@@ -293,7 +293,7 @@ def metres(length: float, digits: int = 3) -> str:
 
 
 def round_down(value: float) -> float:
-    """1, 2 or 5 times a power of ten."""
+    """The largest of 1, 2 or 5 times a power of ten that is not above a value."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12))
 

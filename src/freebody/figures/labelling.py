@@ -67,7 +67,7 @@ def quantity(element: Element) -> str:
 
 
 def beside(element: Element, labels: str) -> tuple[str, str]:
-    """The label of an element: a formula and plain text after it."""
+    """Label of an element: a formula and plain text after it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""
     if not value:

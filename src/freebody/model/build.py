@@ -1,4 +1,4 @@
-"""From links and joints to a `Model`: the description is checked, and what is fixed together
+"""Assembly of links and joints to a `Model`: the description is checked, and what is fixed together
 becomes one body.
 
 Refusals name the link or joint, the file's line where there is one, and the remedy.
@@ -78,8 +78,8 @@ class _Assembly:
         self.description, self.mimic, self.base = description, mimic, base
         self.checks = _DescriptionChecks(description, physical)
         self.carrier: dict[str, tuple[int, Placement]] = {}
-        """By the name of a link or frame, the index of its body, -1 for the base, and its placement
-        there."""
+        """Index of the body that carries a link or frame, -1 for the base, and the placement there,
+        by name."""
 
     def model(self, tip: str | None) -> Model:
         d, checks = self.description, self.checks
@@ -341,7 +341,7 @@ class _DescriptionChecks:
     def _doubt(
         self, kind: str, what: str, fault: str | None, line: int | IncludedLine | None
     ) -> None:
-        """Warn about what no robot has, or refuse it."""
+        """Warn about a number that no robot has, or refuse the robot."""
         if fault is None:
             return
         problem = f"{what}: {fault}"

@@ -330,8 +330,8 @@ def _turned_about(model: Model) -> list[Array | None]:
         return [None] * len(model.bodies)
     space = of_dimension(3)
     turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
-    """By body, its orientation where all coordinates are 0, and the axes above it, seen from
-    there."""
+    """Orientation of each body where all coordinates are 0, and the axes above it, seen from there,
+    by body."""
     axes: list[Array | None] = [None] * len(model.bodies)
     for i in parents_first(model.bodies):
         body = model.bodies[i]

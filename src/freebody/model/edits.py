@@ -346,7 +346,7 @@ class LoadedLayout(NamedTuple):
 
     layout: NumberLayout
     moved: dict[int, int]
-    """Slots before -> slots in it."""
+    """Slots of the layout without the load -> slots of the layout with it."""
     slots: tuple[int, ...]
     """The slots of the load: mass, centre, tensor."""
 

@@ -77,7 +77,8 @@ class NumberRows:
         self.owner: dict[int, str] = {}
         """The name of the number in a slot, where it has one."""
         self.inertias: dict[int, list[TakeSlots]] = {}
-        """By slot, functions that pick mass and tensor of the inertias that it belongs to."""
+        """Functions that pick mass and tensor of the inertias to which a number belongs, by its
+        slot."""
         self.positive: set[int] = set()
         """Slots whose numbers, where they are not above 0, have to be looked at closely."""
         self.positions: list[ShiftSum] = []

@@ -24,7 +24,7 @@ from freebody.outputs.number_text import shortest
 
 @dataclass(frozen=True)
 class ParameterFormula:
-    """A parameter that is a polynomial in others."""
+    """A parameter that is a polynomial in other parameters."""
 
     name: str
     text: str

@@ -49,7 +49,7 @@ class ChosenTip:
 
     @property
     def notice(self) -> Notice:
-        """The sentence, as models keep it."""
+        """The sentence on the choice as a notice of the model."""
         return Notice(TIP, self.reason)
 
 

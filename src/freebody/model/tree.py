@@ -94,7 +94,7 @@ class TreeBody:
     coordinates: Coordinates
     masses: tuple[Mass, ...]
     drive: DriveScalars | None
-    """None where no law of a drive acts."""
+    """Scalars of the joint's drive; None where no law of a drive acts."""
 
     def position(self, q: Vector) -> Vector:
         """The joint's own position scalars."""

@@ -44,7 +44,7 @@ _MAP = 520.0  # height of a map, pixels
 
 @dataclass(frozen=True)
 class CaptionedDrawing:
-    """SVG text and the words under it."""
+    """SVG text of a drawing, with its caption."""
 
     svg: str
     caption: str = ""

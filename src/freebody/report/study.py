@@ -68,7 +68,7 @@ class Study(Tabled, ByValue):
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
-    """Why there is no replay; empty if there is one."""
+    """Reason why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
     """Sentences that a reader must know: how the file was read, what is doubtful, and all
     `warnings`."""
@@ -218,7 +218,7 @@ def _driven(model: Model) -> tuple[str, ...]:
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
-    """(the replay, empty), or (None, why there is none)."""
+    """Replay and reason why there is none: (the replay, empty), or (None, why)."""
     if model.loops:
         why = "There is no replay of a closed chain; one of the checks simulates a section of the"
         return None, f"{why} motion."

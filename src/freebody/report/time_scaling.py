@@ -128,8 +128,8 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:
-    """From k = 1 outwards the end of what is in no interval and not above `quickest`; see
-    `Pace`."""
+    """Factor up to which k may rise from 1 without meeting an interval or `quickest`; where 1 lies
+    in an interval or above `quickest`, the largest k below that does not."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if len(high) else high
     inside = bool(np.any((low < 1.0) & (high > 1.0)))

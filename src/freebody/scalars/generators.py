@@ -25,7 +25,7 @@ def sign_of(rate: str) -> str:
 
 @lru_cache(maxsize=8192)
 def function_of(generator: str) -> str:
-    """sin, cos or sgn; "" of a symbol."""
+    """Function of a generator: sin, cos or sgn; "" of a symbol."""
     function, _, symbol = generator.partition("_")
     return function if symbol and function in (*WAVES, SIGN) else ""
 

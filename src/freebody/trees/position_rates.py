@@ -183,5 +183,5 @@ _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """a × b; np.cross takes ten times as long for one vector."""
+    """Cross product a × b; np.cross takes ten times as long for one vector."""
     return a[..., _NEXT] * b[..., _AFTER] - a[..., _AFTER] * b[..., _NEXT]

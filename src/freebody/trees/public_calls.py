@@ -376,7 +376,7 @@ def wrenches_by_frame(
 
 
 def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
-    """`reference`, if it is a known one."""
+    """The name of axes given as `reference`; refuses unknown ones."""
     if reference not in allowed:
         raise UnknownNameError("reference", reference, "reference=", allowed)
     return reference

@@ -237,7 +237,7 @@ def _free(seen: Snapshot, number: int) -> Drawing:
 
 
 def _load(drawing: Drawing, seen: Snapshot) -> None:
-    """The force on the tip, if there is one."""
+    """Draw the force on the tip, if there is one."""
     if seen.wrenches is not None:
         forces.act(drawing, seen, seen.pose.bodies[seen.model.frame().body], ("external",))
 

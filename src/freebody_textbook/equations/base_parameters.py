@@ -134,8 +134,8 @@ def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
 
 
 def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
-    """Those of the columns at `places` of which column k is a combination, in any sample; none if
-    it is not in all."""
+    """Columns among those at `places` of which column k is a combination, in any sample; none if it
+    is not in all samples."""
     used: set[int] = set()
     for sample in samples:
         others, column = sample[:, places], sample[:, k]

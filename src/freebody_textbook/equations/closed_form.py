@@ -269,7 +269,7 @@ class _VelocityTerms(Protocol):
         ...
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """The names in them, and their values."""
+        """Names in the velocity terms, with their values."""
         ...
 
 

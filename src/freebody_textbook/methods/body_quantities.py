@@ -69,7 +69,7 @@ class BodyQuantity:
     """The quantity's symbol in glossaries, for body i or for bodies i and k: the letter with its
     index."""
     shown: bool = False
-    """Whether living pages have it."""
+    """Whether living pages show the quantity."""
 
     @property
     def names(self) -> tuple[tuple[str, int], ...]:

@@ -178,7 +178,7 @@ def without_links(s: Setting, step: Step) -> Step:
 
 
 def _in_words(x: Expression) -> str:
-    """f_3,2 or -f_3,2 as sentences have it."""
+    """A loop's force as sentences write it: f_3,2 or -f_3,2."""
     name = x.operand if isinstance(x, ex.Negative) else x
     assert isinstance(name, Symbol)
     return f"{'-' * (name is not x)}{name.letter}_{','.join(name.low)}{name.high}"

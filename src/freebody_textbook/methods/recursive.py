@@ -179,7 +179,7 @@ class Outward:
         return rows
 
     def _swing(self, i: int) -> Expression:
-        """ω × θ̇ z: the joint's own turning is carried around."""
+        """Term ω × θ̇ z: the joint's own turning is carried around."""
         s = self.s
         before = self._carried(s.angular_name("omega", s.tree.bodies[i].parent), i)
         return ex.cross(before, ex.mul(self._rate(i), s.name("z", i)))

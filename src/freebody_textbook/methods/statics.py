@@ -207,7 +207,7 @@ class _Balance(_Equilibrium):
 
     @cached_property
     def system(self) -> LoopStatics:
-        """The equations of the joints."""
+        """Equations of the joints, linear in the multipliers."""
         return needs_of(self.reactions, self.loops)
 
     # ------------------------------------------------------------ the bodies

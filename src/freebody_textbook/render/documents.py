@@ -40,7 +40,7 @@ TALLEST = 40
 LETTERS = 34.0
 """Letters of a line in a window of 400 px."""
 LARGEST = 595_000
-"""Bytes that a page may have with them."""
+"""Bytes that a page may have, what it holds for phones included."""
 
 
 @dataclass(frozen=True)

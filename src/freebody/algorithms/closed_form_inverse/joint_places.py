@@ -67,7 +67,7 @@ class JointPlace:
     """1 where any angle would do."""
 
     def direction(self, v: Vector) -> Vector:
-        """A vector as the joint's rotation turns it."""
+        """A vector, turned by the joint's rotation."""
         l = self.line
         if not l.turning:
             return v

@@ -27,7 +27,7 @@ class Lexeme(NamedTuple):
     start: int
     end: int
     apart: bool = False
-    """Whether a blank stands before it."""
+    """Whether a blank stands before the lexeme."""
 
     @property
     def command(self) -> str:

@@ -98,7 +98,7 @@ class LexemePattern:
                 stop = max(match.stop, k + 1)
 
     def found_in(self, lexemes: Lexemes, start: int = 0, end: int | None = None) -> bool:
-        """Whether it describes something in a stretch."""
+        """Whether the pattern describes something in a stretch."""
         return next(self.all(lexemes, start, end), None) is not None
 
     def _candidates(self, lexemes: Lexemes, start: int, end: int) -> Iterator[int] | range:

@@ -81,7 +81,7 @@ class Order:
 
     @cached_property
     def gravity(self) -> str:
-        """The name of gravity's magnitude, if it has one."""
+        """Name of gravity's magnitude; "" where it has no symbol."""
         size = self.symbols.model.gravity_size
         return size.name if isinstance(size, Parameter) else ""
 

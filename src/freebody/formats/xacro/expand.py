@@ -153,8 +153,8 @@ _CIRCULAR = object()
 
 @dataclass(frozen=True)
 class Expanded:
-    """What a xacro file stands for: the URDF's root, notices, and the macros that it defines, or
-    else those of its includes, each as `name(parameters)`."""
+    """Result of a xacro file: the URDF's root, notices, and the macros that it defines, or else
+    those of its includes, each as `name(parameters)`."""
 
     root: XmlElement
     notices: tuple[Notice, ...]

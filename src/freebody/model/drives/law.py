@@ -51,7 +51,7 @@ class LawNumber:
 
     @property
     def place(self) -> tuple[str, str]:
-        """The table of a file, and the key in it."""
+        """Table of a file, and key in the table."""
         table, key = self.label.split(".")
         return table, key
 

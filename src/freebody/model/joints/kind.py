@@ -53,7 +53,7 @@ class Solid(NamedTuple):
     moves: bool = True
     """Whether it goes with the body; else it stays where the joint begins."""
     along: str = "axis"
-    """Else x, y or z of the frame that it stays in."""
+    """Direction of the solid: "axis", or x, y or z of the frame that it stays in."""
 
 
 class Primitive(ABC):

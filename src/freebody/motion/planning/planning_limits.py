@@ -21,7 +21,7 @@ SLACK = 1e-9
 """Excess over a limit, as a part of it (or rad, m), that rounding makes of a motion planned along
 it."""
 SAME = 1e-12
-"""rad, m: waypoints nearer to each other are one."""
+"""Distance, rad or m, below which two waypoints count as one."""
 _LEAST, _MOST = 1e-9, 1e12
 """Smallest and largest limits that a robot can move under."""
 Limit = JointVector | float | None

@@ -109,8 +109,8 @@ class Advance(Protocol):
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """From one edge to another: the states there, and those of the result on the way; NaN where
-        a motion cannot go on. Stops at times between them."""
+        """Move from one edge to another: the states there, and those of the result on the way; NaN
+        where a motion cannot go on. Stops at times between them."""
         ...
 
 
@@ -122,7 +122,8 @@ class SpanBySpan:
     through: Callable[[slice, LaneState, float, float], LaneState]
     stop: threading.Event
     block: int = 8192
-    """So that a step lasts long: threads wait for each other between two steps, for Python."""
+    """Number of lanes in a block, so large that a step lasts long: threads wait for each other
+    between two steps, for Python."""
 
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
@@ -192,7 +193,8 @@ class ControlledSteps:
     stop: threading.Event
     events: ContactEvents | None = None
     watch: Callable[[int, float, LaneState, float], None] | None = None
-    """Told now and then of a lane, a time, its state there, and the step it took."""
+    """Function that is told now and then of a lane, a time, its state there, and the step it
+    took."""
     order: int = 4
     given_up: dict[int, GivenUp] = field(default_factory=dict)
     """The last steps of motions that were given up, by lane."""

@@ -158,7 +158,7 @@ def object_code(text: str, opt: int | None = None, here: Host | None = None) -> 
 
 
 def code_generator(opt: int = 2, jit: bool = False, here: Host | None = None) -> Any:
-    """LLVM's for the host, or a level of it."""
+    """LLVM's code generator for the host, or for a level of CPUs."""
     llvm, here = library(), here or host()
     return llvm.Target.from_triple(here.triple).create_target_machine(
         cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small", jit=jit

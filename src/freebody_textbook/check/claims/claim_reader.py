@@ -338,7 +338,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
 
 def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
-    """A name of the user's own, or an entry of it."""
+    """Quantity that is a name of the user's own, or an entry of such a name."""
     return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
 
 

@@ -61,7 +61,7 @@ class BodyThere:
     turns: bool
     R: Matrix
     way: Vector
-    """The vector from the joint before to this one."""
+    """Vector from the joint before to the body's joint."""
     turn: Vector
     slide: Vector
     m: Any
@@ -70,7 +70,7 @@ class BodyThere:
     reach: Vector
     """The vector from the body's joint to the next one, or to the tip."""
     loops: tuple[Vector, Vector]
-    """Force and moment of the loops on it."""
+    """Force and moment of the loops on the body."""
 
 
 @dataclass(frozen=True)

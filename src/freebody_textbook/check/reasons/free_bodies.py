@@ -72,7 +72,7 @@ class FreeBodyMotion:
 
     @cached_property
     def body(self) -> FreeBody:
-        """The body as `fb.derive` tells of it."""
+        """The body as in derivations."""
         symbols = self.setting.symbols
         given = symbols.given or symbols.model
         return FreeBody(Setting(symbols), given, 0)

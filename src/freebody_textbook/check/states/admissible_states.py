@@ -417,7 +417,7 @@ class StateSampler:
 
     @cached_property
     def _any_rows(self) -> Rows:
-        """The equations that close loops."""
+        """Equations that close loops, as rows over all names."""
         return Rows(self.loops[0], self._names)
 
     @cached_property

@@ -48,7 +48,7 @@ Thought = tuple[str, Callable[[], float]]
 
 
 def reasons(number: NumberAtState, targets: Targets) -> list[str]:
-    """At most two sentences on what may have been thought, each of which alone makes the number
+    """Sentences, two at most, on what may have been thought, each of which alone makes the number
     right."""
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value

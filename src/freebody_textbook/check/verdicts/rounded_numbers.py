@@ -62,7 +62,7 @@ class Rounded:
 
     @cached_property
     def _kept(self) -> frozenset[str]:
-        """g, where the answer has it."""
+        """Symbols that stay symbols: g, where the answer has it."""
         g = self.setting.order.gravity
         return frozenset([g] if any(g in powers for powers, _ in self.yours.terms()) else [])
 

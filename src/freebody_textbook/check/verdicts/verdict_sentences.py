@@ -323,7 +323,8 @@ def example_at(
     waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
 
     def is_told(name: str) -> bool:
-        """Multipliers only where the answer has them."""
+        """Whether an example tells a symbol's value: of multipliers only where the answer has
+        them."""
         of = written if name.startswith(MULTIPLIER) else [*written, *pair(right)]
         return name in waves or any(occurs(name, piece) for piece in of)
 
