@@ -217,7 +217,7 @@ class Parser(ABC):
         return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
-        """A number in radians, where the sign of degrees follows the one read."""
+        """The operand that was read, in radians where a sign of degrees follows."""
         if self.token.kind != "degree":
             return node
         span = (node.span[0], self.take().end)

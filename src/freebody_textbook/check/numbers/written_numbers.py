@@ -100,7 +100,7 @@ class _NumberSearch:
         self.source = AnswerText(self.text, document.written, document.parts)
         self.taken: list[Span] = []
         self.is_taken = bytearray(len(self.text))
-        """Flags of the characters that belong to numbers found."""
+        """Flags of the characters in stretches that are taken."""
         self.units: list[Span] = []
         self.standing: list[StandingState] = []
         self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
