@@ -76,7 +76,7 @@ def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
 
 
 def times(A: Matrix, x: Vector) -> Vector:
-    """A x."""
+    """Matrix times vector, A x."""
     if len(x) == 3:  # as in `add`
         a, b, c = x
         return tuple([row[0] * a + row[1] * b + row[2] * c for row in A])
@@ -84,7 +84,7 @@ def times(A: Matrix, x: Vector) -> Vector:
 
 
 def transposed(A: Matrix, columns: int = 0) -> Matrix:
-    """Aᵀ; `columns`, those of A, have to be said where A may have no rows."""
+    """Transpose Aᵀ; `columns`, those of A, have to be said where A may have no rows."""
     return tuple(zip(*A, strict=True)) if A else ((),) * columns
 
 
@@ -132,7 +132,7 @@ class Space:
         return (w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0])
 
     moment = cross
-    """r × f: moment of a force."""
+    """Moment r × f of a force."""
     cross_angular = cross
     """ω₁ × ω₂ of two angular vectors."""
 

@@ -125,7 +125,7 @@ def _second_moments(tree: Tree, mass: Mass) -> Matrix:
 
 
 def _axial(A: Matrix) -> Vector:
-    """Σ r × a of A = Σ a rᵀ."""
+    """Vector Σ r × a of a matrix A = Σ a rᵀ."""
     turns = [(2, 1), (0, 2), (1, 0)] if len(A) == 3 else [(1, 0)]
     return tuple(A[i][j] - A[j][i] for i, j in turns)
 

@@ -109,7 +109,7 @@ def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
 
 
 def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
-    """(L, D, D⁻¹) of a symmetric matrix, without pivoting."""
+    """Factors (L, D, D⁻¹) of a symmetric matrix, without pivoting."""
     n = len(A)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
     pivots: list[Scalar] = []

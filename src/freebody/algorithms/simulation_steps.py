@@ -26,7 +26,7 @@ MotionState = tuple[Vector, Vector]
 """Positions and rates (q, q̇)."""
 
 Acceleration = Callable[[float, Vector, Vector], Vector]
-"""(part of the step that has passed (0 to 1), q, q̇) -> q̈."""
+"""Function (part of the step that has passed (0 to 1), q, q̇) -> q̈."""
 
 StageWrenches = Callable[[float, Vector], Sequence[External]]
 """(part of the step that has passed, q) -> external wrenches on the bodies."""

@@ -62,7 +62,7 @@ class Reactions(Tabled, ByValue):
     qdd: Array
     """Accelerations of the coordinates (..., nv)."""
     tau: Array
-    """(..., nv): of the drives."""
+    """Torques of the drives (..., nv)."""
     balance: float
     """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all
     bodies, relative to the largest force: it checks the wrenches against accelerations found from

@@ -76,7 +76,7 @@ def add(*terms: Like) -> Expression:
 
 
 def neg_each(x: Like) -> Expression:
-    """-x, of a sum term by term."""
+    """Opposite -x, of a sum term by term."""
     x = expr(x)
     return add(*map(neg, x.terms)) if isinstance(x, Sum) else neg(x)
 

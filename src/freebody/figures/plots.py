@@ -142,7 +142,7 @@ class _Axes:
         return bottom - (np.asarray(value) - low) / (high - low) * (bottom - top)
 
     def level(self, css: str, value: float, title: str = "") -> str:
-        """A line across at a value."""
+        """SVG line across the plot at a value."""
         left, _, right, _ = self.box
         return line(css, f"M{left:.1f} {float(self.y(value)):.1f}H{right:.1f}", title)
 

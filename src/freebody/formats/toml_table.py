@@ -117,7 +117,7 @@ class TomlTable:
 
     # ------------------------------------------------------------ values by kind
     def text(self, key: str, default: Any = _REQUIRED) -> str:
-        """A text that is not empty."""
+        """Value of a key as a text that is not empty."""
         value = self.get(key, default)
         if value is not default and (not isinstance(value, str) or not value.strip()):
             self.refuse(f"{key} is {shown(value)}, expected text in quotes.", key)
@@ -176,7 +176,7 @@ class TomlTable:
         )
 
     def matrix(self, key: str, size: int) -> tuple[tuple[float, ...], ...]:
-        """size rows of size numbers."""
+        """Value of a key as `size` rows of `size` numbers."""
         rows = self.listed(self.get(key, _REQUIRED), key, size)
         return tuple(
             tuple(

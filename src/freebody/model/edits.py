@@ -342,7 +342,7 @@ def _known(part: RowPart) -> RowEntries:
 
 
 class LoadedLayout(NamedTuple):
-    """A layout with a load more."""
+    """A layout of numbers with one load more."""
 
     layout: NumberLayout
     moved: dict[int, int]

@@ -37,7 +37,7 @@ front, and link or frame behind."""
 _ALIKE = 0.01
 """Share by which numbers of two equal fingers may differ: those of files are rounded."""
 _SHOWN = 8
-"""Candidates that are named."""
+"""Number of candidates that are named."""
 
 
 @dataclass(frozen=True)

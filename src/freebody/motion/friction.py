@@ -33,7 +33,7 @@ class DryFriction:
 
     @property
     def acts(self) -> bool:
-        """Whether there is any such law."""
+        """Whether the model has dry friction."""
         return len(self.drives) > 0
 
     def torque(self, q: Array, qd: Array) -> Array:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Write the page; the path."""
+    """Write a study's page; its path."""
     return files.write(path, page(study))
 
 

@@ -207,7 +207,7 @@ class Replay(Titled):
     drift_time: Array
     """(k,) times of the open-loop run (s); it may stop early, see `text`."""
     drift: Array
-    """(k, nv) distance from the reference, open loop (rad, m)."""
+    """Distances (k, nv) from the reference, open loop (rad, m)."""
     amplification: float
     """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the
     whole motion."""

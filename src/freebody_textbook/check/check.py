@@ -130,7 +130,7 @@ class _WholeAnswer:
     tolerance: float | None
 
     def judged(self, where: RightEquations) -> _Judged:
-        """The verdict in a setting."""
+        """Verdict on the answer in a setting."""
         document = self.document
         said = statements(where, document, self.names, self.style, self.at)
         velocity = any(claim.target.kind.is_coefficient for claim in said.claims)

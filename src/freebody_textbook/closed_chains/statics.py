@@ -34,7 +34,7 @@ class LoopStatics:
 
     @cached_property
     def right(self) -> list[Trig]:
-        """-k of the passive joints."""
+        """Right side -k of the equations of the passive joints."""
         return [-self.unloaded(k) for k in self.passive]
 
     def _slopes(self, k: int) -> list[Trig]:

@@ -262,7 +262,7 @@ class PageNames:
 
     @cached_property
     def _velocity_terms(self) -> dict[str, ValueSum]:
-        """c1 and V1 beside torques."""
+        """Velocity terms, called c1 or V1 beside torques."""
         if len(self.setting.symbols.coordinates) > MOST_THOUGHT:
             return {}
         single, found = self.targets.single, dict[str, ValueSum]()

@@ -28,7 +28,7 @@ LONG = 90
 FEW = 9
 """Coordinates up to which they are listed in a column."""
 _ENTRIES = 16
-"""Entries up to which it is."""
+"""Number of entries up to which a matrix is written out."""
 LONGEST = 500
 """Numbers and symbols up to which all right sides of one system are written out."""
 
@@ -61,7 +61,7 @@ class Loops:
         return a, b
 
     def body(self, i: int) -> str:
-        """ "body 3", or "the ground"."""
+        """Words for a body: "body 3", or "the ground"."""
         return f"body {self.s.numbers[i]}" if i >= 0 else "the ground"
 
     def points(self, loop: TreeLoop) -> tuple[str, str]:

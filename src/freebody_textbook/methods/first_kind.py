@@ -331,7 +331,7 @@ class _FirstKindSteps:
         return ex.add(*(ex.mul(count, *_squared(key)) for key, count in terms.items()))
 
     def _driving(self, r: Reduction, j: int) -> Expression:
-        """Σ N_ij (n_i - Σ M_ik γ_k)."""
+        """Expression Σ N_ij (n_i - Σ M_ik γ_k)."""
         total = []
         for i in range(len(r.N)):
             weight = self._entry(r, i, j)

@@ -147,7 +147,7 @@ class FreeBody:
         return tuple(map(self.s.symbols.element, v))
 
     def wrench(self, v: Vector, vd: Vector, w: Vector, wd: Vector) -> tuple[Vector, Vector]:
-        """(f, n) by Newton and Euler."""
+        """Force and moment (f, n) by Newton and Euler."""
         s, space = self.s, self.s.tree.space
         c = s.centre(self.i)
         turning = add(space.cross(wd, c), space.cross(w, space.cross(w, c)))

@@ -194,7 +194,7 @@ class _JointRate:
         return ex.Symbol(f"F{self.speed}_star", "F", (str(self.speed),), high="*")
 
     def _active_terms(self) -> Iterator[Expression]:
-        """The weights and the load."""
+        """Terms of weights and load in the active force."""
         s = self.s
         for k in s.weighted if s.weighs else ():
             if _some(self.centres[k]):

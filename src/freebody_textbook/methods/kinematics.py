@@ -139,7 +139,7 @@ class _TipKinematics:
         )
 
     def jacobian(self) -> Step:
-        """The factors of the rates."""
+        """Step: the Jacobian, whose entries are the factors of the rates."""
         s = self.s
         rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.leaders))
         J = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]

@@ -58,7 +58,7 @@ class LoopForces:
 
     @property
     def unknowns(self) -> list[Symbol]:
-        """λ_k of each loop equation."""
+        """Symbols λ_k of the multipliers, one a loop equation."""
         return [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
 
     def step(self, more: str = "") -> Step:

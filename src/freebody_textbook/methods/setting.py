@@ -186,7 +186,7 @@ class Setting:
         return 0.0 if self.planar else ((0.0,) * 3,) * 3
 
     def mass(self, i: int) -> Scalar:
-        """Mass of body i."""
+        """Mass of body i as polynomial or number."""
         return self._mass(i).m
 
     def inertia(self, i: int) -> Scalar:

@@ -150,7 +150,7 @@ class _Equilibrium:
         )
 
     def transpose(self) -> Step:
-        """The load's part as -Jᵀ f."""
+        """Step: the load's part of the torques as -Jᵀ f."""
         s = self.s
         J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
         rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]

@@ -74,7 +74,7 @@ class Recipe(ABC):
 
     @abstractmethod
     def ways(self, X: WantedMotion) -> list[PlacedBranch]:
-        """The branches."""
+        """Branches of the joints that bring the tip to a wanted motion."""
 
     @property
     @abstractmethod

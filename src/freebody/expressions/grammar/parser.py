@@ -196,7 +196,7 @@ class Parser(ABC):
         )
 
     def factor(self) -> Expression:
-        """A primary with its powers."""
+        """Parse a primary with its powers."""
         node = self.primary()
         while True:
             if self.token.kind == "power" or self.is_operator("^"):
@@ -262,7 +262,7 @@ class Parser(ABC):
         self.fail_here("a term")
 
     def bracket(self) -> Expression:
-        """( … ), the node as wide as its brackets."""
+        """Parse ( … ); the node is as wide as its brackets."""
         token = self.take()
         self._deeper(token)
         node = self.expression()

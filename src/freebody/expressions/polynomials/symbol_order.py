@@ -126,7 +126,7 @@ class Order:
         return kind, int(digits[0]) if digits else 0, name not in self.symbols.coordinates, name
 
     def number(self, value: Fraction) -> Expression:
-        """A coefficient."""
+        """A polynomial's coefficient as an expression."""
         return ex.num(
             value,
             self.decimal

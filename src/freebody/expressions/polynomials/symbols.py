@@ -66,7 +66,7 @@ class TrigReader(QuantityReader):
         return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
 
     def number(self, x: Fraction) -> Trig:
-        """An exact number."""
+        """An exact number as polynomial of the ring."""
         return Trig(self.ring, self.ring.constant(x), 0)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:

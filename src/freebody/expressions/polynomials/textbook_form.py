@@ -81,7 +81,7 @@ class Layout:
         return rows
 
     def _times_rates(self, groups: InertiaGroups, rates: SymbolPowers) -> Expression:
-        """number · (terms) · rates."""
+        """Expression number · (terms) · rates."""
         content = self.content(
             {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
         )

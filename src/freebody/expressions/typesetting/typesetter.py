@@ -92,7 +92,7 @@ class Notation:
     digits: Callable[[str], str] = str
     """A number's digits and sign."""
     ratio: Callable[[Fraction], str] = str
-    """A fraction of two numbers."""
+    """How a fraction of two numbers is set."""
     symbol: Callable[[Symbol, str], str]
     """A symbol, with an exponent as `exponent` gives it, or ""."""
     exponent: Callable[[int], str] = str
@@ -224,7 +224,7 @@ class Typesetter:
         return self(factor, CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT)
 
     def _call(self, node: Expression, bracket: bool = False) -> str:
-        """A function, or its power."""
+        """Set a function, or a power of one."""
         n, function = self.notation, node.base if isinstance(node, Power) else node
         assert isinstance(function, Function)
         argument = function.argument

@@ -367,7 +367,7 @@ def _joined(parts: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """a × b over the last axis."""
+    """Cross product a × b over the last axis."""
     a, b = np.broadcast_arrays(a, b)
     return np.asarray(np.cross(a, b), dtype=float)
 
@@ -378,5 +378,5 @@ def _across(w: Array, v: Array) -> Array:
 
 
 def _size(v: Array) -> Array:
-    """Length over the last axis."""
+    """Length of vectors along the last axis."""
     return np.sqrt(np.sum(v * v, axis=-1))

@@ -77,7 +77,7 @@ class Found:
     q: Array
     """Positions (N, k, nq) that were found."""
     miss: Array
-    """(N, k), by forward kinematics."""
+    """Distances (N, k) from the targets, by forward kinematics."""
     names: BranchNames | np.ndarray
     """Names of the branches (N, k), or the function that finds them from solutions (…, nq)."""
     method: str

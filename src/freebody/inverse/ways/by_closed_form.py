@@ -207,7 +207,7 @@ class _Nearest:
         self.low, self.high = (float(bound[self.held]) for bound in problem.solver.bounds)
 
     def found(self) -> tuple[Array, Array]:
-        """(q (N, branches, nq), miss), sorted."""
+        """Solutions nearest to the reference, sorted: (q (N, branches, nq), miss)."""
         at, step = self._grid()
         N = len(self.problem.target)
         q, _, far = self._solved(np.broadcast_to(at, (N, len(at))))  # (N, G, branches)

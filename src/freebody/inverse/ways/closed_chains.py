@@ -132,7 +132,7 @@ class _Held:
     def descend(
         self, target: Array, starts: Array, weight: float, iterations: int
     ) -> tuple[Array, Array]:
-        """(q, what is left) from starts (N, nq) to targets (N, …)."""
+        """Result (q, what is left) of descents from starts (N, nq) to targets (N, …)."""
         solver = self.solver
 
         def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
@@ -222,7 +222,7 @@ class _Held:
         return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
 
     def thinned(self, s: Verified) -> Verified:
-        """A few of infinitely many."""
+        """A few solutions of infinitely many."""
         kept: list[int] = []
         for row in range(len(s.q)):
             if len(kept) < _SHOWN and all(

@@ -25,7 +25,7 @@ class ConstructionStep(ABC):
 
     chains: tuple[Chain, ...]
     crossings: tuple[Crossing, ...]
-    """The joints that it finds."""
+    """Joints that the construction finds."""
     names: tuple[str, ...] = ()
     """Names of the dyad's points, as each kind needs them."""
     ways: ClassVar[tuple[str, str]] = ("left", "right")

@@ -394,7 +394,7 @@ def _field(k: int, name: str, offset: int, kind: str) -> str:
 
 
 def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
-    """A new array for output k."""
+    """Code that makes a new array for output k."""
     return [
         f"  %new{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {axes}, "
         f"ptr {shape}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",

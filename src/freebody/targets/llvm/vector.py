@@ -103,7 +103,7 @@ class LaneValue:
 
 
 class Block:
-    """The lines of one function."""
+    """Lines of LLVM text of one function."""
 
     def __init__(self, lanes: Lanes, fma: bool):
         self.lanes, self.fused = lanes, fma

@@ -126,7 +126,7 @@ def _sizes(lines: _TextLines, arguments: tuple[Argument, ...], inputs: int, real
 
 
 def _refused(lines: _TextLines) -> None:
-    """Return an error of XLA's."""
+    """Emit the return of an error of XLA's."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")
     lines.fill(kind, "%problem", message="@message")

@@ -73,7 +73,7 @@ class Point:
         return residue(value)
 
     def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
-        """The sum of two angles."""
+        """Sine and cosine of the sum of two angles."""
         return plus(a, b)
 
     def of(self, x: Value) -> int:

@@ -211,7 +211,7 @@ def held(
         return gravity() if has_weight else setting.zero
 
     def product(entry: str) -> Trig:
-        """J F or Jᵀ F."""
+        """Entry of J F or Jᵀ F."""
         total = setting.zero
         for name in names:
             k = setting.loads.index(name) + 1

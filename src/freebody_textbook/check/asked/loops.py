@@ -189,7 +189,7 @@ class ReducedQuantities(QuantityGroup):
 
     @cached_property
     def _drift(self) -> QuantityTable:
-        """γ: what q̈ is where ü = 0."""
+        """Drift γ, the accelerations q̈ where ü = 0."""
         return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
 
     def _drift_of(self, k: int) -> AskedQuantity:

@@ -39,7 +39,7 @@ _IN_NUMBERS = "by the forces on the body"
 
 
 class SolvedQuantities(FormulaReader):
-    """Reads lines solved for what moves."""
+    """Reader of lines that are solved for what moves."""
 
     def is_solved(self, line: AnswerLine) -> bool:
         """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an

@@ -87,7 +87,7 @@ def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> boo
 
 
 _AGREEING = 2
-"""Parts that tell a factor."""
+"""Number of parts that must agree to tell a factor."""
 
 
 def undriven_equation(

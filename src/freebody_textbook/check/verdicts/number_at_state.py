@@ -105,7 +105,7 @@ class NumberAtState:
 
     @cached_property
     def _size(self) -> float:
-        """The sum of the sizes of the right number's terms."""
+        """Sum of the sizes of the right number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
