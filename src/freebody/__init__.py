@@ -122,7 +122,7 @@ _PLACES = {
     "freebody.kernels.own_functions": ("compile",),
     "freebody_textbook.equations.equations": ("equations",),
     "freebody_textbook.closed_chains.loops": ("loop_equations",),
-    "freebody_textbook.drawings.illustrate": ("derive",),
+    "freebody_textbook.derive": ("derive",),
     "freebody_textbook.check.check": ("check",),
     "freebody_textbook.check.spelling.answer_text": ("AnswerError",),
     "freebody_textbook.relations.quantities": ("quantities",),

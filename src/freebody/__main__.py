@@ -1,4 +1,4 @@
-"""`python -m freebody`."""
+"""The program as a module: `python -m freebody`."""
 
 from freebody.cli import main
 

@@ -44,7 +44,7 @@ def _apart(a: str, b: str) -> tuple[float, int]:
 
 
 def _bare(name: str) -> str:
-    """Without what is easily overlooked."""
+    """A name in lower case without spaces, hyphens and underscores, for comparison."""
     return re.sub(r"[_\s-]", "", name).casefold()
 
 
@@ -170,8 +170,8 @@ class MissingValueError(FreebodyError, ValueError):
 
 
 class MissingArgumentError(FreebodyError):
-    """None of some arguments was given, one of which is needed; the command line words it with its
-    options."""
+    """Raised where none of some arguments was given, one of which is needed; the command line words
+    it with its options."""
 
     def __init__(self, problem: str, names: Iterable[str], remark: str = ""):
         self.problem, self.names, self.remark = problem, tuple(names), remark

@@ -14,7 +14,7 @@ from collections.abc import Collection, Iterable
 
 
 def word_set(text: str) -> frozenset[str]:
-    """The words of a text."""
+    """Set of the words of a text."""
     return frozenset(text.split())
 
 

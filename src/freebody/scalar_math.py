@@ -104,22 +104,22 @@ def hypot(x: Scalar, y: Scalar) -> Scalar:
 
 
 def greater(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a > b, else 0."""
+    """Comparison as a number: 1 where a > b, else 0."""
     return less(b, a)
 
 
 def greater_equal(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a >= b, else 0."""
+    """Comparison as a number: 1 where a >= b, else 0."""
     return less_equal(b, a)
 
 
 def not_equal(a: Scalar, b: Scalar) -> Scalar:
-    """1 where a and b differ, else 0."""
+    """Comparison as a number: 1 where a and b differ, else 0."""
     return 1.0 - equal(a, b)
 
 
 def logical_not(a: Scalar) -> Scalar:
-    """1 where a is 0, else 0."""
+    """Logical negation as a number: 1 where a is 0, else 0."""
     return equal(a, 0.0)
 
 

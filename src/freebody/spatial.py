@@ -23,7 +23,7 @@ Matrix = tuple[Vector, ...]
 
 # ---------------------------------------------------------------- vectors and matrices of any size
 def add(*vectors: Vector) -> Vector:
-    """Sum of vectors."""
+    """Sum of vectors, entry by entry."""
     if len(vectors) == 2:
         a, b = vectors
         if len(a) == len(b) == 3:  # most are: tracing and lowering spend their time here
@@ -33,24 +33,24 @@ def add(*vectors: Vector) -> Vector:
 
 
 def sub(a: Vector, b: Vector) -> Vector:
-    """a - b."""
+    """Difference a - b of two vectors."""
     return tuple(x - y for x, y in zip(a, b, strict=True))
 
 
 def neg(a: Vector) -> Vector:
-    """-a."""
+    """Opposite -a of a vector."""
     return tuple(-x for x in a)
 
 
 def scale(s: Scalar, a: Vector) -> Vector:
-    """s a."""
+    """A vector times a scalar, s a."""
     if len(a) == 3:  # as in `add`
         return s * a[0], s * a[1], s * a[2]
     return tuple(s * x for x in a)
 
 
 def dot(a: Vector, b: Vector) -> Scalar:
-    """a · b."""
+    """Dot product a · b of two vectors."""
     if len(a) == len(b) == 3:  # as in `add`
         return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
@@ -71,12 +71,12 @@ def unit(vector: Iterable[float]) -> tuple[float, ...]:
 
 
 def combine(vectors: tuple[Vector, ...], weights: Vector) -> Vector:
-    """Σ weights[k] vectors[k]."""
+    """Linear combination Σ weights[k] vectors[k]."""
     return add(*(scale(s, v) for v, s in zip(vectors, weights, strict=True)))
 
 
 def times(A: Matrix, x: Vector) -> Vector:
-    """A x."""
+    """Matrix times vector, A x."""
     if len(x) == 3:  # as in `add`
         a, b, c = x
         return tuple([row[0] * a + row[1] * b + row[2] * c for row in A])
@@ -84,18 +84,18 @@ def times(A: Matrix, x: Vector) -> Vector:
 
 
 def transposed(A: Matrix, columns: int = 0) -> Matrix:
-    """Aᵀ; `columns`, those of A, have to be said where A may have no rows."""
+    """Transpose Aᵀ; `columns`, those of A, have to be said where A may have no rows."""
     return tuple(zip(*A, strict=True)) if A else ((),) * columns
 
 
 def product(A: Matrix, B: Matrix) -> Matrix:
-    """A B."""
+    """Product A B of two matrices."""
     columns = transposed(B)
     return tuple(tuple(dot(row, column) for column in columns) for row in A)
 
 
 def plus(A: Matrix, B: Matrix) -> Matrix:
-    """A + B."""
+    """Sum A + B of two matrices."""
     return tuple(add(a, b) for a, b in zip(A, B, strict=True))
 
 
@@ -113,7 +113,7 @@ def symmetric(n: int, entry: Any) -> Matrix:
 
 @cache
 def identity(n: int) -> Matrix:
-    """The n×n unit matrix."""
+    """Unit matrix with n rows."""
     return tuple(tuple(1.0 if i == j else 0.0 for j in range(n)) for i in range(n))
 
 
@@ -132,7 +132,7 @@ class Space:
         return (w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0])
 
     moment = cross
-    """r × f: moment of a force."""
+    """Moment r × f of a force."""
     cross_angular = cross
     """ω₁ × ω₂ of two angular vectors."""
 
@@ -173,7 +173,7 @@ class Space:
         )
 
     def inertia_times(self, inertia: Matrix, w: Vector) -> Vector:
-        """I ω."""
+        """Angular momentum I ω about the centre of mass."""
         return times(inertia, w)
 
     def euler(self, inertia: Matrix, w: Vector, wd: Vector) -> Vector:
@@ -197,7 +197,7 @@ class Space:
         )
 
     def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:
-        """R I Rᵀ (6.3)."""
+        """Inertia in turned axes, R I Rᵀ (6.3)."""
         a, b, c = R
         Ia, Ib, Ic = times(inertia, a), times(inertia, b), times(inertia, c)
         xy, xz, yz = dot(a, Ib), dot(a, Ic), dot(b, Ic)
@@ -242,7 +242,7 @@ class Plane:
     no_inertia: Any = 0.0
 
     def cross(self, w: Vector, r: Vector) -> Vector:
-        """ω z × r."""
+        """Cross product of an angular velocity and a vector, ω z × r."""
         return (-w[0] * r[1], w[0] * r[0])
 
     def moment(self, r: Vector, f: Vector) -> Vector:
@@ -268,15 +268,15 @@ class Plane:
         return ((ww, -wd[0]), (wd[0], ww))
 
     def inertia_times(self, inertia: Scalar, w: Vector) -> Vector:
-        """I ω."""
+        """Angular momentum I ω about the centre of mass."""
         return (inertia * w[0],)
 
     def euler(self, inertia: Scalar, w: Vector, wd: Vector) -> Vector:
-        """I ω̇ (3.2)."""
+        """Moment about the centre of mass, I ω̇ (3.2)."""
         return (inertia * wd[0],)
 
     def coriolis(self, inertia: Scalar, h: Vector, w: Vector, v: Vector) -> Matrix:
-        """h·v, as a 1×1 matrix."""
+        """Angular block of the Coriolis matrix: h · v, as a 1×1 matrix."""
         return ((dot(h, v),),)
 
     def turned_inertia(self, R: Matrix, inertia: Scalar) -> Scalar:
@@ -284,11 +284,11 @@ class Plane:
         return inertia
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Scalar:
-        """m p² + 2 p·h (1.19)."""
+        """Inertia that a shift by p adds: m p² + 2 p·h (1.19)."""
         return m * dot(p, p) + 2.0 * dot(p, h)
 
     def plus_inertia(self, a: Scalar, b: Scalar) -> Scalar:
-        """Sum."""
+        """Sum of two moments of inertia."""
         return a + b
 
     def skew(self, r: Vector) -> Matrix:
@@ -296,7 +296,7 @@ class Plane:
         return ((-r[1], r[0]),)
 
     def inertia_matrix(self, inertia: Scalar) -> Matrix:
-        """1×1 matrix."""
+        """Moment of inertia as a 1×1 matrix."""
         return ((inertia,),)
 
 

@@ -69,8 +69,8 @@ _WITH = {
     "--errata": ("--out",),
     "": ("--chapter", "--verdict"),
 }
-"""What may be given beside an item, --html or --errata, the first of which counts; "": beside none
-of them."""
+"""Options that may be given beside an item, --html or --errata, the first of which counts; "":
+without any of the three."""
 
 
 def _require_used(given: Sequence[str]) -> None:

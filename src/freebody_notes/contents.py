@@ -64,7 +64,7 @@ def _item(name: str, section: str, entry: dict[str, Any], checks: Mapping[str, A
 
 
 def _place(item: Item) -> tuple[list[int], bool]:
-    """By section, the figures in front; within that as the files have them."""
+    """Sort key of items: by section, figures in front; within that as the files have them."""
     return [int(n) for n in item.section.split(".")], not item.is_figure
 
 

@@ -26,8 +26,8 @@ class Erratum:
 
 
 def entries(findings: Sequence[ExecutedItem]) -> list[Erratum]:
-    """What needs a correction, in the order of the notes; what states the same as an equation, such
-    as an example with its results, stands with the first such equation that is wrong."""
+    """Items that need a correction, in the order of the notes; what states the same as an equation,
+    such as an example with its results, stands with the first such equation that is wrong."""
     wrong = {f.item.id: f for f in findings if f.verdict != "holds"}
     joined: dict[str, list[ExecutedItem]] = {name: [] for name in wrong}
     for name, finding in wrong.items():

@@ -1,4 +1,5 @@
-"""What the notes leave to the reader: a hint, and the solution worked out when it is asked for."""
+"""Exercises that the notes leave to the reader: a hint, and the solution worked out when it is
+asked for."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the notes hold: an item with its formula, and what running its check finds."""
+"""An item of the notes with its formula, and the result of running its check."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 VERDICTS = ("holds", "misprint", "inconsistent", "incomplete")
-"""As printed: true; a misprint; in contradiction to the rest of the notes; true only with an
-addition."""
+"""Verdicts on the printed form: true; a misprint; in contradiction to the rest of the notes; true
+only with an addition."""
 
 SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019"
 
@@ -20,7 +20,7 @@ def parts(form: str) -> list[str]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one form: whether it holds, what was computed, and numbers at which it
+    """Result of checking one form: whether it holds, what was computed, and numbers at which it
     fails."""
 
     holds: bool
@@ -36,7 +36,7 @@ class ItemCheck(Protocol):
         ...
 
     def call(self, form: str) -> str:
-        """What a user types to do the same."""
+        """Call that a user types to check the form."""
         ...
 
     @property
@@ -55,13 +55,13 @@ class Item:
     title: str
     check: ItemCheck
     says: str = ""
-    """What it states, in other words than the notes'."""
+    """Statement of the item, in other words than the notes'."""
     printed: str = ""
     flaw: str = ""
-    """What it is called where the printed form fails: misprint, inconsistent or incomplete."""
+    """Kind of the flaw where the printed form fails: misprint, inconsistent or incomplete."""
     corrected: str = ""
     why: str = ""
-    """What is wrong, in a sentence for the author."""
+    """Sentence for the author on what is wrong."""
     figure: str = ""
     """Number of the figure that belongs to it, "1.2"."""
     same_as: tuple[str, ...] = ()
@@ -99,7 +99,7 @@ class Item:
 
 @dataclass(frozen=True)
 class ExecutedItem:
-    """What running an item's check finds."""
+    """An item with the result of running its check."""
 
     item: Item
     verdict: str

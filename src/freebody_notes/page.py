@@ -73,7 +73,7 @@ class Card:
 
     @property
     def verdict(self) -> str:
-        """In words."""
+        """Words for the verdict."""
         return WORDS[self.finding.verdict]
 
 
@@ -228,7 +228,8 @@ def _form(item: Item, form: str) -> Markup:
 
 
 def _equations(equations: Sequence[Equation]) -> str:
-    """In long lines, and where these are too long for a phone in short ones too."""
+    """HTML of equations in long lines, and where these are too long for a phone in short ones
+    too."""
     long, short = formulas.html([equations]), formulas.html([equations], LETTERS)
     return long if long == short else f'<div class="short">{short}</div><div>{long}</div>'
 

@@ -89,7 +89,7 @@ class Derivation(Titled):
     given: str = ""
     """The text on what is given and what is sought."""
     glossary: tuple[Meaning, ...] = ()
-    """The symbols that occur."""
+    """Symbols that occur, with their meanings."""
     system: FirstKind | LoopStatics | None = None
     """The equations of a closed chain as polynomials: of the first kind M, Φ_q, c and the
     reduction; of statics multipliers and torques."""
@@ -132,7 +132,7 @@ class Derivation(Titled):
         return documents.markdown(self, images)
 
     def latex(self) -> str:
-        """A LaTeX document."""
+        """The derivation as a LaTeX document."""
         return documents.latex(self)
 
     def html(self, labels: str = "names") -> str:

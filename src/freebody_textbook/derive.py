@@ -1,31 +1,22 @@
-"""Derivations of the equations of motion, step by step, by one of the methods of
-`freebody_textbook.methods`, and parameters that formulas give in them: lc = l/2 of every link,
-I1 = m1 l1²/12, or a number."""
+"""`fb.derive`: the equations of motion step by step, by one of the methods of
+`freebody_textbook.methods`."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
 from typing import Any
 
-from freebody.errors import FreebodyError, UnknownNameError, listed
-from freebody.expressions.expression import Expression
+from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions.nodes import Equation, Words, nodes
 from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
-from freebody.expressions.polynomials.symbols import Formulas, Symbols
-from freebody.expressions.polynomials.textbook_form import Layout
-from freebody.expressions.printed_names import sym
-from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
-from freebody.model.parameter_formulas import inertial_names, negative, of_each_link
-from freebody.model.parameters import finite
-from freebody.scalars.trig import Trig
-from freebody.spatial import of_dimension
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.first_kind import multipliers
 from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
+from freebody_textbook.drawings.illustrate import drawings, living_parts
+from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, freed
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.method import LOADS, Method
 from freebody_textbook.methods.overview import overview, without_repeated_legs
@@ -35,13 +26,9 @@ from freebody_textbook.methods.whole_bodies import (
     symbols_of_bodies,
     velocity_names,
 )
-from freebody_textbook.relations.formula import FormulaError, names_in, parse
-from freebody_textbook.relations.formula_values import value
-
-_NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
 
 
-def undrawn_derivation(
+def derive(
     model: Model,
     method: str | None = None,
     *,
@@ -103,7 +90,7 @@ def undrawn_derivation(
     _require_angles(record, style, model)
     angles = angles_of(caller, style, made.model)
     if style.parameters or any(angles):
-        formulas = _as_terms(formulas_of(caller, made, style.parameters))
+        formulas = as_terms(formulas_of(caller, made, style.parameters))
         made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
     lettering = lettering_of(style, made.model, made.coordinates)
     setting = Setting(made, names, record.at_rest, lettering)
@@ -113,7 +100,7 @@ def undrawn_derivation(
         [
             given,
             *sentences_on_whole_bodies(model, made, not worked.robot),
-            *_formulas_in_words(made, setting.layout),
+            *formulas_in_words(made, setting.layout),
         ]
     )
     derivation = Derivation(
@@ -126,6 +113,8 @@ def undrawn_derivation(
         glossary,
         worked.system,
         record.reference,
+        draw=drawings,
+        enliven=living_parts,
     )
     return written_in(lettering, derivation)
 
@@ -217,13 +206,6 @@ def _require_angles(method: Method, notation: BookNotation, model: Model) -> Non
         )
 
 
-def multipliers(model: Model) -> tuple[str, ...]:
-    """Names of the multipliers of its loop equations."""
-    space = of_dimension(model.dim)
-    size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)
-    return tuple(f"{MULTIPLIER}{k}" for k in range(1, size + 1))
-
-
 def _has_moving_tip(model: Model) -> bool:
     return model.tip is not None and model.frame().body >= 0
 
@@ -246,116 +228,6 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
     return Comparison(first, second)
 
 
-# ---------------------------------------------------------------- parameters by formulas
-def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
-    """The values of the parameters that formulas give, in the others; a name without its number is
-    that of every link.
-
-    Raises UnknownNameError, and FreebodyError for a formula that cannot be read, that changes with
-    the motion, that names a parameter given by a formula, or that makes a mass or a moment of
-    inertia negative: with the model's values, and where it has none for all positive ones.
-    """
-    texts = {
-        own: text
-        for name, formula in given.items()
-        for own, text in _of_each_link(
-            caller, symbols, name, _formula_text(caller, name, formula)
-        ).items()
-        if text.strip() != own  # its own name
-    }
-    inertial = inertial_names(symbols.model)
-    known = {name: symbols.ring[name] for name in symbols.ring.names} | symbols.followed({})
-    found: dict[str, Trig] = {}
-    for name, text in texts.items():
-        parsed = _parsed(caller, name, text)
-        try:
-            made = value(parsed, known)
-        except FreebodyError as problem:
-            raise _bad(caller, name, text, problem) from None
-        except ZeroDivisionError:
-            raise _bad(caller, name, text, FreebodyError("it divides by 0")) from None
-        if isinstance(made, tuple):
-            raise _bad(caller, name, text, FreebodyError("a parameter is one number"))
-        made = made if isinstance(made, Trig) else symbols.zero() + made
-        if any(set(powers) & set(texts) for powers, _ in made.terms()):
-            raise FreebodyError(
-                f"{caller}: {name} = {text} names a parameter that is given by a formula; write "
-                "it with the others."
-            )
-        if not made.along(symbols.rates).is_zero:
-            raise FreebodyError(
-                f"{caller}: {name} = {text} changes with the motion; a parameter is constant."
-            )
-        if name in inertial:
-            model = symbols.model
-            fault = negative(made.terms(), model.parameters, model.name, inertial[name])
-            if fault:
-                raise FreebodyError(f"{caller}: {name} = {text} {fault}.")
-        found[name] = made
-    return found
-
-
-def _formula_text(caller: str, name: str, formula: object) -> str:
-    """A formula, or a number, as text."""
-    if not isinstance(formula, str):
-        return repr(finite(formula, f"{caller}: the parameter {name}"))
-    if _NOT_FINITE.fullmatch(formula):
-        raise _bad(caller, name, formula, FreebodyError("it is not a finite number"))
-    return formula
-
-
-def _as_terms(values: Mapping[str, Trig]) -> Formulas:
-    """Values of parameters in the form that `symbols` takes."""
-    return tuple(
-        (name, tuple((tuple(powers.items()), x) for powers, x in value.terms()))
-        for name, value in values.items()
-    )
-
-
-def _values_of(symbols: Symbols) -> dict[str, Trig]:
-    """The values of the parameters that `symbols` has by formulas."""
-    polynomial = symbols.ring.polynomial
-    return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
-
-
-def freed(model: Model, given: Mapping[str, str | float]) -> Model:
-    """The model without its own formulas for parameters that are given otherwise."""
-    return model.bind({name: name for name in given}) if model.formulas and given else model
-
-
-def _formulas_in_words(symbols: Symbols, layout: Layout) -> list[str]:
-    """A sentence with the formulas that hold in what is derived."""
-    if not symbols.follows:
-        return []
-    rows = [
-        f"{sym(name)} = {layout.form(x)}"
-        for name, x in symbols.followed(_values_of(symbols)).items()
-    ]
-    return [f"Here {listed(rows)}."] if rows else []
-
-
-def _parsed(caller: str, name: str, formula: str) -> Expression:
-    try:
-        return parse(formula)
-    except FormulaError as problem:
-        raise _bad(caller, name, formula, problem) from None
-
-
-def _bad(caller: str, name: str, formula: str, problem: FreebodyError) -> FreebodyError:
-    own = problem.bare if isinstance(problem, FormulaError) else str(problem)
-    return FreebodyError(f"{caller}: the parameter {name} = {formula}: {own.rstrip('.')}.")
-
-
-def _of_each_link(caller: str, symbols: Symbols, name: str, formula: str) -> dict[str, str]:
-    """A formula for one parameter, or that of a family for every link."""
-    parameters = symbols.model.parameters
-    names = () if name in parameters else names_in(_parsed(caller, name, formula))
-    found = of_each_link(name, formula, names, parameters)
-    if not found:
-        raise UnknownNameError("parameter", name, repr(symbols.model.name), parameters)
-    return found
-
-
 def _listed() -> str:
     """The methods with their options, a line each, for a docstring."""
     lines = []
@@ -371,4 +243,4 @@ def _listed() -> str:
     return "\n".join(lines)
 
 
-undrawn_derivation.__doc__ = f"{undrawn_derivation.__doc__ or ''}\n    Methods:\n{_listed()}\n"
+derive.__doc__ = f"{derive.__doc__ or ''}\n    Methods:\n{_listed()}\n"

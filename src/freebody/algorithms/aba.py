@@ -93,7 +93,7 @@ def aba(
 
 
 def _less(inertia: Matrix, U: Vector, inverse: Scalar) -> Matrix:
-    """inertia - U Uᵀ / d."""
+    """The inertia that is left when a joint moves freely: inertia - U Uᵀ / d."""
     scaled = scale(inverse, U)
     return symmetric(len(U), lambda i, j: inertia[i][j] - U[i] * scaled[j])
 

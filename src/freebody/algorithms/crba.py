@@ -208,7 +208,7 @@ Factors = tuple[dict[tuple[int, int], Scalar], dict[int, Scalar]]
 
 
 def factor(tree: Tree, M: Matrix) -> Factors:
-    """M = Lᵀ D L with unit triangular L, without fill-in."""
+    """Factors of M = Lᵀ D L with unit triangular L, without fill-in."""
     above = supports(tree)
     H = {(k, j): M[k][j] for k in above for j in (*above[k], k)}
     inverse: dict[int, Scalar] = {}
@@ -225,7 +225,7 @@ def factor(tree: Tree, M: Matrix) -> Factors:
 
 
 def solve(tree: Tree, M: Matrix, right: Vector) -> Vector:
-    """M⁻¹ right."""
+    """Solution x of M x = right."""
     return substitute(tree, factor(tree, M), right)
 
 

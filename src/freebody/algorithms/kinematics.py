@@ -170,7 +170,7 @@ value itself, or in a derivation a name for it."""
 
 
 def unnamed(name: str, body: int, value: Vector) -> Vector:
-    """The value itself."""
+    """The vector as it is: what numbers and kernels take where a derivation gives it a name."""
     return value
 
 
@@ -293,7 +293,7 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
 
 
 def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
-    """For each body on the way to the frame its joint's columns, in world axes, at point p."""
+    """Motion columns of each joint on the way to the frame, in world axes, at point p."""
     space = tree.space
     columns = {}
     for i in ancestors(tree, tree.frames[frame][0]):

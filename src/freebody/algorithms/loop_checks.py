@@ -123,7 +123,7 @@ def solution_margins(
 
 
 def largest(values: Vector, rates: Vector) -> Scalar:
-    """The largest of rates, or of their derivatives, as an angular one."""
+    """Largest of rates, or of their derivatives, each divided by its scale, as an angular one."""
     return _largest(x / r for x, r in zip(values, rates, strict=True))
 
 
@@ -132,7 +132,7 @@ def _largest(values: Iterable[Scalar]) -> Scalar:
 
 
 def _by_loop(tree: Tree, rows: Vector, values: Vector) -> list[Scalar]:
-    """For each loop the sum of squares of its scaled equations."""
+    """Sum of squares of the scaled equations of each loop."""
     scaled = iter([s * x for s, x in zip(rows, values, strict=True)])
     sizes = [loop.closure.size(tree.space) for loop in tree.loops]
     return [dot(part, part) for part in (tuple(next(scaled) for _ in range(n)) for n in sizes)]

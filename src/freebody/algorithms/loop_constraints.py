@@ -58,11 +58,11 @@ class LoopEquation:
 
 
 Velocities = tuple[Column, Column]
-"""(ω, v) of A and of B."""
+"""Velocities (ω, v) of both sides of a loop, A and B."""
 
 
 class Counting(NamedTuple):
-    """Loop equations that count; the others follow from them."""
+    """Loop equations that count; those left out follow from them."""
 
     rows: tuple[int, ...]
     slack: float = 0.0
@@ -70,7 +70,7 @@ class Counting(NamedTuple):
     to their terms."""
 
     def left_out(self, tree: Tree) -> tuple[int, ...]:
-        """The others."""
+        """Rows of the loop equations that do not count."""
         return tuple(k for k in range(tree.constraints) if k not in self.rows)
 
 
@@ -129,7 +129,7 @@ def constraint_jacobian(tree: Tree, q: Vector) -> Matrix:
 
 
 def constraint_rate(tree: Tree, q: Vector, qd: Vector) -> Vector:
-    """Φ_q q̇."""
+    """Rates of the loop equations, Φ_q q̇."""
     return times(constraint_jacobian(tree, q), qd)
 
 
@@ -178,8 +178,8 @@ def _equation_rates(
 def loop_wrenches(
     tree: Tree, q: Vector, multipliers: Vector, reference: str = "world"
 ) -> list[Vector]:
-    """For each loop (force, moment) on B by A at the origin of B, world axes or B's ("child"): what
-    -Φ_qᵀ λ (5.23) stands for."""
+    """Wrench (force, moment) of each loop on B by A at the origin of B, world axes or B's
+    ("child"): what -Φ_qᵀ λ (5.23) stands for."""
     space = tree.space
     world = world_poses(tree, joint_poses(tree, q))
     wrenches, k = [], 0

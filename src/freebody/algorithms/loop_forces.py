@@ -49,7 +49,7 @@ class Partition(NamedTuple):
     """The coordinates that these equations determine, as many as there are equations; the undriven
     ones are among them."""
     driven: tuple[int, ...]
-    """The others, and maybe more."""
+    """Coordinates that are not dependent, and maybe more."""
 
 
 @dataclass(frozen=True)
@@ -57,9 +57,9 @@ class Orthogonal:
     """Columns as Q R, Q of orthonormal columns, R triangular."""
 
     units: tuple[Vector, ...]
-    """Columns of Q."""
+    """Columns of the orthogonal factor Q."""
     triangle: tuple[Vector, ...]
-    """For each column its entries of R down to the diagonal."""
+    """Entries of R down to the diagonal, column by column."""
 
     @property
     def margins(self) -> list[Scalar]:
@@ -118,7 +118,7 @@ class _Split:
     columns: Matrix
     """Columns of Φ_q, of the partition's equations alone."""
     phi: Matrix
-    """Rows of Φ_q, all of them."""
+    """All rows of Φ_q."""
     row_scale: Vector
     """Factors (m,) that make angles of the residuals of all equations."""
     rate_scale: Vector

@@ -32,7 +32,7 @@ from freebody.spatial import (
 
 
 class Moving(NamedTuple):
-    """A body's pose in the world, its rate, and the rate of that."""
+    """A body's pose in the world, with its first and second rates."""
 
     pose: Pose
     rate: Pose
@@ -43,9 +43,9 @@ class BodyResiduals(NamedTuple):
     """Residuals of every body of the model, about its joint's origin, world axes."""
 
     force: Matrix
-    """ΣF - m a."""
+    """Residual of Newton's equation, ΣF - m a."""
     moment: Matrix
-    """ΣM - Ḣ."""
+    """Residual of Euler's equation, ΣM - Ḣ."""
     largest: Vector
     """The largest entry of a force, and of a moment, that went in."""
 
@@ -125,7 +125,7 @@ def _second_moments(tree: Tree, mass: Mass) -> Matrix:
 
 
 def _axial(A: Matrix) -> Vector:
-    """Σ r × a of A = Σ a rᵀ."""
+    """Vector Σ r × a of a matrix A = Σ a rᵀ."""
     turns = [(2, 1), (0, 2), (1, 0)] if len(A) == 3 else [(1, 0)]
     return tuple(A[i][j] - A[j][i] for i, j in turns)
 

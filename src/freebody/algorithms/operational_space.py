@@ -33,7 +33,7 @@ from freebody.spatial import (
 
 
 def mass_matrix_inverse(tree: Tree, q: Vector) -> Matrix:
-    """M⁻¹, nv × nv."""
+    """Inverse M⁻¹ of the mass matrix, nv × nv."""
     factored = factor(tree, crba(tree, q))
     columns = [substitute(tree, factored, unit) for unit in identity(tree.nv)]
     return symmetric(tree.nv, lambda i, j: columns[j][i])
@@ -84,7 +84,7 @@ def nan_unless(sure: Scalar, q: Vector, values: Vector | Matrix) -> Any:
 
 
 _NO_PIVOT = 1e-300
-"""In the place of a pivot that is 0, perhaps for all positions."""
+"""Number that stands in the place of a pivot that is 0, perhaps for all positions."""
 _NO_ROWS = 1e-280
 """Squares of the entries of rows that are all 0, added up."""
 INDEPENDENT = 1e-6
@@ -109,7 +109,7 @@ def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
 
 
 def factors(A: Matrix) -> tuple[list[list[Scalar]], list[Scalar], list[Scalar]]:
-    """(L, D, D⁻¹) of a symmetric matrix, without pivoting."""
+    """Factors (L, D, D⁻¹) of a symmetric matrix, without pivoting."""
     n = len(A)
     L: list[list[Scalar]] = [[0.0] * n for _ in range(n)]
     pivots: list[Scalar] = []

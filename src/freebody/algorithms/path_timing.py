@@ -215,7 +215,7 @@ def excess(
     y: Scalar,
     h: Scalar,
 ) -> tuple[list[Scalar], Scalar, Scalar]:
-    """By how much each row is above its limit `size` within an interval, or negative below -size;
+    """Excess of each row over its limit `size` within an interval, or negative below -size;
     the largest of them as a fraction of its limit; and the share of its limit that one might come
     to.
 

@@ -92,7 +92,7 @@ def _along(body: TreeBody) -> int | None:
 
 
 def _split(space: AnySpace, body: TreeBody, composite: Composite) -> tuple[Composite, Composite]:
-    """(what is handed down, what stays)."""
+    """Two parts of a composite inertia: (what is handed down, what stays)."""
     m, h, inertia = composite
     nothing = space.no_inertia
     if body.primitive.slides and not body.primitive.turns:

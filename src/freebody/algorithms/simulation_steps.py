@@ -23,10 +23,10 @@ from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
 
 MotionState = tuple[Vector, Vector]
-"""(q, q̇)."""
+"""Positions and rates (q, q̇)."""
 
 Acceleration = Callable[[float, Vector, Vector], Vector]
-"""(part of the step that has passed (0 to 1), q, q̇) -> q̈."""
+"""Function (part of the step that has passed (0 to 1), q, q̇) -> q̈."""
 
 StageWrenches = Callable[[float, Vector], Sequence[External]]
 """(part of the step that has passed, q) -> external wrenches on the bodies."""

@@ -124,8 +124,8 @@ def _sum(c: Scalar, a: Vector, s: Scalar, b: Vector) -> Vector:
 
 
 def _pairs(n: int) -> list[tuple[int, int]]:
-    """Each two of n, next to one another those that have none in common, so that a processor turns
-    several at once."""
+    """All pairs of n numbers, those without a common one next to one another, so that a processor
+    turns several at once."""
     places = list(range(n + n % 2))
     found = []
     for _ in places[1:]:

@@ -36,7 +36,7 @@ from freebody.spatial import (
 )
 
 Force = tuple[Vector, Vector]
-"""(moment, force)."""
+"""Spatial force (moment, force)."""
 
 
 @dataclass
@@ -95,7 +95,7 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
 
 # ---------------------------------------------------------------- motions and forces at one point
 def cross_motion(space: AnySpace, a: Column, b: Column) -> Column:
-    """a × b of two motions."""
+    """Cross product a × b of two motions."""
     return space.cross_angular(a[0], b[0]), sub(space.cross(a[0], b[1]), space.cross(b[0], a[1]))
 
 
@@ -105,7 +105,7 @@ def cross_force(space: AnySpace, a: Column, b: Force) -> Force:
 
 
 def plus_motion(a: Column, b: Column) -> Column:
-    """a + b."""
+    """Sum a + b of two motions."""
     return add(a[0], b[0]), add(a[1], b[1])
 
 
@@ -115,7 +115,7 @@ def dot_motion(a: Column, b: Force) -> Scalar:
 
 
 def coriolis_times(space: AnySpace, B: tuple[Matrix, Vector], column: Column) -> Force:
-    """B s."""
+    """Product B s of a body's Coriolis matrix and a motion."""
     block, momentum = B
     return times(block, column[0]), space.cross(column[0], momentum)
 

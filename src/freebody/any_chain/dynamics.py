@@ -27,6 +27,63 @@ from freebody.trees.public_calls import (
 from freebody.trees.special_joints import refuse_passive
 
 
+# Each call tries three ways in this order: the kernel that the model keeps from an earlier call
+# (`evaluate`); of a closed chain, the function of `loops`; of an open one, `careful`, which looks
+# at the inputs one by one, says what is wrong with them, and compiles the kernel that is kept.
+def _by_chain(
+    closed: Callable[..., Any], opened: Callable[..., Any] = careful
+) -> Callable[..., Any]:
+    """Function that answers where no kernel is ready: `closed` for closed chains, `opened` for open
+    ones."""
+
+    def answer(
+        key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, wrenches: FrameWrenchTable
+    ) -> Any:
+        function, *choice = (key,) if isinstance(key, str) else key
+        require_model(function, model)
+        if model.loops:
+            return closed(model, *inputs, wrenches, *choice)
+        return opened(key, model, inputs, option, wrenches)
+
+    return answer
+
+
+def _closed_inverse(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.drive_torques import inverse_dynamics
+
+    return inverse_dynamics(model, *arguments)
+
+
+def _closed_forward(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.accelerations import forward_dynamics
+
+    return forward_dynamics(model, *arguments)
+
+
+def _closed_static(model: Model, *arguments: Any) -> Array:
+    from freebody.loops.drive_torques import static_torque
+
+    return static_torque(model, *arguments)
+
+
+def _closed_wrenches(
+    model: Model, q: Any, qd: Any, qdd: Any, wrenches: FrameWrenchTable, reference: Any
+) -> Array:
+    from freebody.any_chain.reactions import reactions
+
+    return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
+
+
+def _opened_forward(function: str, model: Model, *arguments: Any) -> Array:
+    result = where_all_move_mass(function, model, *arguments)
+    refuse_singular(function, model, result)
+    return result
+
+
+_INVERSE, _STATIC = _by_chain(_closed_inverse), _by_chain(_closed_static)
+_FORWARD, _WRENCHES = _by_chain(_closed_forward, _opened_forward), _by_chain(_closed_wrenches)
+
+
 def inverse_dynamics(
     model: Model,
     q: JointVector,
@@ -216,56 +273,3 @@ def joint_wrenches(
 
 def _in_axes(model: Model, reference: str) -> Option:
     return Option(reference=checked_reference(reference, ("world", "child")))
-
-
-def _by_chain(
-    closed: Callable[..., Any], opened: Callable[..., Any] = careful
-) -> Callable[..., Any]:
-    """The answer where no kernel is ready: that of the room of the model's chains."""
-
-    def answer(
-        key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, wrenches: FrameWrenchTable
-    ) -> Any:
-        function, *choice = (key,) if isinstance(key, str) else key
-        require_model(function, model)
-        if model.loops:
-            return closed(model, *inputs, wrenches, *choice)
-        return opened(key, model, inputs, option, wrenches)
-
-    return answer
-
-
-def _closed_inverse(model: Model, *arguments: Any) -> Array:
-    from freebody.loops.drive_torques import inverse_dynamics
-
-    return inverse_dynamics(model, *arguments)
-
-
-def _closed_forward(model: Model, *arguments: Any) -> Array:
-    from freebody.loops.accelerations import forward_dynamics
-
-    return forward_dynamics(model, *arguments)
-
-
-def _closed_static(model: Model, *arguments: Any) -> Array:
-    from freebody.loops.drive_torques import static_torque
-
-    return static_torque(model, *arguments)
-
-
-def _closed_wrenches(
-    model: Model, q: Any, qd: Any, qdd: Any, wrenches: FrameWrenchTable, reference: Any
-) -> Array:
-    from freebody.any_chain.reactions import reactions
-
-    return reactions(model, q, qd, qdd=qdd, wrenches=wrenches, reference=reference).wrenches
-
-
-def _opened_forward(function: str, model: Model, *arguments: Any) -> Array:
-    result = where_all_move_mass(function, model, *arguments)
-    refuse_singular(function, model, result)
-    return result
-
-
-_INVERSE, _STATIC = _by_chain(_closed_inverse), _by_chain(_closed_static)
-_FORWARD, _WRENCHES = _by_chain(_closed_forward, _opened_forward), _by_chain(_closed_wrenches)

@@ -49,7 +49,7 @@ class Reactions(Tabled, ByValue):
     """Reaction wrenches of a mechanism in motion; arrays have the batch of the inputs in front."""
 
     names: tuple[str, ...]
-    """Joints, then loops."""
+    """Names of the joints, then of the loops."""
     wrenches: Array
     """(..., k, six): force, then moment. Of a joint on its child by its parent at the child's joint
     origin; of a loop on the second frame's body by the first's, at the second frame's origin. World
@@ -60,9 +60,9 @@ class Reactions(Tabled, ByValue):
     multipliers: Array
     """λ (..., m) of (5.23), one a loop equation; -Φ_qᵀ λ is what the loops do."""
     qdd: Array
-    """(..., nv)."""
+    """Accelerations of the coordinates (..., nv)."""
     tau: Array
-    """(..., nv): of the drives."""
+    """Torques of the drives (..., nv)."""
     balance: float
     """Largest of ΣF - m a (N) and (ΣM - Ḣ) / length (N; of a family the first member's) over all
     bodies, relative to the largest force: it checks the wrenches against accelerations found from
@@ -209,7 +209,7 @@ def _found(
     loads: list[Array],
     reference: str,
 ) -> Reactions:
-    """The reactions of a motion and the torques that go with it."""
+    """The reactions of a motion under the torques that cause it."""
 
     def wrenches_in(axes: str) -> Array:
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))

@@ -9,7 +9,7 @@ INTERRUPTED = 130
 
 
 def main() -> None:
-    """The program `freebody`."""
+    """Run the program `freebody`."""
     try:
         from freebody.cli.app import run
 

@@ -1,4 +1,4 @@
-"""`freebody export`."""
+"""The command `freebody export`."""
 
 from __future__ import annotations
 

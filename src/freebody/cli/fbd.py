@@ -1,4 +1,4 @@
-"""`freebody fbd`."""
+"""The command `freebody fbd`."""
 
 from __future__ import annotations
 

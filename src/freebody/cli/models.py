@@ -1,4 +1,4 @@
-"""`freebody models`."""
+"""The command `freebody models`."""
 
 from __future__ import annotations
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 _ROUNDING = 1e-12
-"""rad, m: what is left of 0 in a polynomial of positions."""
+"""Size in rad or m of what rounding leaves of 0 in a polynomial of positions."""
 
 EXAMPLE = 'Example: freebody plan 2R "0, 0; 1.2, 30 deg; 0.5, -0.4" --acceleration 2'
 
@@ -156,7 +156,7 @@ def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
 
 
 def _of_text(model: Model, text: str) -> tuple[Any, None]:
-    """Positions as numbers."""
+    """Positions from a text, as numbers."""
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
     names = model.position_names
     if model.loops and rows and len(rows[0]) != model.nq:
@@ -295,7 +295,7 @@ class TipPathOptions:
         return rows if len(rows) > 1 else self.task
 
     def _points(self, model: Model, option: str, text: str, what: str) -> list[list[float]]:
-        """Points in m, semicolons between them."""
+        """Points of a path in m, from a text with semicolons between them."""
         rows = [row for row in text.split(";") if row.strip()]
         axes = "x, y, z" if model.dim == 3 else "x, y"
         found = [options.values(option, row) for row in rows]

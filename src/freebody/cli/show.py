@@ -1,4 +1,4 @@
-"""`freebody show`."""
+"""The command `freebody show`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`freebody simulate`."""
+"""The command `freebody simulate`."""
 
 from __future__ import annotations
 
@@ -133,7 +133,7 @@ def simulate(
 
 
 def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
-    """Positions and rates; loops are closed near them."""
+    """Positions and rates at the start; loops are closed near the given positions."""
     import numpy as np
 
     from freebody.loops.assembly import assemble
@@ -203,7 +203,7 @@ def _torque(
 
 
 def _gains(name: str, text: str, model: Model) -> Array:
-    """One for each coordinate."""
+    """Gains of a controller, one for each coordinate."""
     import numpy as np
 
     values = options.values(name, text)

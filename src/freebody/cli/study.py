@@ -1,4 +1,4 @@
-"""`freebody study`."""
+"""The command `freebody study`."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def study(
 
 
 def _cutoff(smooth: str | None) -> bool | float:
-    """The meaning of --smooth."""
+    """The cutoff that --smooth asks for: a frequency, True for an automatic one, False for none."""
     if smooth is None or smooth == "auto":
         return smooth is not None
     cutoff = number(smooth)

@@ -1,4 +1,4 @@
-"""`freebody sweep`."""
+"""The command `freebody sweep`."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 EXAMPLE = "Example: freebody sweep 2R inverse_dynamics --over m2=0.5:3:6 --over l1=0.2:0.6:3"
 _SHOWN = 40
-"""Rows that are printed."""
+"""Rows of a result that are printed."""
 
 
 @options.reading(*options.FILE)
@@ -146,7 +146,7 @@ def _axes(over: list[str], samples: int | None, method: str, seed: int) -> dict[
 
 
 def _free(name: str, axes: dict[str, Any]) -> str:
-    """The name, longer where a number of the robot has it."""
+    """The name, with underscores behind it where an axis has the same name."""
     return _free(f"{name}_", axes) if name in axes else name
 
 

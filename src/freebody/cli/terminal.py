@@ -55,13 +55,13 @@ def paragraphs(document: str | None) -> str:
 
 @cache
 def out() -> Console:
-    """stdout."""
+    """Console that writes to stdout."""
     return _console(stderr=False)
 
 
 @cache
 def err() -> Console:
-    """stderr."""
+    """Console that writes to stderr."""
     return _console(stderr=True)
 
 
@@ -85,7 +85,7 @@ def _console(stderr: bool) -> Console:
 
 
 class Gone(Exception):
-    """Whoever read stdout has read enough."""
+    """Raised when the reader of stdout, such as `head`, has closed it."""
 
 
 class _Stream:
@@ -131,7 +131,7 @@ class _Stream:
 
 @contextmanager
 def streams() -> Iterator[None]:
-    """Within the block a stdout that is closed, full or no longer read is said so."""
+    """Context in which a stdout that is closed, full or no longer read is said so."""
     real = sys.stdout, sys.stderr
     sys.stdout = cast(TextIO, _Stream(real[0], "standard output"))
     sys.stderr = cast(TextIO, _Stream(real[1], ""))
@@ -142,13 +142,13 @@ def streams() -> Iterator[None]:
 
 
 def error(text: str) -> int:
-    """One red line; the exit code for bad input."""
+    """Print an error as one red line; the exit code for bad input."""
     _line(f"error: {text}", "bold red")
     return 2
 
 
 def warn(text: str) -> None:
-    """One yellow line."""
+    """Print a warning as one yellow line."""
     _line(text if "warning: " in text else f"warning: {text}", "yellow")
 
 
@@ -224,7 +224,7 @@ def _fits(text: str, encoding: str) -> bool:
 
 
 def _letter(c: str) -> str:
-    """One character in ASCII; one that has no such spelling by its number."""
+    """A character in ASCII; one that has no such spelling by its number."""
     if c in _PLAIN:
         return _PLAIN[c]
     name = unicodedata.name(c, "")

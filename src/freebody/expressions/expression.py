@@ -68,7 +68,7 @@ def neg(x: Like) -> Expression:
 
 
 def add(*terms: Like) -> Expression:
-    """Sum, in the order given."""
+    """Sum of terms, in the order given."""
     flat: list[Expression] = []
     for term in map(expr, terms):
         flat += term.terms if isinstance(term, Sum) else (term,) if term != ZERO else ()
@@ -76,7 +76,7 @@ def add(*terms: Like) -> Expression:
 
 
 def neg_each(x: Like) -> Expression:
-    """-x, of a sum term by term."""
+    """Opposite -x, of a sum term by term."""
     x = expr(x)
     return add(*map(neg, x.terms)) if isinstance(x, Sum) else neg(x)
 
@@ -106,7 +106,7 @@ def mul(*factors: Like) -> Expression:
 
 
 def _factors(factors: Iterable[Expression]) -> Iterable[Expression]:
-    """Factors of products and signs, one by one."""
+    """Single factors of products, with their signs taken apart."""
     for factor in factors:
         if isinstance(factor, Negative):
             yield Number(Fraction(-1))
@@ -126,22 +126,22 @@ def div(a: Like, b: Like) -> Expression:
 
 
 def power(base: Like, exponent: int) -> Expression:
-    """base ** exponent."""
+    """Power base ** exponent."""
     return expr(base) if exponent == 1 else ONE if exponent == 0 else Power(expr(base), exponent)
 
 
 def sin(x: Like) -> Expression:
-    """Sine."""
+    """Sine of an expression."""
     return Function("sin", expr(x))
 
 
 def cos(x: Like) -> Expression:
-    """Cosine."""
+    """Cosine of an expression."""
     return Function("cos", expr(x))
 
 
 def sgn(x: Like) -> Expression:
-    """Sign."""
+    """Sign of an expression."""
     return Function("sgn", expr(x))
 
 
@@ -156,24 +156,24 @@ def partial(of: Like, by: Like) -> Expression:
 
 
 def cross(a: Like, b: Like) -> Expression:
-    """a × b; 0 where one of them is."""
+    """Cross product a × b; 0 where a or b is 0."""
     x, y = expr(a), expr(b)
     return ZERO if ZERO in (x, y) else Cross(x, y)
 
 
 def dot(a: Like, b: Like) -> Expression:
-    """a · b; 0 where one of them is."""
+    """Dot product a · b; 0 where a or b is 0."""
     x, y = expr(a), expr(b)
     return ZERO if ZERO in (x, y) else Dot(x, y)
 
 
 def transposed(x: Like) -> Expression:
-    """xᵀ."""
+    """Transpose xᵀ of an expression."""
     return Transposed(expr(x))
 
 
 def vector(*entries: Like) -> Expression:
-    """A column."""
+    """A column vector from its components."""
     return Vector(tuple(map(expr, entries)))
 
 
@@ -183,7 +183,7 @@ def matrix(rows: Iterable[Iterable[Like]]) -> Expression:
 
 
 def words(text: str) -> Expression:
-    """Upright words."""
+    """Words in an equation, upright."""
     return Words(text)
 
 
@@ -193,7 +193,7 @@ def arguments(*entries: Like) -> Expression:
 
 
 def eq(*sides: Like) -> Equation:
-    """side = side (= side …)."""
+    """Equation of two or more sides: a = b (= c …)."""
     return Equation(tuple(map(expr, sides)))
 
 

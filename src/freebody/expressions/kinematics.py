@@ -66,12 +66,12 @@ class Kinematics(InTextbookForm):
 
     @cached_property
     def velocity(self) -> list[Trig]:
-        """J q̇ (2.18)."""
+        """Velocity of the tip, J q̇ (2.18)."""
         return [inner(row, self.symbols.own(RATE), self.symbols) for row in self.J]
 
     @cached_property
     def acceleration(self) -> list[Trig]:
-        """J q̈ + J̇ q̇ (2.24)."""
+        """Acceleration of the tip, J q̈ + J̇ q̇ (2.24)."""
         s, rows = self.symbols, zip(self.J, self.J_dot, strict=True)
         qd, qdd = s.own(RATE), s.own(SECOND)
         return [inner(row, qdd, s) + inner(change, qd, s) for row, change in rows]

@@ -45,7 +45,7 @@ class Naming:
         return self.model.dim == 2
 
     def body(self, n: int) -> Body:
-        """The body of that number."""
+        """Name of the body of a number."""
         return self.model.bodies[n - 1]
 
     def parent(self, n: int) -> int:

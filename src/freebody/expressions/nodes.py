@@ -53,7 +53,7 @@ class Expression:
 
     @property
     def parts(self) -> tuple[Expression, ...]:
-        """The nodes that it is made of."""
+        """The nodes of which the expression is made."""
         return tuple(_expressions(self._content()))
 
     def mapped(self, f: Callable[[Expression], Expression]) -> Self:
@@ -75,7 +75,7 @@ class Expression:
         return STYLES["latex"](self)
 
     def mathml(self) -> str:
-        """A `<math>` element."""
+        """The expression as a `<math>` element."""
         return STYLES["mathml"](self)
 
     def _repr_latex_(self) -> str:
@@ -112,7 +112,7 @@ def nodes(x: Expression) -> Iterator[Expression]:
 
 
 def replaced(x: Expression, new: Mapping[Expression, Expression]) -> Expression:
-    """An expression with some of its nodes replaced by others."""
+    """An expression with some of its nodes exchanged."""
     return new[x] if x in new else x.mapped(lambda part: replaced(part, new))
 
 
@@ -142,19 +142,19 @@ class Sum(Expression):
 
 
 class Negative(Expression):
-    """- operand."""
+    """The opposite of an operand, -a."""
 
     operand: Expression
 
 
 class Product(Expression):
-    """Factors side by side."""
+    """A product of factors side by side."""
 
     factors: tuple[Expression, ...]
 
 
 class Quotient(Expression):
-    """above / below."""
+    """A fraction, above / below."""
 
     above: Expression
     below: Expression
@@ -202,20 +202,20 @@ class Cross(Expression):
 
 
 class Dot(Expression):
-    """left · right."""
+    """A dot product, left · right."""
 
     left: Expression
     right: Expression
 
 
 class Vector(Expression):
-    """A column of components."""
+    """A column vector of components."""
 
     entries: tuple[Expression, ...]
 
 
 class Matrix(Expression):
-    """Rows of entries."""
+    """A matrix as rows of entries."""
 
     rows: tuple[tuple[Expression, ...], ...]
 
@@ -227,12 +227,12 @@ class Equation(Expression):
 
     @property
     def lhs(self) -> Expression:
-        """The first side."""
+        """Left side of an equation; of a chain, the first side."""
         return self.sides[0]
 
     @property
     def rhs(self) -> Expression:
-        """The last side."""
+        """Right side of an equation; of a chain, the last side."""
         return self.sides[-1]
 
 

@@ -26,7 +26,7 @@ class Condition(Titled):
 
     factor: Trig
     equation: Equation
-    """factor = 0."""
+    """The condition as an equation, factor = 0."""
     solutions: tuple[Equation, ...]
     """The equation solved for a joint or a sum of joints; empty where it has no short solution."""
 
@@ -72,7 +72,7 @@ class Determinant:
 
     @property
     def number(self) -> Fraction:
-        """The number in front of the factors."""
+        """Constant factor of the determinant."""
         return self._product[0]
 
     @cached_property
@@ -84,7 +84,8 @@ class Determinant:
 
     @cached_property
     def conditions(self) -> tuple[Condition, ...]:
-        """One for each factor that depends on the joints."""
+        """Conditions under which the determinant vanishes: one for each factor that depends on the
+        joints."""
         return tuple(self._condition(f) for f, _ in self.factors if self._moving(f))
 
     def _moving(self, x: Trig) -> list[str]:

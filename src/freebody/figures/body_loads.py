@@ -41,7 +41,7 @@ class Load:
     role: str
     """reaction (by the parent), counter (by a child), weight, or external."""
     other: str
-    """Who exerts it."""
+    """Name of what exerts the load."""
     place: Array
     force: Array
     moment: Array
@@ -61,7 +61,7 @@ class BodyLoads:
     mass_name: str
     """The name of the body's mass."""
     inertial_force: Array
-    """m a_c (dim,)."""
+    """Mass times acceleration, m a_c (dim,)."""
     inertial_moment: Array
     """Rate of the angular momentum about the centre of mass."""
     force_residual: float

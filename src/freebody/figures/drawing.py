@@ -22,7 +22,7 @@ from freebody.figures.view import View, WorldPoint
 from freebody.outputs.number_text import significant
 
 SAME = 1e-6
-"""Metres: places nearer than this are one."""
+"""Distance in metres below which two places count as one."""
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class Drawing:
     title: str
     elements: list[Element] = field(default_factory=list)
     heading: str = ""
-    """Text above the picture."""
+    """Text above the drawing."""
     compass: bool = False
     """Whether small axes of the world stand in a corner."""
     notes: list[str] = field(default_factory=list)
@@ -190,7 +190,7 @@ class Drawing:
     """The labels beside the elements, one of `labelling.LABELS`."""
 
     def add(self, *elements: Element) -> None:
-        """Draw more."""
+        """Add elements to the drawing."""
         self.elements.extend(elements)
 
     def line(self, points: Iterable[Iterable[float]], name: str, role: str, **how: Any) -> None:
@@ -198,7 +198,7 @@ class Drawing:
         self.add(Line(tuple(map(point, points)), name, role, **how))
 
     def mark(self, at: Iterable[float], kind: str, name: str, role: str, size: float) -> None:
-        """Draw a symbol."""
+        """Add a symbol to the drawing."""
         self.add(Mark(point(at), kind, name, role, size=size))
 
     def write(self, at: Iterable[float], text: str, direction: Iterable[float]) -> None:
@@ -248,7 +248,7 @@ class Drawing:
 
     @property
     def arrows(self) -> list[Arrow]:
-        """All arrows."""
+        """All arrows of the drawing."""
         return [element for element in self.elements if isinstance(element, Arrow)]
 
 
@@ -286,18 +286,18 @@ def places(element: Element) -> tuple[WorldPoint, ...]:
 
 
 def metres(length: float, digits: int = 3) -> str:
-    """A length with its unit."""
+    """Text of a length with its unit."""
     if length >= 0.1:
         return f"{significant(length, digits)} m"
     return f"{significant(1000 * length, digits)} mm"
 
 
 def round_down(value: float) -> float:
-    """1, 2 or 5 times a power of ten."""
+    """The largest of 1, 2 or 5 times a power of ten that is not above a value."""
     power = 10.0 ** math.floor(math.log10(value))
     return max(k * power for k in (1, 2, 5) if k * power <= value * (1 + 1e-12))
 
 
 def point(values: Iterable[float]) -> WorldPoint:
-    """A place as plain floats."""
+    """The coordinates of a place as plain floats."""
     return tuple(float(x) for x in values)

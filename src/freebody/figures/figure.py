@@ -31,8 +31,8 @@ class Figure(Titled):
     caller: str = "a figure"
     """The function that made the figure, for errors."""
     level: float = 1.0
-    """In a row, drawings stand on a common lower edge (1), where captions are, or an upper one
-    (0)."""
+    """Height of the common edge on which drawings in a row stand: the lower one (1), where captions
+    are, or the upper one (0)."""
 
     def _title(self) -> str:
         return f"Figure: {self.title}"
@@ -44,7 +44,7 @@ class Figure(Titled):
 
     @cached_property
     def picture(self) -> Picture:
-        """The sheet."""
+        """All drawings of the figure on one sheet."""
         return sheet(self.pictures, self.title, self.columns, self.level)
 
     @property
@@ -75,7 +75,7 @@ class Figure(Titled):
         return self.svg
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the SVG; the path."""
+        """Write the figure as an SVG file; its path."""
         return save(self.svg, path, self.caller)
 
 

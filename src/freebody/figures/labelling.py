@@ -68,7 +68,7 @@ def quantity(element: Element) -> str:
 
 
 def beside(element: Element, labels: str) -> tuple[str, str]:
-    """The label of an element: a formula and plain text after it."""
+    """Label of an element: a formula and plain text after it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""
     if not value:
@@ -109,7 +109,7 @@ class Wanted:
     anchors: Sequence[tuple[complex, complex]]
     """Places on the page, the best first, each with the direction in which it would like to go."""
     width: float
-    """Pixels."""
+    """Width of the label in pixels."""
     after: str = ""
 
 

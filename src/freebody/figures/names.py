@@ -23,7 +23,7 @@ _ENDINGS = ("", RATE, SECOND)
 
 @dataclass(frozen=True)
 class DrawingNames:
-    """Names of one model."""
+    """Names of a model's parts, as drawings print them."""
 
     naming: Naming
     weights: bool = True
@@ -40,7 +40,7 @@ class DrawingNames:
         return label(self.naming.letters(sym(name + _ENDINGS[order]))) if name else ""
 
     def mass(self, n: int) -> str:
-        """The mass of body n."""
+        """Name of the mass of body n."""
         return label(self.naming.mass(n))
 
     def inertia(self, n: int) -> str:

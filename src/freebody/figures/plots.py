@@ -45,7 +45,7 @@ class Plot:
 
 
 def plot(what: Plot) -> Picture:
-    """The picture of a plot."""
+    """Picture of a plot with its axes and curves."""
     what, rows, w, h = _to_print(what), _legend(what), *what.size
     h += _ROW * max(len(rows) - 2, 0)
     box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
@@ -142,7 +142,7 @@ class _Axes:
         return bottom - (np.asarray(value) - low) / (high - low) * (bottom - top)
 
     def level(self, css: str, value: float, title: str = "") -> str:
-        """A line across at a value."""
+        """SVG line across the plot at a value."""
         left, _, right, _ = self.box
         return line(css, f"M{left:.1f} {float(self.y(value)):.1f}H{right:.1f}", title)
 

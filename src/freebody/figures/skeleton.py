@@ -52,7 +52,7 @@ class DrawnJoint:
 
     @property
     def symbol(self) -> str:
-        """The name of its symbol."""
+        """Name of the joint's symbol."""
         return self.name
 
 
@@ -98,7 +98,7 @@ class Skeleton:
     dim: int
     bodies: tuple[BodyPlace, ...]
     frames: Mapping[str, Array]
-    """Place of each frame."""
+    """Place of each frame of the model."""
     loops: tuple[LoopPlace, ...]
     tip: Array | None
     tip_rotation: Array | None

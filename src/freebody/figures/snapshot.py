@@ -64,7 +64,7 @@ class Snapshot:
 
     @cached_property
     def pose(self) -> Skeleton:
-        """The places of all parts."""
+        """Places of all parts of the robot."""
         return skeleton(self.model, self.q)
 
     @cached_property

@@ -26,7 +26,7 @@ def line(css: str, d: str, title: str = "") -> str:
 
 
 def circle(css: str, at: Pixel, r: float, title: str = "") -> str:
-    """A circle."""
+    """SVG element of a circle."""
     told = f"><title>{escape(title)}</title></circle>" if title else "/>"
     return f'<circle class="{css}" cx="{at.real:.1f}" cy="{at.imag:.1f}" r="{r:g}"{told}'
 
@@ -135,7 +135,7 @@ def joint(at: Pixel, size: float, way: Pixel, role: str) -> str:
 
 
 def sphere(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """A ball joint."""
+    """Symbol of a ball joint."""
     return circle("side", at, size) + circle("spot", at - 0.3 * size * (1 + 1j), 0.3 * size)
 
 
@@ -171,7 +171,7 @@ _CORNERS = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
 
 def dot(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """A point."""
+    """Symbol of a point."""
     return circle(role, at, size)
 
 
@@ -210,7 +210,7 @@ def hull(points: Sequence[Pixel]) -> list[Pixel]:
 
 _SWATCH = 14.0
 KEY = 46.0
-"""Height of a key, pixels."""
+"""Height of a key in pixels."""
 
 
 def cells(e: Cells, at: Callable[[Sequence[float]], complex]) -> list[str]:

@@ -60,7 +60,7 @@ def label(name: ex.Expression) -> str:
 
 
 def indexed(symbol: str, low: str) -> str:
-    """A symbol with a subscript, if it has one."""
+    """A symbol, with a subscript if it has one."""
     return f"{symbol}_{{{low}}}" if len(low) > 1 else f"{symbol}_{low}" if low else symbol
 
 
@@ -78,7 +78,7 @@ def canonical(name: str) -> str:
 
 
 def runs(formula: str) -> Iterator[Run]:
-    """The pieces of a formula."""
+    """Pieces of a formula that are set alike."""
     for bold, mark, group, single, rest in _TOKEN.findall(formula):
         if bold:
             yield Run(bold, "b")
@@ -150,7 +150,7 @@ def _span(run: Run, dy: float, dx: str, size: float) -> str:
 
 
 def html(formula: str) -> str:
-    """A formula in HTML."""
+    """A drawing's formula in HTML."""
     marks = ((run, _LEVELS[run.level].format(_TAGS[run.style])) for run in runs(formula))
     text = "".join(mark.format(escape(run.text)) for run, mark in marks)
     return unicodedata.normalize("NFC", text)

@@ -101,7 +101,7 @@ def _convention(
 
 
 class _Header:
-    """The columns of a file."""
+    """Columns of a DH file, from its first line."""
 
     def __init__(self, file: str, line: int, text: str):
         self.file = file

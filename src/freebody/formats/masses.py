@@ -220,8 +220,8 @@ def _implausible(
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
-    """Of a body, which is all that is fixed together: mass, distance of its centre from the joint,
-    largest radius of gyration; 0 where masses are not positive."""
+    """Mass of a body, which is all that is fixed together; distance of its centre from the joint,
+    and largest radius of gyration, 0 where masses are not positive."""
     parts = [part for part in body.inertias if weighs(part)]
     if not parts or any(VALUES.quantity(part.inertia.mass) <= 0.0 for part in parts):
         return 0.0, 0.0, 0.0

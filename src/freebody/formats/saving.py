@@ -40,7 +40,7 @@ def save(model: Model, path: str | os.PathLike[str]) -> None:
 
 
 def as_toml(model: Model) -> str:
-    """The model as TOML text."""
+    """TOML text of a model."""
     writer = _TomlWriter(model)
     return (
         "\n\n".join(

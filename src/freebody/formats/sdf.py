@@ -22,12 +22,12 @@ from freebody.model.description import (
     Limits,
     Link,
     Loop,
-    Mimic,
     Mount,
     RobotDescription,
 )
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import space

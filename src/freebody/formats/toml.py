@@ -106,7 +106,7 @@ def _mounts(top: TomlTable, described: RobotDescription) -> tuple[Mount, ...]:
 
 
 def _tree(top: TomlTable) -> RobotDescription:
-    """Links and joints one by one."""
+    """Description of a robot whose file lists links and joints."""
     dim = int(given) if (given := top.number("dim", default=3.0)) in (2.0, 3.0) else 0
     if not dim:
         top.refuse(f"dim is {top.data['dim']}, expected 2 (the plane) or 3 (space).", "dim")
@@ -277,7 +277,7 @@ class _ParameterTable:
                 left += self._take_formula(name, name, self.texts[name])
 
     def _take_formula(self, name: str, key: str, text: str) -> tuple[str, ...]:
-        """The names in it."""
+        """Enter a parameter's formula; the names that it contains."""
         formula = self._read(name, text, key)
         self._keys[name] = key
         if formula.names:
@@ -325,5 +325,5 @@ class _ParameterTable:
 
 
 def _stem(name: str) -> str:
-    """lc of lc1."""
+    """A parameter's name without its number: lc of lc1."""
     return name.rstrip("0123456789")

@@ -21,7 +21,6 @@ from freebody.model.description import (
     Limits,
     Link,
     Loop,
-    Mimic,
     Mount,
     Payload,
 )
@@ -31,6 +30,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_tolerance
+from freebody.model.mimics import Mimic
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import (
     AxisRotation,

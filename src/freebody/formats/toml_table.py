@@ -62,7 +62,7 @@ def table_of(file: str, text: str) -> TomlTable:
 
 
 def in_units(text: str, kind: str) -> float | None:
-    """The number in a text such as "30 deg", in SI units; None if it is none of that kind."""
+    """Number of a text such as "30 deg", in SI units; None if it is no number of that kind."""
     match = _TEXT_NUMBER.fullmatch(text.strip())
     if not match or (match[2] and match[2] not in UNITS[kind]):
         return None
@@ -92,7 +92,7 @@ class TomlTable:
         return line_of(self.lines, self.path)
 
     def called(self, where: str) -> TomlTable:
-        """This table with another name in errors."""
+        """This table, called `where` in errors."""
         return TomlTable(self.file, self.lines, self.path, self.data, where)
 
     def refuse(self, problem: str, *at: str | int) -> NoReturn:
@@ -117,7 +117,7 @@ class TomlTable:
 
     # ------------------------------------------------------------ values by kind
     def text(self, key: str, default: Any = _REQUIRED) -> str:
-        """A text that is not empty."""
+        """Value of a key as a text that is not empty."""
         value = self.get(key, default)
         if value is not default and (not isinstance(value, str) or not value.strip()):
             self.refuse(f"{key} is {shown(value)}, expected text in quotes.", key)
@@ -133,7 +133,7 @@ class TomlTable:
     def choice(
         self, key: str, allowed: Collection[_TextChoice], default: Any = _REQUIRED
     ) -> _TextChoice:
-        """One of some words."""
+        """Value of a key that must be one of some words."""
         value = self.text(key, default)
         for word in allowed:
             if word == value:
@@ -155,7 +155,7 @@ class TomlTable:
     def vector(
         self, key: str, size: int, kind: str = "number", default: Any = _REQUIRED
     ) -> tuple[float, ...]:
-        """So many numbers."""
+        """Value of a key as `size` numbers."""
         value = self.get(key, default)
         if value is default:
             return value
@@ -166,7 +166,7 @@ class TomlTable:
     def quantities(
         self, key: str, size: int | None, kind: str = "number", default: Any = _REQUIRED
     ) -> tuple[Quantity, ...]:
-        """So many quantities (None: any number of them)."""
+        """Value of a key as `size` quantities (None: any number of quantities)."""
         value = self.get(key, default)
         if value is default:
             return value
@@ -176,7 +176,7 @@ class TomlTable:
         )
 
     def matrix(self, key: str, size: int) -> tuple[tuple[float, ...], ...]:
-        """size rows of size numbers."""
+        """Value of a key as `size` rows of `size` numbers."""
         rows = self.listed(self.get(key, _REQUIRED), key, size)
         return tuple(
             tuple(
@@ -208,7 +208,7 @@ class TomlTable:
         return default
 
     def inner(self, value: Any, *at: str | int) -> TomlTable:
-        """A table inside this one."""
+        """The value at a key as a table inside this one."""
         if not isinstance(value, dict):
             self.refuse(
                 f"{_label(at)} is {_kind(value)}, expected a table such as {{ key = value }}.", *at
@@ -328,7 +328,7 @@ def lines(text: str) -> dict[KeyPath, int]:
 
 
 def line_of(found: Mapping[KeyPath, int], path: KeyPath) -> int | None:
-    """The line of a path, or of the nearest thing around it."""
+    """Line of a path, or of the nearest key above it that has a line."""
     while path and path not in found:
         path = path[:-1]
     return found.get(path)
@@ -359,7 +359,7 @@ class _Scanner:
         self.found.setdefault(path, bisect_left(self.ends, start) + 1)
 
     def key(self) -> list[str]:
-        """A dotted key."""
+        """Read a key, which may be dotted."""
         parts: list[str] = []
         while True:
             self.skip(_INLINE_BLANK)
@@ -394,7 +394,7 @@ class _Scanner:
         return (*path, self.sizes[path] - 1) if path in self.sizes else path
 
     def entry(self, table: KeyPath) -> None:
-        """key = value."""
+        """Read one line key = value of a table and note where each key stands."""
         start = self.at
         path = (*table, *self.key())
         self.note(path, start)

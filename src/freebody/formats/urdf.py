@@ -20,13 +20,13 @@ from freebody.model.description import (
     Joint,
     Limits,
     Link,
-    Mimic,
     Notice,
     RobotDescription,
 )
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
+from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.model.shapes import Shape
 from freebody.spatial import unit

@@ -40,7 +40,7 @@ class XmlElement:
     """The beginning of the text directly inside, stripped."""
     file: str = ""
     passed_over: tuple[str, ...] = ()
-    """Of the root: faults of the file that parsers are to refuse and simulators pass over."""
+    """Faults of the file that parsers are to refuse and simulators pass over; the root has them."""
 
     def all(self, tag: str) -> list[XmlElement]:
         """The elements of that tag directly inside."""
@@ -267,7 +267,7 @@ class Elements:
 
 
 def _contents(element: XmlElement) -> tuple[Any, ...]:
-    """What an element says, wherever it stands."""
+    """Contents of an element as nested tuples, without its place in the file."""
     inside = tuple(map(_contents, element.children))
     return element.tag, element.attributes, element.content, inside
 

@@ -200,7 +200,8 @@ def _form(problem: InverseProblem) -> ClosedFormArm | None:
 
 
 def _without_form(problem: InverseProblem) -> Found:
-    """From the branches of an arm nearby where there is one, else from many starts."""
+    """Solutions of an arm without a closed form: from the branches of a nearby arm, else from many
+    starts."""
     solver = problem.solver
     known = None
     if not problem.searched:

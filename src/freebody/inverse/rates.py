@@ -194,7 +194,7 @@ def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> t
 
 
 class _JacobianRows:
-    """Where a Jacobian comes from, for messages."""
+    """A Jacobian's function, frame and names of rows, for error messages."""
 
     def __init__(self, function: str, model: Model, frame: str, rows: list[int], letter: str):
         self.function, self.letter = function, letter

@@ -1,6 +1,6 @@
-"""From a model and the names of formulas to their kernel, specialised to the model's numbers; large
-square matrices column by column, by programs whose length grows with the robot and not with its
-square.
+"""The way from a model and the names of formulas to their kernel, specialised to the model's
+numbers; large square matrices column by column, by programs whose length grows with the robot and
+not with its square.
 
 Straight-line code for the n² entries of M, C or a derivative would take minutes to compile from
 some hundred joints on. Beyond `LARGEST` coordinates each column is one evaluation of the matrix

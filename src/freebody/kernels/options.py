@@ -13,7 +13,7 @@ from freebody.outputs.display import counted
 
 
 def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
-    """One name, or several, as a tuple."""
+    """The names of a call that gives one name or several, as a tuple."""
     if isinstance(given, str):
         return (given,)
     if not isinstance(given, (list, tuple)):

@@ -38,7 +38,7 @@ class Compiled:
     kernel: Kernel
     read: slice | NDArray[np.intp]
     quaternions: tuple[tuple[int, int], ...]
-    """(input, entry of it) where each begins."""
+    """Pairs (input, entry of it) where a quaternion begins."""
 
 
 class Bound:

@@ -1,5 +1,5 @@
-"""From formulas and a model to their program: what it takes and returns, the trace, and derivatives
-by any of its inputs."""
+"""Tracing of formulas with a model into a program: what it takes and returns, the trace, and
+derivatives by any of its inputs."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ class Mobility(InWords, ByValue):
     """nv - number of equations: the count that takes all equations as independent."""
     equations: int
     rank: int
-    """Rank of Φ_q in general."""
+    """Rank of Φ_q at positions in general."""
     redundant: tuple[str, ...]
     """Equations that follow from those before them, in general: without them the mechanism moves
     the same."""

@@ -113,13 +113,13 @@ def redundancy(model: Model) -> Redundancy:
 
 
 def rounding_threshold(model: Model) -> float:
-    """Below it a singular value of the scaled Φ_q may be a zero that rounding of the model's
-    numbers has changed; 0 where they are to be taken as they stand."""
+    """Threshold below which a singular value of the scaled Φ_q may be a zero that rounding of the
+    model's numbers has changed; 0 where they are to be taken as they stand."""
     return _TOLERANCES * float(scales(model).tolerance.max(initial=0.0))
 
 
 def _doubtful(s: Array, threshold: float) -> NDArray[np.bool_]:
-    """Which of singular values s (..., k) are neither zero nor clear of rounding."""
+    """Flags of singular values s (..., k) that are neither zero nor clear of rounding."""
     return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= threshold)
 
 
@@ -159,7 +159,7 @@ def counting_values(known: Redundancy) -> Kept:
 
 
 def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundancy:
-    """From positions (k, nq) on the mechanism's ways."""
+    """The redundancy that positions (k, nq) on the mechanism's ways show."""
     seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
     s = np.linalg.svd(A, compute_uv=False)

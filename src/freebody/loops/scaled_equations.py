@@ -103,9 +103,9 @@ class Scales:
     rows: Array
     """(m,): 1 / length for equations in metres, 1 for sines of angles."""
     metres: NDArray[np.bool_]
-    """(m,): whether an equation is one of lengths."""
+    """Flags (m,) of the equations of lengths."""
     rates: Array
-    """(nv,): the length for rates in m/s, 1 for angular ones."""
+    """Scales (nv,) of rates: the length for rates in m/s, 1 for angular ones."""
     turns: NDArray[np.bool_]
     """(nv,): whether a whole turn of the coordinate changes nothing."""
     tolerance: Array
@@ -168,7 +168,7 @@ def shortest_way(model: Model, a: Array, b: Array) -> Array:
 
 
 def every_residual(model: Model, q: Array) -> Array:
-    """Φ(q) (..., m), in angles."""
+    """Residuals of all loop equations, Φ(q) (..., m), in angles."""
     return row_scale(model) * fetch(first_member(model), ("constraint",), Option())(q)
 
 
@@ -220,7 +220,7 @@ def telling(A: Array, kept: Kept) -> Array:
 
 
 def largest(rank: Array | int) -> Kept:
-    """The `rank` (...) largest."""
+    """Rule that keeps the `rank` (...) largest singular values."""
     return lambda s: np.arange(s.shape[-1]) < np.asarray(rank)[..., None]
 
 

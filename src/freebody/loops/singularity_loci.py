@@ -48,7 +48,7 @@ class Locus(Titled, ByValue):
 
     kind: Literal["first", "second"]
     q: Array
-    """(k, nq)."""
+    """Positions along the curve (k, nq)."""
     closed: bool
     """Whether the curve ends where it began."""
 
@@ -173,7 +173,7 @@ class _SingularPositions:
     values: Array
 
     def left(self, q: Array) -> Array:
-        """(m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
+        """Residual (m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
         model = self.model
         phi = scaled_residual(model, q)[self.kept]
         off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[

@@ -48,7 +48,7 @@ class Body(Keeps):
 
     @property
     def kind(self) -> JointKind:
-        """The joint's kind."""
+        """Record of the joint's kind."""
         return KINDS[self.joint.kind]
 
 

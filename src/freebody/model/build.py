@@ -1,4 +1,4 @@
-"""From links and joints to a `Model`: the description is checked, and what is fixed together
+"""Assembly of links and joints to a `Model`: the description is checked, and what is fixed together
 becomes one body.
 
 Refusals name the link or joint, the file's line where there is one, and the remedy.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from typing import Literal, NoReturn, Protocol, TypeVar
+from typing import Literal, NoReturn, TypeVar
 
 import numpy as np
 
@@ -28,12 +28,12 @@ from freebody.model.description import (
     Joint,
     Link,
     Loop,
-    Mimic,
     Notice,
     RobotDescription,
 )
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
+from freebody.model.mimics import leaders
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
@@ -78,8 +78,8 @@ class _Assembly:
         self.description, self.mimic, self.base = description, mimic, base
         self.checks = _DescriptionChecks(description, physical)
         self.carrier: dict[str, tuple[int, Placement]] = {}
-        """By the name of a link or frame, the index of its body, -1 for the base, and its placement
-        there."""
+        """Index of the body that carries a link or frame, -1 for the base, and the placement there,
+        by name."""
 
     def model(self, tip: str | None) -> Model:
         d, checks = self.description, self.checks
@@ -139,7 +139,7 @@ class _Assembly:
         first."""
         d = self.description
         frames = self.frames(joints)
-        followers = _leaders(joints, self.checks.refuse) if self.mimic == "follow" else {}
+        followers = leaders(joints, self.checks.refuse) if self.mimic == "follow" else {}
         movable = [joint for joint in joints if KINDS[joint.kind].nv]
         parts = self.parts(len(movable))
         bodies = []
@@ -213,7 +213,7 @@ class _Assembly:
         return frames
 
     def loops(self, joints: list[Joint]) -> tuple[Loop, ...]:
-        """The loops, each checked."""
+        """Loops of the description, each checked."""
         body_of = {name: body for name, (body, _) in self.carrier.items()}
         taken = {joint.name for joint in joints}
         checked = []
@@ -341,7 +341,7 @@ class _DescriptionChecks:
     def _doubt(
         self, kind: str, what: str, fault: str | None, line: int | IncludedLine | None
     ) -> None:
-        """Warn about what no robot has, or refuse it."""
+        """Warn about a number that no robot has, or refuse the robot."""
         if fault is None:
             return
         problem = f"{what}: {fault}"
@@ -396,53 +396,3 @@ class _DescriptionChecks:
 def _shortened(names: list[str], most: int = 12) -> list[str]:
     """The names, those in the middle left out where there are many."""
     return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]
-
-
-class _Refuse(Protocol):
-    """Raises with what is wrong and the line of the file."""
-
-    def __call__(self, problem: str, line: int | IncludedLine | None = None) -> NoReturn: ...
-
-
-def _leaders(joints: list[Joint], refuse: _Refuse) -> dict[str, Mimic]:
-    """Mimics resolved to an independent leader: ratios multiply along a chain of mimics."""
-    named = {joint.name: joint for joint in joints}
-    resolved: dict[str, Mimic] = {}
-    for joint in joints:
-        # followers on the way to what is known, in the order walked
-        path: dict[str, Joint] = {}
-        leader = joint
-        while leader.mimic is not None and leader.name not in resolved:
-            path[leader.name] = leader
-            name = leader.mimic.joint
-            if name not in named:
-                problem = UnknownNameError("joint", name, f"the mimic of {leader.name!r}", named)
-                refuse(f"{problem} Correct it, or load with mimic='free'.", leader.line)
-            if name in path:
-                refuse(
-                    f"joint {joint.name!r}: its mimic relations form a cycle; remove one.",
-                    joint.line,
-                )
-            leader = named[name]
-        for follower in reversed(path.values()):
-            resolved[follower.name] = _follower(follower, leader, resolved.get(leader.name), refuse)
-            leader = follower
-    return resolved
-
-
-def _follower(joint: Joint, above: Joint, of: Mimic | None, refuse: _Refuse) -> Mimic:
-    """The mimic of an independent joint that a joint is: it follows `above`, which may be a
-    follower itself."""
-    given = joint.mimic
-    assert given is not None
-    if KINDS[above.kind].nv != 1 or KINDS[joint.kind].nv != 1:
-        refuse(
-            f"joint {joint.name!r}: only joints of one coordinate can mimic or be mimicked.",
-            joint.line,
-        )
-    if of is None:
-        return Mimic(above.name, given.ratio, given.offset)
-    try:
-        return Mimic(of.joint, given.ratio * of.ratio, given.offset + given.ratio * of.offset)
-    except ModelError as error:
-        refuse(f"joint {joint.name!r}: {error}", joint.line)

@@ -190,7 +190,7 @@ _known_pose_form = lru_cache(maxsize=256)(_pose_form)
 
 
 def _rotation(R: Matrix) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]]:
-    """A rotation without its numbers, and these."""
+    """A rotation in two parts: without its numbers, and the numbers."""
     found = _coordinate_turn(R)
     if found is not None:
         return found

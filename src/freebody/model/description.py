@@ -14,8 +14,9 @@ from freebody.lazy import Keeps
 from freebody.model.drives import LAWS, NUMBERS, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
+from freebody.model.mimics import Mimic
 from freebody.model.parameter_formulas import ParameterFormula
-from freebody.model.parameters import Parameter, Quantity, finite, quantity, real
+from freebody.model.parameters import Parameter, Quantity, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
 from freebody.outputs.number_text import compared
@@ -148,19 +149,6 @@ def _values(number: Quantity) -> list[float]:
     if known is None:
         return []
     return known.array.ravel().tolist() if isinstance(known, Members) else [known]
-
-
-@dataclass(frozen=True)
-class Mimic:
-    """A joint that follows another: position = ratio · q(joint) + offset."""
-
-    joint: str
-    ratio: float = 1.0
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("ratio", "offset"):
-            object.__setattr__(self, name, finite(getattr(self, name), f"Mimic: {name}"))
 
 
 @dataclass(frozen=True)

@@ -65,7 +65,7 @@ of makers have 15 to 45, legged robots 20 to 30; motors on the ground are not pa
 _FASTEST = 340.0
 """m/s: the speed of no robot's end, which is that of sound."""
 _ON_AXIS = 1e-6
-"""m."""
+"""Distance in m below which a point counts as on an axis."""
 _ROUNDED = 1e-9
 """Relative, or rad: what rounding leaves of 0."""
 
@@ -158,7 +158,7 @@ def named(doubts: Iterable[Doubt]) -> str:
 
 
 def capital(text: str) -> str:
-    """With a capital at its start, unless a name stands there."""
+    """A sentence with a capital at its start, unless a name stands there."""
     first = text.split(" ", 1)[0].rstrip(",")
     return text[:1].upper() + text[1:] if first.isalpha() and first.islower() else text
 
@@ -251,7 +251,7 @@ def weighs(part: Attached) -> bool:
 
 
 def _parts(model: Model) -> list[Attached]:
-    """All links and loads that move."""
+    """All links and loads of the robot that move."""
     return [part for body in model.bodies for part in body.inertias]
 
 
@@ -330,8 +330,8 @@ def _turned_about(model: Model) -> list[Array | None]:
         return [None] * len(model.bodies)
     space = of_dimension(3)
     turned: dict[int, tuple[Array, list[Array]]] = {-1: (np.eye(3), [])}
-    """By body, its orientation where all coordinates are 0, and the axes above it, seen from
-    there."""
+    """Orientation of each body where all coordinates are 0, and the axes above it, seen from there,
+    by body."""
     axes: list[Array | None] = [None] * len(model.bodies)
     for i in parents_first(model.bodies):
         body = model.bodies[i]

@@ -103,7 +103,7 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
 
 
 def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model | None:
-    """The model with a load."""
+    """The model with a load, by the layout of its numbers; None where that is not enough."""
     layout = _layout(model)
     entries = inertia.mass, *inertia.com, *inertia.tensor
     if (
@@ -342,11 +342,11 @@ def _known(part: RowPart) -> RowEntries:
 
 
 class LoadedLayout(NamedTuple):
-    """A layout with a load more."""
+    """A layout of numbers with one load more."""
 
     layout: NumberLayout
     moved: dict[int, int]
-    """Slots before -> slots in it."""
+    """Slots of the layout without the load -> slots of the layout with it."""
     slots: tuple[int, ...]
     """The slots of the load: mass, centre, tensor."""
 

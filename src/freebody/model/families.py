@@ -96,7 +96,7 @@ def of_member(index: tuple[int, ...]) -> str:
 
 
 def arrays_in(thing: Any) -> list[Members]:
-    """All numbers with members inside a tree of dataclasses and tuples."""
+    """Numbers with members anywhere in a tree of dataclasses and tuples."""
     found: list[Members] = []
     _collect(thing, found)
     return found

@@ -88,7 +88,7 @@ class _TermsReader:
         raise FormulaTextError(f"{self.tokens[self.at][1]} stands where {what} is expected")
 
     def total(self) -> PolynomialTerms:
-        """term ± term …"""
+        """Read a sum: term ± term …"""
         found: PolynomialTerms = {}
         while True:
             found = _plus(found, self.signed(self.product))

@@ -62,7 +62,7 @@ class Inertia:
 
     @property
     def dim(self) -> int:
-        """2 or 3."""
+        """Dimension of the inertia, 2 or 3."""
         return len(self.com)
 
     @property
@@ -77,8 +77,8 @@ class Inertia:
         com: Sequence[Quantity | str],
         tensor: Quantity | str | Sequence[Quantity | str] | Sequence[Sequence[float]] | np.ndarray,
     ) -> Inertia:
-        """From a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy, ixz, iyy,
-        iyz, izz or 3×3."""
+        """Inertia from a mass, a com and a tensor about it: a number (plane), 6 entries ixx, ixy,
+        ixz, iyy, iyz, izz or 3×3."""
         given: Any = tensor
         entries: tuple[object, ...]
         if isinstance(given, str | Parameter) or np.ndim(given) == 0:
@@ -95,7 +95,7 @@ class Inertia:
 
     @staticmethod
     def nothing(dim: int = 3) -> Inertia:
-        """No mass at all."""
+        """Inertia of a body without mass."""
         return Inertia(0.0, (0.0,) * dim, (0.0,) * (6 if dim == 3 else 1))
 
     @staticmethod
@@ -135,14 +135,14 @@ class Inertia:
 
     @staticmethod
     def cylinder(mass: float, radius: float, length: float) -> Inertia:
-        """Solid cylinder along z."""
+        """Inertia of a solid cylinder along z."""
         r2 = radius * radius
         across = mass * (3 * r2 + length * length) / 12
         return _shape(mass, 3, across, across, mass * r2 / 2)
 
     @staticmethod
     def sphere(mass: float, radius: float) -> Inertia:
-        """Solid sphere."""
+        """Inertia of a solid sphere."""
         return _shape(mass, 3, *(0.4 * mass * (radius * radius),) * 3)
 
     # ------------------------------------------------------------ numbers

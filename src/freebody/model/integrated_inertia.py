@@ -102,7 +102,7 @@ def _shifted(u: Array, k: int) -> Array:
 
 
 def _at(points: Callable[..., Sequence[Any]], u: Array) -> Array:
-    """Points (k, dim)."""
+    """Points (k, dim) at parameters u."""
     rows = [np.broadcast_to(x, len(u)) for x in points(*u.T)]
     return np.stack(rows, axis=-1).astype(complex)
 

@@ -40,7 +40,7 @@ class Closure:
         return self.turns if self.aligned else ()
 
     def size(self, space: AnySpace) -> int:
-        """Number of equations."""
+        """Number of equations of the closure."""
         return (space.dim if self.point else 0) + self.distance + len(self.slides) + len(self.turns)
 
     def row_names(self, space: AnySpace) -> tuple[str, ...]:

@@ -84,7 +84,7 @@ class Model(NamedParts, Tabled, ByValue):
             raise MissingValueError(f"{what} of {self.name!r}", self.missing)
 
     def require_tree(self, function: str, instead: str = "") -> None:
-        """Refuse a closed chain."""
+        """Refuse a closed chain, in the name of a function."""
         if self.loops:
             other = f"use {instead}, or " if instead else ""
             raise FreebodyError(

@@ -65,7 +65,7 @@ class Parameters(Sequence[ModelParameter]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names in order."""
+        """Names of all numbers, in their order."""
         return tuple(self._at)
 
     @property

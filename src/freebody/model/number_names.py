@@ -47,7 +47,7 @@ class ModelNumber:
 
     @property
     def name(self) -> str:
-        """The parts, joined by dots."""
+        """Parts of the name, joined by dots."""
         return ".".join(self.parts)
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from freebody.model.structure import Structure
 
 SlotValues = list[float]
-"""The number in each slot."""
+"""Numbers in the slots of a structure, by slot."""
 TakeSlots = Callable[[Any], tuple[Any, ...]]
 """Picks the entries of several slots."""
 RowEntries = Callable[[SlotValues, list[Vector]], Any]
@@ -77,7 +77,8 @@ class NumberRows:
         self.owner: dict[int, str] = {}
         """The name of the number in a slot, where it has one."""
         self.inertias: dict[int, list[TakeSlots]] = {}
-        """By slot, functions that pick mass and tensor of the inertias that it belongs to."""
+        """Functions that pick mass and tensor of the inertias to which a number belongs, by its
+        slot."""
         self.positive: set[int] = set()
         """Slots whose numbers, where they are not above 0, have to be looked at closely."""
         self.positions: list[ShiftSum] = []
@@ -98,7 +99,7 @@ class NumberRows:
         return slot
 
     def _all_rows(self) -> Iterable[NumberRow]:
-        """In the order of the structure's numbers."""
+        """Rows of all pieces of the model, in the order of the structure's numbers."""
         model, dim = self._model, self.space.dim
         for i, rows in zip(self._structure.order, self._structure.rows, strict=True):
             path, body = ("bodies", i), model.bodies[i]
@@ -190,7 +191,8 @@ class NumberRows:
         return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
 
     def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
-        """Without a place among the numbers of a model none of whose drives acts."""
+        """Row of a drive's numbers; without slots in the structure where no drive of the model
+        acts."""
         names = counted_laws(drive)
         slots = {
             number.name: self._slot((*path, number.name), getattr(drive, number.name))

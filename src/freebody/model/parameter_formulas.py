@@ -24,7 +24,7 @@ from freebody.outputs.number_text import shortest
 
 @dataclass(frozen=True)
 class ParameterFormula:
-    """A parameter that is a polynomial in others."""
+    """A parameter that is a polynomial in other parameters."""
 
     name: str
     text: str
@@ -86,7 +86,7 @@ def _value(x: Quantity) -> Any:
 
 
 def _times(x: Any, k: Fraction) -> Any:
-    """x k, rounded as x/12 is."""
+    """Product x k, rounded as x/12 is."""
     if max(abs(k.numerator), k.denominator) > 2**53:
         return x * float(k)
     return x * float(k.numerator) / float(k.denominator)

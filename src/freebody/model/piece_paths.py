@@ -16,7 +16,7 @@ Fields = Mapping[str, Quantity]
 
 
 def get(thing: Any, path: PiecePath) -> Any:
-    """The piece at a path."""
+    """The piece of an object at a path."""
     for step in path:
         thing = thing[step] if type(step) is int else getattr(thing, step)
     return thing

@@ -67,7 +67,7 @@ class Placement(Keeps):
         return Placement(tuple(steps))
 
     def lower(self, space: AnySpace, reader: QuantityReader) -> tuple[Matrix, Vector]:
-        """(R_AB, p_AB) in scalars."""
+        """Rotation and position (R_AB, p_AB) in scalars."""
         R: Matrix | None = (
             None  # most placements turn once at most, and a changed length is to cost little
         )

@@ -43,7 +43,7 @@ class QuantityReader:
         return prod(map(self.quantity, q.factors)) if isinstance(q, ParameterProduct) else q
 
     def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
-        """The scalars of several."""
+        """Scalars of several quantities."""
         return [*map(self.quantity, qs)]
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:

@@ -32,7 +32,7 @@ class Shape:
 
     @property
     def volume(self) -> float:
-        """m³; NaN of a mesh, which has to be opened for it."""
+        """Volume of the shape, m³; NaN of a mesh, whose file would have to be opened."""
         if self.kind == "box":
             return float(np.prod(self.size))
         if self.kind == "cylinder":

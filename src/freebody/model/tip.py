@@ -37,7 +37,7 @@ front, and link or frame behind."""
 _ALIKE = 0.01
 """Share by which numbers of two equal fingers may differ: those of files are rounded."""
 _SHOWN = 8
-"""Candidates that are named."""
+"""Number of candidates that are named."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class ChosenTip:
 
     @property
     def notice(self) -> Notice:
-        """The sentence, as models keep it."""
+        """The sentence on the choice as a notice of the model."""
         return Notice(TIP, self.reason)
 
 

@@ -94,7 +94,7 @@ class TreeBody:
     coordinates: Coordinates
     masses: tuple[Mass, ...]
     drive: DriveScalars | None
-    """None where no law of a drive acts."""
+    """Scalars of the joint's drive; None where no law of a drive acts."""
 
     def position(self, q: Vector) -> Vector:
         """The joint's own position scalars."""
@@ -156,7 +156,7 @@ class Pieces:
         self.space, self.reader = space, reader
 
     def pose(self, placement: Placement) -> Pose:
-        """A constant pose (R, p)."""
+        """A constant pose (R, p) in scalars."""
         return placement.lower(self.space, self.reader)
 
     def axis(self, axis: Vector) -> Vector:
@@ -176,7 +176,7 @@ class Pieces:
         return laws_of(body.joint.drive, self.reader)
 
     def gravity(self, size: Quantity, direction: tuple[float, ...]) -> Vector:
-        """The field in world axes."""
+        """Gravity field in world axes."""
         return scale(self.reader.quantity(size), tuple(self.reader.quantity(x) for x in direction))
 
     def distance(self, distance: Quantity) -> Scalar:

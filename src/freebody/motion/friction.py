@@ -33,7 +33,7 @@ class DryFriction:
 
     @property
     def acts(self) -> bool:
-        """Whether there is any such law."""
+        """Whether the model has dry friction."""
         return len(self.drives) > 0
 
     def torque(self, q: Array, qd: Array) -> Array:
@@ -54,7 +54,7 @@ class DryFriction:
         return found
 
     def grip(self, family: tuple[int, ...] = ()) -> Array:
-        """What dry friction holds at most (*family, nv)."""
+        """Largest torque that dry friction holds at rest (*family, nv)."""
         return self.drag(np.zeros((*family, self.nq)), np.zeros((*family, self.nv)))
 
     def steepest(self) -> Array:

@@ -110,7 +110,7 @@ class PiecewisePolynomial(Titled, ByValue):
         )
 
     def then(self, other: PiecewisePolynomial) -> PiecewisePolynomial:
-        """This curve and then the other, begun where this one ends in t."""
+        """This curve continued by the other, which begins where this one ends in t."""
         degree = max(len(self.coefficients), len(other.coefficients))
         both = [
             np.pad(x, ((degree - len(x), 0), (0, 0), (0, 0)))

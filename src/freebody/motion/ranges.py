@@ -16,7 +16,7 @@ from freebody.model.usable_limits import usable_limits
 from freebody.trees.position_rates import Index
 
 Flags = NDArray[np.bool_]
-"""An array of truths."""
+"""Array of truth values."""
 
 
 @dataclass(frozen=True)

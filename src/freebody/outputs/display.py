@@ -14,7 +14,7 @@ MOST = 24
 """Rows of a table that are shown."""
 
 _LONGEST = 160
-"""Letters of a line."""
+"""Number of letters that a line may have."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ class Tabled(Titled):
 
 
 def counted(count: int, what: str) -> str:
-    """ "1 body", "2 bodies"."""
+    """Count with its noun: "1 body", "2 bodies"."""
     plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
     return f"{count} {what if count == 1 else plural}"
 

@@ -181,7 +181,7 @@ def _locked(descriptor: int) -> bool:
 
 
 def _made(makers: Makers) -> tuple[dict[str, bytes], dict[str, Exception]]:
-    """Contents by name, and what prevented the others."""
+    """Contents by name, and by name the exceptions that prevented the other files."""
     contents: dict[str, bytes] = {}
     problems: dict[str, Exception] = {}
     for name, make in makers.items():

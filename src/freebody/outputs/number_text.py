@@ -67,7 +67,7 @@ def fixed(value: float, decimals: int) -> str:
 
 
 def mantissa_and_exponent(value: float, digits: int) -> tuple[str, int]:
-    """Up to so many digits and the power of ten (0: none) that a number prints with; all digits of
+    """Digits, up to so many, and power of ten (0: none) with which a number prints; all digits of
     one below 10¹⁰."""
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     if exponent and 0 < int(exponent) < 10:

@@ -40,7 +40,7 @@ def harmless(cell: str) -> str:
 
 
 def as_meant(cell: str) -> str:
-    """The inverse of `harmless`."""
+    """A cell's text without the mark that `harmless` has put in front."""
     return cell[1:] if cell.startswith("'") and _RUN.match(cell) else cell
 
 

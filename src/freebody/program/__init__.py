@@ -1,4 +1,4 @@
-"""From a function over scalars to a program: straight-line arithmetic as data, that passes and
+"""Programs made from functions over scalars: straight-line arithmetic as data, that passes and
 targets read.
 
 trace -> Program -> passes -> segments.

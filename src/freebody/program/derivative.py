@@ -239,7 +239,8 @@ def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
 def _gradient(
     program: Program, found: list[Scalar], by: Sequence[int], weights: dict[int, list[Scalar]]
 ) -> list[Scalar]:
-    """From the results back to the inputs: each node's weight is what its readers pass on to it."""
+    """Gradient, collected from the results back to the inputs: each node's weight is what its
+    readers pass on to it."""
     weight: list[Scalar] = [0.0] * len(program)
     counts: list[Scalar] = [0.0] * len(program)
     start = 0

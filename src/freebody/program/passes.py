@@ -26,7 +26,7 @@ STRIDE = 4
 
 
 def drop_dead(program: Program) -> Program:
-    """Without the nodes that no result needs."""
+    """The program without the nodes that no result needs."""
     live = bytearray(len(program))
     for index in program.results:
         live[index] = 1

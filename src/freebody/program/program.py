@@ -37,7 +37,7 @@ class Argument:
 
     @property
     def size(self) -> int:
-        """Number of scalars."""
+        """Number of scalars of the argument."""
         return prod(self.shape)
 
     def indices(self) -> Iterator[tuple[int, ...]]:
@@ -127,7 +127,7 @@ class Program(Titled):
         return sum(argument.size for argument in self.outputs)
 
     def operands(self, index: int) -> tuple[int, ...]:
-        """The operands of a node."""
+        """Indices of a node's operands."""
         return self._operands[index]
 
     @cached_property

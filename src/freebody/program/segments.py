@@ -202,7 +202,7 @@ class _Slots:
         return slot
 
     def release(self, step: int) -> None:
-        """The step is done."""
+        """Free the slots that nothing reads after a step."""
         self._free += self._expiring.pop(step, [])
 
 

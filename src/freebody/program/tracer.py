@@ -1,4 +1,4 @@
-"""From a function over scalars to a program: run it once on nodes of a fresh graph."""
+"""Tracing: a function over scalars, run once on nodes of a fresh graph, becomes a program."""
 
 from __future__ import annotations
 

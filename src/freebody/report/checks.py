@@ -37,7 +37,7 @@ _STRETCH = 0.4, 0.5  # of the duration: errors of a longer simulation grow too f
 def checks(
     model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None
 ) -> tuple[Check, ...]:
-    """All checks of a study."""
+    """All checks of a study, computed."""
     found = [_parts(data), _energy(data), *_bodies(model, motion, data)]
     found += _closed(model, motion) if model.loops else _along_axes(model, data)
     forward = _forward(model, motion, data)

@@ -41,7 +41,8 @@ _BESIDE = 1e-6
 its end is not yet."""
 
 _PARTS = (1, 3, 9)
-"""Into how many steps a stretch is divided, one after the other where the method asks for more."""
+"""Numbers of steps into which a stretch is divided, tried one after the other where the method asks
+for more."""
 _STEP_ERROR = 1e-12
 """Error of a step, relative to 1 + the state."""
 _MOST_IN_STEPS = 300_000
@@ -244,7 +245,7 @@ class MotionReference:
         return self.system.torque(t, *self.motion.at(t, around))
 
     def state(self, t: Array) -> Array:
-        """(q, q̇) at times t."""
+        """State (q, q̇) of the motion at times t."""
         q, qd, _ = self.motion.at(t)
         return np.concatenate([q, qd], axis=-1)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 DATA, REPORT = "study.nc", "report.html"
 
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
-"""Header and rows."""
+"""Header and rows of a table."""
 
 _DRIVES = ("tau", *variables.PARTS, "power")
 
@@ -123,7 +123,7 @@ def _torques(study: Study) -> _HeadAndRows:
 
 
 def _reactions(study: Study) -> _HeadAndRows:
-    """World axes."""
+    """Table of reactions.csv: force and moment of each joint and loop over time, world axes."""
     data = study.data
     header, columns = ["t (s)"], [study.motion.t]
     for k, joint in enumerate(study.model.reaction_names):

@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Write the page; the path."""
+    """Write a study's page; its path."""
     return files.write(path, page(study))
 
 
 def page(study: Study) -> str:
-    """The whole page."""
+    """HTML of a study's whole page."""
     diagrams, loads = figures.free_bodies(study)
     return legal(
         _templates()

@@ -44,7 +44,7 @@ _MAP = 520.0  # height of a map, pixels
 
 @dataclass(frozen=True)
 class CaptionedDrawing:
-    """SVG text and the words under it."""
+    """SVG text of a drawing, with its caption."""
 
     svg: str
     caption: str = ""
@@ -230,7 +230,7 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
 
 
 def _single(study: Study, title: str, name: str, curve: np.ndarray, unit: str) -> CaptionedDrawing:
-    """One curve, its peak marked."""
+    """Plot of a single curve, its peak marked."""
     return _plot(study, title, {name: curve}, unit, legend=False, peaks=True)
 
 
@@ -307,7 +307,8 @@ def _wrong(model: Model) -> bool:
 
 
 def _form(model: Model, tip: str) -> ClosedFormArm | None:
-    """For whole poses, else for points."""
+    """Closed form of the arm's inverse kinematics: for whole poses where there is one, else for
+    points."""
     chain = chain_to(model.tree, tip)
     if chain is None or not len(chain.screws):
         return None

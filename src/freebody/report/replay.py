@@ -96,7 +96,7 @@ def _method(model: Model, whole: System, motion: Motion) -> str:
 
 
 def _landed(edges: Array, factors: Array, misses: Array) -> str:
-    """A sentence on the pieces."""
+    """Sentence on how the pieces of a replay ended."""
     count, run = len(misses), int((~np.isnan(misses)).sum())
     if np.isinf(misses).any():
         return "The replay in pieces was stopped: it needs too many steps."

@@ -31,7 +31,7 @@ class LimitUse:
     """The value as a share of the limit; of a position, from the middle of the range: 1 at its
     ends."""
     time: float
-    """When (s); NaN for a mean over the motion."""
+    """Time of that value (s); NaN for a mean over the motion."""
     unit: str
     end: Literal["", "lower", "upper"] = ""
     """The end of a range that is meant; empty where there is only one limit."""
@@ -128,14 +128,14 @@ def percent(share: float) -> str:
 
 @dataclass(frozen=True)
 class Check:
-    """One comparison that must come out small: passed when `value` <= `bar`."""
+    """A comparison whose difference must be small: passed when `value` <= `bar`."""
 
     name: str
     value: float
     bar: float
     passed: bool
     text: str
-    """One sentence: what was compared, relative to what."""
+    """Sentence on the check: what was compared, relative to what."""
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ class Worst:
     """The instant at which the drives are loaded most."""
 
     index: int
-    """Sample of `Study.data`."""
+    """Index of the sample in `Study.data`."""
     time: float
     coordinate: str
     value: float
@@ -152,7 +152,7 @@ class Worst:
     """|value| over the effort limit; NaN without limits."""
     unit: str
     text: str
-    """One sentence: which coordinate, when, and why this instant."""
+    """Sentence on the instant: which coordinate, when, and why then."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +161,7 @@ class StaticPose:
 
     coordinate: str
     q: Array
-    """(nq,)."""
+    """Positions of the pose (nq,)."""
     torque: float
     """Gravity torque or force of the coordinate there, with its sign."""
     unit: str
@@ -203,11 +203,11 @@ class Replay(Titled):
     for pieces of a long log that were not run, infinite where the run was broken off."""
     bound: float
     method: str
-    """Integrator."""
+    """Name of the integrator."""
     drift_time: Array
     """(k,) times of the open-loop run (s); it may stop early, see `text`."""
     drift: Array
-    """(k, nv) distance from the reference, open loop (rad, m)."""
+    """Distances (k, nv) from the reference, open loop (rad, m)."""
     amplification: float
     """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the
     whole motion."""

@@ -16,7 +16,7 @@ from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.files.tables import MotionTable
 from freebody.motion.motion import Motion
-from freebody.motion.simulation.simulation import Progress
+from freebody.motion.simulation.arguments import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
@@ -61,14 +61,14 @@ class Study(Tabled, ByValue):
     static: tuple[StaticPose, ...]
     """For each coordinate that gravity loads."""
     singularity: Singularity | None
-    """None without a tip."""
+    """Singularities of the tip; None for a robot without a tip."""
     checks: tuple[Check, ...]
     """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     replay: Replay | None
     replay_skipped: str
-    """Why there is no replay; empty if there is one."""
+    """Reason why there is no replay; empty if there is one."""
     notices: tuple[str, ...]
     """Sentences that a reader must know: how the file was read, what is doubtful, and all
     `warnings`."""
@@ -218,7 +218,7 @@ def _driven(model: Model) -> tuple[str, ...]:
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
-    """(the replay, empty), or (None, why there is none)."""
+    """Replay and reason why there is none: (the replay, empty), or (None, why)."""
     if model.loops:
         why = "There is no replay of a closed chain; one of the checks simulates a section of the"
         return None, f"{why} motion."

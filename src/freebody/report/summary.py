@@ -220,7 +220,8 @@ def drive_table(model: Model, found: xr.Dataset) -> TextTable:
 
 
 def limit_notices(model: Model, found: xr.Dataset, uses: Iterable[LimitUse]) -> list[str]:
-    """One sentence for each limit of a position, speed or torque that the motion exceeds."""
+    """Sentences on the limits of positions, speeds and torques that the motion exceeds, one for
+    each."""
     allowed, names = ranges(model), list(model.velocity_names)
     sentences = []
     for use in uses:

@@ -42,7 +42,7 @@ class PrintedNumber:
 
     @property
     def selector(self) -> str:
-        """`at` as JSON."""
+        """The number's place in the data, `at`, as JSON."""
         return json.dumps(dict(self.at))  # in ASCII: names arrive as they are
 
     @property
@@ -116,8 +116,8 @@ def alone(number: PrintedNumber, digits: int = 3) -> PrintedNumber:
 
 
 def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
-    """With so many decimals; with digits of its own where that would print 0, unless it is lost in
-    `noise`."""
+    """A cell with so many decimals; with digits of its own where that would print 0, unless it is
+    lost in `noise`."""
     if isinstance(cell, WordsCell) or cell.text:
         return cell
     size = cell.value * cell.scale

@@ -44,7 +44,7 @@ class Pace:
     """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN
     without a limit."""
     held_time: Array
-    """(nv,) when (s)."""
+    """Times (nv,) at which a limit holds each coordinate back, s."""
 
 
 def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
@@ -128,8 +128,8 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:
-    """From k = 1 outwards the end of what is in no interval and not above `quickest`; see
-    `Pace`."""
+    """Factor up to which k may rise from 1 without meeting an interval or `quickest`; where 1 lies
+    in an interval or above `quickest`, the largest k below that does not."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if len(high) else high
     inside = bool(np.any((low < 1.0) & (high > 1.0)))

@@ -27,7 +27,7 @@ from freebody.lazy import cached_property
 from freebody.scalars.rational import exactly
 
 LARGEST = 300
-"""Terms of a function."""
+"""Number of terms that a function may have."""
 
 
 class Factor(NamedTuple):
@@ -65,7 +65,7 @@ class Composed:
 
     @classmethod
     def variable(cls, name: str) -> Composed:
-        """A variable."""
+        """A variable as a function."""
         return cls({((Factor("", name), 1),): Fraction(1)})
 
     @classmethod
@@ -92,12 +92,12 @@ class Composed:
 
     @property
     def is_zero(self) -> bool:
-        """Whether it became 0."""
+        """Whether the function is 0."""
         return not self.terms
 
     @property
     def number(self) -> Fraction | None:
-        """The number that it is, if it is one."""
+        """The number that a constant function is; None of other functions."""
         return self.terms.get((), Fraction(0)) if set(self.terms) <= {()} else None
 
     @cached_property
@@ -181,7 +181,7 @@ class Composed:
         return Composed({((Factor(name, x), 1),): Fraction(sign)})
 
     def derivative(self, name: str) -> Composed:
-        """∂/∂name."""
+        """Partial derivative of the function by a variable."""
         total = Composed({})
         for monomial, coefficient in self.terms.items():
             for k, (factor, exponent) in enumerate(monomial):

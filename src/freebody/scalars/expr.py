@@ -25,7 +25,7 @@ class Graph(Nodes):
         self.input_names: list[str] = []
 
     def input(self, name: str) -> Expr:
-        """A new input."""
+        """Add an input to the graph."""
         self.input_names.append(name)
         return Expr(self, self.node("input", len(self.input_names) - 1))
 
@@ -48,7 +48,7 @@ class Graph(Nodes):
         return -1
 
     def describe(self, index: int) -> str:
-        """One node as text, for messages and printing."""
+        """Text of a node, for messages and printing."""
         op = self.op[index]
         if op == "const":
             return repr(self.constant_of[index])

@@ -19,13 +19,13 @@ def waves_of(angle: str) -> tuple[str, str]:
 
 
 def sign_of(rate: str) -> str:
-    """The sign of a rate."""
+    """Name of the generator that is the sign of a rate."""
     return f"{SIGN}_{rate}"
 
 
 @lru_cache(maxsize=8192)
 def function_of(generator: str) -> str:
-    """sin, cos or sgn; "" of a symbol."""
+    """Function of a generator: sin, cos or sgn; "" of a symbol."""
     function, _, symbol = generator.partition("_")
     return function if symbol and function in (*WAVES, SIGN) else ""
 

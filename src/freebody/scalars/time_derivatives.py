@@ -15,7 +15,7 @@ from freebody.elementary import Scalar, cos, sin
 
 @dataclass(frozen=True)
 class Jet:
-    """x, ẋ, ẍ at one time."""
+    """A value with its first two time derivatives: x, ẋ, ẍ."""
 
     x: Scalar
     xd: Scalar
@@ -58,7 +58,7 @@ class Jet:
         return self._through(_DERIVATIVES[name])
 
     def _through(self, function: Any) -> Jet:
-        """f(x), f' ẋ, f'' ẋ² + f' ẍ."""
+        """The value of a function with its derivatives: f(x), f' ẋ, f'' ẋ² + f' ẍ."""
         f, slope, bend = function(self.x)
         return Jet(f, slope * self.xd, bend * (self.xd * self.xd) + slope * self.xdd)
 

@@ -81,7 +81,7 @@ class TrigRing:
         return Trig(self, self.generators[2 * self.angles.index(name) + 1], 0)
 
     def constant(self, number: float | Rational) -> Any:
-        """A number as polynomial."""
+        """A number as polynomial of the ring."""
         found = self._constants.get(number)
         if found is None:
             found = self.context.constant(_flint(exactly(number)))
@@ -302,17 +302,17 @@ class Trig:
     # ------------------------------------------------------------ analysis
     @property
     def is_zero(self) -> bool:
-        """Whether it is 0."""
+        """Whether the polynomial is 0."""
         return self.poly == 0
 
     @property
     def is_constant(self) -> bool:
-        """Whether it is a number."""
+        """Whether the polynomial is a number."""
         return self.poly.is_constant()
 
     @property
     def fraction(self) -> Fraction:
-        """The number that a constant is."""
+        """The number that a constant polynomial is."""
         if self.is_zero:
             return Fraction(0)
         ((_, coefficient),) = self.poly.terms()
@@ -334,7 +334,7 @@ class Trig:
             yield powers, Fraction(int(coefficient.p), int(coefficient.q))
 
     def __len__(self) -> int:
-        """Number of terms."""
+        """Number of terms of the polynomial."""
         return len(self.poly)
 
     def factors(self) -> list[tuple[Trig, int]]:

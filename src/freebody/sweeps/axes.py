@@ -20,16 +20,17 @@ Read = Callable[[str, Any], tuple[str, Array]]
 
 @dataclass(frozen=True)
 class SweepAxis:
-    """One axis of the grid: its name, and all that varies together along it, each (n, *core)."""
+    """An axis of a sweep's grid: its name, and all that varies together along it, each (n,
+    *core)."""
 
     name: str
     given: Mapping[str, Array]
     times: Array | None = None
-    """Times of a motion, s."""
+    """Times of a motion along the axis, s."""
 
     @property
     def size(self) -> int:
-        """The number of points."""
+        """Number of points along the axis."""
         if isinstance(self.given, Samples):
             return self.given.count
         return len(next(iter(self.given.values())))

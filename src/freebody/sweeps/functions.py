@@ -151,7 +151,7 @@ class SweptCallable:
         return {key: _of_batch(key, value, batch) for key, value in named.items()}
 
     def dimensions(self, output: str) -> None:
-        """None: results of Python have no names of dimensions."""
+        """Names of dimensions of the results: None, as Python's have none."""
 
 
 def _of_batch(name: str, value: Any, batch: tuple[int, ...]) -> Array:

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 HUGE = 1e100
-"""No quantity of a robot in SI units is as large; its products leave the range of float64."""
+"""Size that no quantity of a robot has in SI units; products of such numbers leave the range of
+float64."""
 
 _FEW = 100  # entries that are looked at sooner in plain Python
 

@@ -76,10 +76,10 @@ class TensorProgram:
 
 
 _KNOWN: WeakValueDictionary[str, TensorProgram] = WeakValueDictionary()
-"""By key, those that somebody has."""
+"""Programs by key, as long as somebody holds them."""
 
 _IN_GRAPHS: dict[str, TensorProgram] = {}
-"""By key, those that are in a graph: PyTorch keeps graphs, and they have nothing but the key."""
+"""Programs by key that are in a graph: PyTorch keeps graphs, and they have nothing but the key."""
 
 
 def evaluate(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
@@ -192,7 +192,7 @@ class _Evaluate(torch.autograd.Function):
     def vmap(
         info: Any, in_dims: Sequence[int | None], function: TensorProgram, *tensors: Tensor
     ) -> Any:
-        """One axis more in front of all others."""
+        """Rule of `vmap`: the program on tensors with one more axis in front."""
         made = evaluate(function, _in_front(function.program, tensors, in_dims[1:]))
         return (made[0], 0) if len(made) == 1 else (made, (0,) * len(made))
 

@@ -81,7 +81,7 @@ def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int)
 
 
 def _at(x: Array | Placed, core: int, k: int) -> Array:
-    """An argument at step k."""
+    """Value of an argument at step k."""
     if isinstance(x, Placed):
         return x.arrays[x.which[k]][x.row[k]]
     return x[k if len(x) > 1 else 0] if x.ndim == core + 2 else x

@@ -32,7 +32,7 @@ def _shortest() -> int:
 
 
 SMALLEST = _shortest()
-"""Bytes from which it is worth it."""
+"""Bytes of the smallest array for which keeping memory is worth it."""
 
 LARGEST = 2**26
 """Bytes up to which a piece is kept."""

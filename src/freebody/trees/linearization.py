@@ -49,7 +49,8 @@ def linearize(
 
 
 def _held(A: Array, B: Array, step: float) -> tuple[Array, Array]:
-    """Over a step with constant inputs: the upper rows of exp(step [A B; 0 0]) (Van Loan 1978)."""
+    """Discrete A and B over a step with constant inputs: the upper rows of exp(step [A B; 0 0])
+    (Van Loan 1978)."""
     from scipy.linalg import expm
 
     n, m = B.shape[-2:]

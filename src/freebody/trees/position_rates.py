@@ -16,7 +16,7 @@ from freebody.lazy import kept
 from freebody.model.model import Model
 
 Index = NDArray[np.intp]
-"""Array of indices."""
+"""Array of integers that index coordinates."""
 
 
 @dataclass(frozen=True)
@@ -150,22 +150,22 @@ _WORLD = np.array([[-1.0, 1, -1, 1], [-1, 1, 1, -1], [-1, -1, 1, 1]])
 
 
 def _body_map(p: Array) -> Array:
-    """E (..., 3, 4)."""
+    """Matrix E (..., 3, 4) of quaternions, for angular velocities in body axes."""
     return p[..., _ENTRY] * _BODY
 
 
 def _world_map(p: Array) -> Array:
-    """G (..., 3, 4)."""
+    """Matrix G (..., 3, 4) of quaternions, for angular velocities in world axes."""
     return p[..., _ENTRY] * _WORLD
 
 
 def _times(A: Array, x: Array) -> Array:
-    """A x (..., rows)."""
+    """Matrices times vectors, A x (..., rows)."""
     return (A @ x[..., None])[..., 0]
 
 
 def _back(A: Array, x: Array) -> Array:
-    """Aᵀ x (..., columns)."""
+    """Transposed matrices times vectors, Aᵀ x (..., columns)."""
     return (x[..., None, :] @ A)[..., 0, :]
 
 
@@ -175,7 +175,7 @@ def _turned(p: Array, v: Array) -> Array:
 
 
 def _dot(a: Array, b: Array) -> Array:
-    """a · b (..., 1)."""
+    """Dot product a · b (..., 1)."""
     return (a * b).sum(axis=-1, keepdims=True)
 
 
@@ -183,5 +183,5 @@ _NEXT, _AFTER = [1, 2, 0], [2, 0, 1]
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """a × b; np.cross takes ten times as long for one vector."""
+    """Cross product a × b; np.cross takes ten times as long for one vector."""
     return a[..., _NEXT] * b[..., _AFTER] - a[..., _AFTER] * b[..., _NEXT]

@@ -167,7 +167,7 @@ def _is_known(
 
 
 def _input_names(function: str, option: Option) -> list[str]:
-    """Inputs without wrenches."""
+    """Names of a formula's inputs without the wrenches."""
     inputs = FORMULAS[function].inputs
     return [name for name in inputs if name != "wrenches" and (name != "point" or option.point)]
 
@@ -376,7 +376,7 @@ def wrenches_by_frame(
 
 
 def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
-    """`reference`, if it is a known one."""
+    """The name of axes given as `reference`; refuses unknown ones."""
     if reference not in allowed:
         raise UnknownNameError("reference", reference, "reference=", allowed)
     return reference

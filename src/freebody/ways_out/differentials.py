@@ -110,7 +110,7 @@ class Differentiable:
 
 
 def length(program: Program) -> int:
-    """Operations of a program."""
+    """Number of operations of a program."""
     return sum(program.operations.values())
 
 

@@ -192,7 +192,7 @@ def _readme(word: str, command: str, note: str, files: list[str]) -> str:
 
 
 COUNT = 5
-"""The number of samples."""
+"""Number of samples of a self-test."""
 _TRIES = 40
 _OFF = 0.3
 """How far from the closed position towards a random one."""

@@ -37,7 +37,7 @@ from freebody.scalars.operations import OPERATIONS
 from freebody.targets.text import Joints
 
 _NUMBERS = "numbers of the robot, listed below (SI units)"
-"""The meaning of p."""
+"""Words for the input p."""
 
 
 class ProgramDescription:
@@ -176,7 +176,7 @@ class ProgramDescription:
         ]
 
     def _structure(self) -> list[str]:
-        """One line a joint: what it is, which entries move it, what it carries."""
+        """Lines on the joints: what each is, which entries move it, what it carries."""
         model = self.model
         lines = [f"Joints, in {model.dim} dimensions:"]
         for k, (body, at) in enumerate(zip(model.bodies, model.coordinates, strict=True)):
@@ -226,7 +226,7 @@ _REGROUPED = (
 
 
 def _span(entries: tuple[int, ...]) -> str:
-    """Positions from 0 on."""
+    """Text of indices, counted from 0: [2] or [0..5]."""
     return (
         f"[{entries[0]}]"
         if len(entries) == 1

@@ -224,7 +224,7 @@ FACTS: Mapping[str, Facts] = {
     "6.4": spatial_link,
     "6.5": slide,
 }
-"""What is read off each figure."""
+"""Facts that are read off each figure."""
 
 CHECKS = {
     **{number: Drawn(number, facts) for number, facts in FACTS.items()},

@@ -122,7 +122,7 @@ def where_singular(printed: str) -> Outcome:
 
 
 def which_figure(form: str) -> Outcome:
-    """What the text speaks of there are the vectors of an arm."""
+    """Whether the figure has the vectors of which the text speaks, those of an arm."""
     number = re.findall(r"\d\.\d", form)[0]
     there = {
         element.name for drawing in notes_figure(number).drawings for element in drawing.elements

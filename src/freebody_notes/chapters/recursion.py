@@ -45,7 +45,7 @@ def which_are_vectors(printed: str) -> Outcome:
 
 
 def with_weights(form: str) -> Outcome:
-    """With v̇₀ = 0; and whether the form printed in the notes holds with v̇₀ = −g."""
+    """Check with v̇₀ = 0; and whether the form printed in the notes holds with v̇₀ = −g."""
     outcome = EXPLICIT.run(form)
     printed = {
         "f": "f_hi = fc_i + f_ik",

@@ -16,7 +16,7 @@ class ByFunction:
     function: Callable[[str], Outcome]
     bold: Collection[str] = ()
     calls: str = ""
-    """What a user types to see the same."""
+    """Calls that a user types to see the same result."""
 
     def call(self, form: str) -> str:
         return f"{self.calls}\n\n{source(self.function)}".lstrip()

@@ -18,7 +18,7 @@ ARM = 'fb.planar("RR")'
 
 @cache
 def made(text: str) -> Any:
-    """What a call gives: the text that is shown is the text that is run."""
+    """Result of a call: the text that is shown is the text that is run."""
     return eval(text, {"fb": fb, "np": np})  # the calls are constants of this package
 
 

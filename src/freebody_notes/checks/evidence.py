@@ -1,4 +1,4 @@
-"""What was found, in words: the lines that stand with a verdict."""
+"""Findings in words: the lines that stand with a verdict."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
 
 
 def sentence(text: str) -> str:
-    """With a capital in front and a full stop behind."""
+    """A text as a sentence, with a capital in front and a full stop behind."""
     return text[:1].upper() + text[1:].rstrip(".") + "."
 
 

@@ -47,7 +47,8 @@ def apart(seen: Snapshot, show: Sequence[str], note: str) -> DrawnApart:
 
 
 def _gap(seen: Snapshot, body: BodyPlace) -> Array:
-    """From a body to its child, along both, or across them where they are folded together."""
+    """Direction from a body to its child, along both, or across them where they are folded
+    together."""
     before, after = seen.heading(seen.pose.bodies[body.parent]), seen.heading(body)
     way = before + after
     if np.linalg.norm(way) < 0.3:

@@ -27,15 +27,15 @@ class PatternNames(DrawingNames):
 
     index: Callable[[int], str] = str
     letters: Callable[[int], str] | None = None
-    """Of the joints; default: as in all drawings."""
+    """Letters of the joints; default: as in all drawings."""
     force: Callable[[str, str], str] = between
     letter: str = "f"
-    """Of forces."""
+    """Letter of forces."""
     moment: str = ""
-    """Of the moment at any joint, with the body's number; default: τ at turns in the plane, else n
-    with two."""
+    """Letter of the moment at any joint, with the body's number; default: τ at turns in the plane,
+    else n with two."""
     load: str = "f"
-    """Of a force on the tip."""
+    """Letter of a force on the tip."""
 
     def on(self, symbol: str, n: int, prefix: str = "") -> str:
         return indexed(symbol, prefix + self.index(n))

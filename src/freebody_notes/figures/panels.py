@@ -1,4 +1,4 @@
-"""What the notes' figures of planar arms are put together from."""
+"""Parts from which the notes' figures of planar arms are put together."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ from freebody_textbook.check.verdicts import senses
 from freebody_textbook.check.verdicts.equation_verdict import Judge
 from freebody_textbook.check.verdicts.number_verdict import NumberJudge
 from freebody_textbook.check.verdicts.verdict_at_states import ONE_ASSEMBLY
-from freebody_textbook.derive import freed
+from freebody_textbook.given_parameters import freed
 
 _ABSOLUTE = (
     "This would be right if all angles were measured from the x axis; here each is measured from "
@@ -130,7 +130,7 @@ class _WholeAnswer:
     tolerance: float | None
 
     def judged(self, where: RightEquations) -> _Judged:
-        """The verdict in a setting."""
+        """Verdict on the answer in a setting."""
         document = self.document
         said = statements(where, document, self.names, self.style, self.at)
         velocity = any(claim.target.kind.is_coefficient for claim in said.claims)
@@ -206,7 +206,8 @@ class _Judged:
         return any(map(_says_nothing, self.verdict.equations))
 
     def explained_by(self, other: _Judged, cause: str) -> _Judged:
-        """This answer with a cause of what is wrong here without a word, and right there."""
+        """This answer with `cause` noted at each equation that is wrong and unexplained here but
+        right in `other`."""
         rows = self.verdict.equations, other.verdict.equations
         if len(rows[0]) != len(rows[1]):
             return self
@@ -217,7 +218,7 @@ class _Judged:
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
 
     def instead_of(self, before: _Judged) -> _Judged:
-        """This answer with a note on what is right in its own senses only."""
+        """This answer, with a note at each equation that is right in its own senses only."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))

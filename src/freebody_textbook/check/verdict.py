@@ -17,7 +17,7 @@ class Mistake:
     kind: str
     message: str
     yours: str = ""
-    """The piece of the answer."""
+    """The piece of the answer that is wrong."""
     right: str = ""
     """The right piece in its place."""
     line: int = 0
@@ -42,7 +42,7 @@ class EquationVerdict:
     name: str
     """The name as the answer writes it."""
     title: str
-    """The quantity in words."""
+    """Name of the quantity in words."""
     equal: bool
     findings: tuple[Mistake, ...] = ()
     causes: tuple[str, ...] = ()
@@ -55,7 +55,7 @@ class EquationVerdict:
 
     @property
     def text(self) -> str:
-        """The verdict in words."""
+        """The whole verdict in words."""
         where = f"{self.where}: " if self.where else ""
         if self.equal:
             return f"{where}{self.name} is right.{' ' if self.note else ''}{self.note}"

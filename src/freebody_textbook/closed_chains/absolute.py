@@ -37,7 +37,7 @@ class _AbsoluteOrder(Order):
 
     @cached_property
     def blocks(self) -> tuple[tuple[str, ...], ...]:
-        """One block."""
+        """Blocks of angles about parallel axes: all in a single one."""
         return (self.angles,)
 
 
@@ -141,7 +141,7 @@ class AbsoluteCoordinates:
         return tuple(map(self._element, add(p, times(R, at))))
 
     def angle(self, i: int) -> Trig:
-        """φ of body i."""
+        """Absolute angle φ of body i."""
         return self.symbols.zero() if i < 0 else self.symbols.ring[self.names_of(i)[2]]
 
     # ------------------------------------------------------------ joints and loops
@@ -153,7 +153,7 @@ class AbsoluteCoordinates:
         return ux, uy, -uy, ux
 
     def gap(self, i: int) -> tuple[Trig, ...]:
-        """From the place of joint i on the body before to its own origin."""
+        """Vector from the place of joint i on the body before it to the origin of body i."""
         body = self.tree.bodies[i]
         there = self.point(body.parent, body.p)
         return tuple(a - b for a, b in zip(self.point(i, (0.0, 0.0)), there, strict=True))
@@ -219,23 +219,23 @@ class AbsoluteCoordinates:
     # ------------------------------------------------------------ derivatives
     @cached_property
     def Phi(self) -> tuple[Trig, ...]:
-        """Φ(q) (5.21)."""
+        """Constraint equations Φ(q) (5.21)."""
         return tuple(x for constraint in self.constraints for x in constraint.values)
 
     @cached_property
     def Phi_q(self) -> PolynomialRows:
-        """∂Φ/∂q (5.22)."""
+        """Jacobian of the constraints, ∂Φ/∂q (5.22)."""
         return [[x.derivative(name) for name in self.names] for x in self.Phi]
 
     @cached_property
     def c(self) -> list[Trig]:
-        """-Φ̇_q q̇ (5.28)."""
+        """Right side of Φ_q q̈ = c: -Φ̇_q q̇ (5.28)."""
         rates = {x: self.symbols.ring[x + RATE] for x in self.names}
         return [-x.along(rates).along(rates) for x in self.Phi]
 
     @cached_property
     def multipliers(self) -> list[Trig]:
-        """λ as symbols."""
+        """Multipliers λ as symbols of the ring."""
         return [self.symbols.ring[f"{MULTIPLIER}{k}"] for k in range(1, len(self.Phi) + 1)]
 
     @cached_property
@@ -249,7 +249,8 @@ class AbsoluteCoordinates:
 
     @cached_property
     def forces(self) -> list[Trig]:
-        """Q - Φ_qᵀ λ: what M q̈ is, by coordinate; Q of efforts, weights and load."""
+        """Generalized forces by coordinate, Q - Φ_qᵀ λ, which M q̈ equals; Q: motors, weights and
+        load."""
         ring = self.symbols.ring
         total = [a + b for a, b in zip(self._weights(), self._load(), strict=True)]
         pairs = [(self.coordinate(i), ring[name]) for i, name in self.efforts.items()]

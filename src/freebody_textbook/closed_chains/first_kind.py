@@ -17,7 +17,10 @@ from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner, times
 from freebody.expressions.polynomials.symbols import Symbols
 from freebody.lazy import cached_property
+from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.model import Model
 from freebody.scalars.trig import Trig
+from freebody.spatial import of_dimension
 from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.equations.equations import Equations
@@ -35,8 +38,15 @@ def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
 
 
+def multipliers(model: Model) -> tuple[str, ...]:
+    """Names of the multipliers of a model's loop equations."""
+    space = of_dimension(model.dim)
+    size = sum(LOOP_KINDS[loop.kind].closure(space, loop.axis).size(space) for loop in model.loops)
+    return tuple(f"{MULTIPLIER}{k}" for k in range(1, size + 1))
+
+
 def is_multiplier(name: str) -> bool:
-    """Whether a symbol is one."""
+    """Whether a name is that of a multiplier."""
     return atom(name).letter == MULTIPLIER
 
 
@@ -51,7 +61,7 @@ class FirstKind:
 
     @property
     def symbols(self) -> Symbols:
-        """The ring and the tree."""
+        """Symbols of the ring, with the tree."""
         return self.loops.symbols
 
     @property
@@ -67,12 +77,12 @@ class FirstKind:
 
     @cached_property
     def multipliers(self) -> list[Trig]:
-        """λ as symbols."""
+        """Multipliers λ as symbols of the ring."""
         return [self.symbols.ring[name] for name in multiplier_names(self.loops)]
 
     @cached_property
     def pressed(self) -> list[Trig]:
-        """Φ_qᵀ λ."""
+        """Generalized forces of the loops, Φ_qᵀ λ."""
         columns = zip(*self.loops.Phi_q, strict=True)
         return [inner(column, self.multipliers, self.symbols) for column in columns]
 
@@ -114,7 +124,7 @@ class Reduction:
 
     @cached_property
     def dependent(self) -> tuple[int, ...]:
-        """The other coordinates."""
+        """Dependent coordinates, which the loop equations give."""
         return tuple(
             k for k in range(len(self.system.symbols.coordinates)) if k not in self.independent
         )
@@ -142,7 +152,7 @@ class Reduction:
 
     @cached_property
     def scaled_drift(self) -> list[Trig]:
-        """Δ γ."""
+        """Numerators Δ γ of the drift."""
         n = len(self.system.symbols.coordinates)
         return [
             self._row(k, slice(-1, None))[0] if k in self.dependent else self.system.symbols.zero()
@@ -157,17 +167,17 @@ class Reduction:
 
     @cached_property
     def N(self) -> list[list[Ratio]]:
-        """∂q̇/∂u̇."""
+        """Derivatives of all rates by the independent ones, ∂q̇/∂u̇."""
         return [[ratio(x, self.delta) for x in row] for row in self.scaled]
 
     @cached_property
     def drift(self) -> list[Ratio]:
-        """γ: q̈ where ü = 0."""
+        """Accelerations γ of the coordinates where ü = 0."""
         return [ratio(x, self.delta) for x in self.scaled_drift]
 
     @cached_property
     def mass(self) -> PolynomialRows:
-        """Δ² NᵀM N."""
+        """Reduced mass matrix times a polynomial, Δ² NᵀM N."""
         s = self.system.symbols
         columns = list(zip(*self.scaled, strict=True))
         return times(times(columns, self.system.M, s), self.scaled, s)

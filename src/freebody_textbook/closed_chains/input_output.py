@@ -48,7 +48,7 @@ class ClosedInputOutput:
 
     @cached_property
     def J(self) -> list[list[Ratio]]:
-        """-J_a⁻¹ J_b (2.36): ẋ = J θ̇."""
+        """Jacobian J = -J_a⁻¹ J_b (2.36) of ẋ = J θ̇."""
         above, below = solved(self.J_a, self.J_b, self.loops.symbols)
         return [[ratio(-x, below) for x in row] for row in above]
 
@@ -85,7 +85,8 @@ class _MotionEquations:
 def input_output(
     loops: LoopEquations, frame: str | None, rows: Sequence[str] | None
 ) -> ClosedInputOutput:
-    """See `LoopEquations.input_output`."""
+    """Relation of the drives' rates and the tip's in closed form; see
+    `LoopEquations.input_output`."""
     model = loops.model
     name = model.frame(frame).name
     chosen = _rows(model.dim, len(loops.driven), rows)

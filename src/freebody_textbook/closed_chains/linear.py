@@ -33,7 +33,7 @@ class Ratio:
 
     @property
     def is_zero(self) -> bool:
-        """Whether it is 0."""
+        """Whether the quotient is 0."""
         return self.above.is_zero
 
     @property

@@ -43,7 +43,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     @property
     def model(self) -> Model:
-        """The closed chain."""
+        """Model of the closed chain."""
         return self.symbols.model
 
     @cached_property
@@ -77,7 +77,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         return range(sum(sizes[:k]), sum(sizes[: k + 1]))
 
     def gap(self, loop: TreeLoop) -> Vector:
-        """From the first frame's origin to the second's, world axes."""
+        """Vector from the first frame's origin of a loop to the second's, world axes."""
         a, b = (frame_pose(self.tree, self.world, frame)[1] for frame in loop.frames)
         return tuple(self.symbols.element(x) for x in sub(b, a))
 
@@ -98,7 +98,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     @cached_property
     def Phi_q(self) -> PolynomialRows:
-        """∂Φ/∂q (5.22)."""
+        """Jacobian of the loop equations, ∂Φ/∂q (5.22)."""
         return self._entries(loop_constraints.constraint_jacobian(self.tree, self.symbols.q))
 
     @cached_property

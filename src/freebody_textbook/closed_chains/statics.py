@@ -34,7 +34,7 @@ class LoopStatics:
 
     @cached_property
     def right(self) -> list[Trig]:
-        """-k of the passive joints."""
+        """Right side -k of the equations of the passive joints."""
         return [-self.unloaded(k) for k in self.passive]
 
     def _slopes(self, k: int) -> list[Trig]:
@@ -48,7 +48,8 @@ class LoopStatics:
 
     @cached_property
     def _solution(self) -> tuple[list[Trig], Trig] | None:
-        """(Δ λ, Δ)."""
+        """Multipliers as quotients with a common denominator: (Δ λ, Δ); None where statics does not
+        determine them."""
         s = self.loops.symbols
         square = len(self.passive) == len(self.loops.names)
         if not square or determinant(self.A, s).is_zero:

@@ -1,4 +1,4 @@
-"""`freebody check`."""
+"""The command `freebody check`."""
 
 from __future__ import annotations
 

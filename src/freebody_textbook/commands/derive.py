@@ -1,4 +1,4 @@
-"""`freebody derive`."""
+"""The command `freebody derive`."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _options_of(methods: Iterable[Method]) -> list[Any]:
     what was given."""
 
     def command(**_options: str | None) -> None:
-        """Never called."""
+        """Bearer of the options' signature, never called."""
 
     owned = [(method, option) for method in methods for option in method.options]
     command.__signature__ = Signature([_parameter(*pair) for pair in owned])
@@ -130,7 +130,7 @@ def derive(
     """Derive a robot's equations of motion step by step. Exit status 1 if two methods disagree."""
     from freebody_textbook.derive import compare as compared
     from freebody_textbook.derive import default_method, method_named
-    from freebody_textbook.drawings.illustrate import derive as derivation_of
+    from freebody_textbook.derive import derive as derivation_of
 
     model = robot.load()
     record = method_named(method) if method else default_method(model)

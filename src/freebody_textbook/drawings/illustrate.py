@@ -6,9 +6,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -33,7 +32,6 @@ from freebody.model.model import Model
 from freebody.outputs.number_text import significant
 from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.derivation import Derivation, Drawings, Step
-from freebody_textbook.derive import undrawn_derivation
 from freebody_textbook.living.drawn_bodies import PageFigure
 from freebody_textbook.living.living import living
 from freebody_textbook.methods import METHODS
@@ -50,13 +48,8 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 """Direction of the load on the tip in drawings."""
 
 
-@wraps(undrawn_derivation, assigned=("__doc__",))
-def derive(model: Model, method: str | None = None, **options: Any) -> Derivation:
-    """A derivation that draws what it speaks of where it is shown as a page or in a notebook."""
-    return replace(undrawn_derivation(model, method, **options), draw=drawings, enliven=_living)
-
-
-def _living(derivation: Derivation) -> LivingParts | None:
+def living_parts(derivation: Derivation) -> LivingParts | None:
+    """The parts of a derivation's page that can be tried; None where no drawing shows the robot."""
     seen = _lettered(derivation)
     drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
     return drawing and living(
@@ -244,7 +237,7 @@ def _free(seen: Snapshot, number: int) -> Drawing:
 
 
 def _load(drawing: Drawing, seen: Snapshot) -> None:
-    """The force on the tip, if there is one."""
+    """Draw the force on the tip, if there is one."""
     if seen.wrenches is not None:
         forces.act(drawing, seen, seen.pose.bodies[seen.model.frame().body], ("external",))
 

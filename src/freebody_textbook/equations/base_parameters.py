@@ -134,8 +134,8 @@ def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
 
 
 def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
-    """Those of the columns at `places` of which column k is a combination, in any sample; none if
-    it is not in all."""
+    """Columns among those at `places` of which column k is a combination, in any sample; none if it
+    is not in all samples."""
     used: set[int] = set()
     for sample in samples:
         others, column = sample[:, places], sample[:, k]
@@ -194,7 +194,8 @@ class BaseEquations(ClosedForm):
 
     @property
     def is_vast(self) -> bool:
-        """Not known before M is worked out: base parameters make it shorter."""
+        """Whether M is too long: not assumed before M is worked out, as base parameters make it
+        shorter."""
         return False
 
     @cached_property
@@ -215,7 +216,7 @@ class BaseEquations(ClosedForm):
 
     @cached_property
     def g(self) -> list[Trig]:
-        """Gravity terms."""
+        """Gravity terms of the equations."""
         names = {name for name in self.symbols.ring.names if name.endswith((RATE, SECOND))}
         ring = self.symbols.ring
         return [

@@ -81,7 +81,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def g(self) -> list[Trig]:
-        """Gravity terms."""
+        """Gravity terms of the equations."""
         s = self.symbols
         tree = s.tree
         weight = s.element(potential_energy(_without_drives(tree), s.q))
@@ -89,7 +89,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def drives(self) -> list[Trig]:
-        """Friction and springs."""
+        """Torques of friction and springs by coordinate."""
         s = self.symbols
         found = [self.law_torques(k) for k in range(len(s.coordinates))]
         return s.of_angles([sum(laws.values(), s.zero()) for laws in found])
@@ -246,7 +246,7 @@ def symmetric(
 def _torque(
     equations: ClosedForm, layout: Layout, names: Letters, velocity: _VelocityTerms, i: int
 ) -> Iterator[Expression]:
-    """The terms of τ_i."""
+    """Terms of the torque τ_i."""
     coordinates = equations.symbols.coordinates
     for j, x in enumerate(coordinates):
         if not equations.M[i][j].is_zero:
@@ -269,7 +269,7 @@ class _VelocityTerms(Protocol):
         ...
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """The names in them, and their values."""
+        """Names in the velocity terms, with their values."""
         ...
 
 
@@ -335,7 +335,7 @@ class _Coefficients:
 
     @cached_property
     def symbols(self) -> dict[Trig, Symbol]:
-        """The name of each."""
+        """Symbol by which each Christoffel symbol is printed: h, h_k or h_ijk."""
         n, count = len(self.equations.M), len(self.found)
         if count == 1:
             return {key: Symbol("h", "h") for key in self.found}
@@ -346,7 +346,7 @@ class _Coefficients:
         }
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """Name and value."""
+        """Pairs of symbol and value of each coefficient."""
         return [(symbol, self.values[key]) for key, symbol in self.symbols.items()]
 
     @cached_property

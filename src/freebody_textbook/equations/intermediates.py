@@ -40,7 +40,7 @@ class GraphReader(QuantityReader):
         self.inputs: dict[str, Expr] = {}
 
     def input(self, name: str) -> Expr:
-        """The input of that name."""
+        """Node of the graph for the input of that name."""
         if name not in self.inputs:
             self.inputs[name] = self.graph.input(name)
         return self.inputs[name]

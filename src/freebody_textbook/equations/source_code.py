@@ -40,7 +40,7 @@ _OWN = word_set("q qd qdd M c G tau p math dynamics sin cos sgn parameters")
 
 @dataclass(frozen=True)
 class Assignment:
-    """One assignment: array name, indices, value."""
+    """An assignment to an entry of an array: name, indices, value."""
 
     array: str
     indices: tuple[int, ...]
@@ -73,7 +73,7 @@ class CodeNames:
         taken = {*self.words.values(), *_OWN}
         parts = [part for row in rows for part in nodes(row.value) if isinstance(part, Function)]
         self.sign = any(part.name == "sgn" for part in parts)
-        """Whether signs occur."""
+        """Whether a sign function occurs."""
         for part in dict.fromkeys(part for part in parts if part.name != "sgn"):
             wanted = f"{part.name}_{_spelt(part.argument)}"
             self.waves[part] = identifiers([wanted], taken)[wanted]

@@ -262,7 +262,7 @@ class PageNames:
 
     @cached_property
     def _velocity_terms(self) -> dict[str, ValueSum]:
-        """c1 and V1 beside torques."""
+        """Velocity terms, called c1 or V1 beside torques."""
         if len(self.setting.symbols.coordinates) > MOST_THOUGHT:
             return {}
         single, found = self.targets.single, dict[str, ValueSum]()
@@ -306,7 +306,7 @@ class PageNames:
 
 
 def key_of(target: AskedQuantity) -> QuantityKey:
-    """A key by which a quantity is told from others."""
+    """Key that tells a quantity from all others."""
     return target.kind, target.index, target.axis, target.words, target.joint
 
 
@@ -332,7 +332,7 @@ def _numbered(meaning: Mapping[str, Any], index: Mapping[str, int]) -> dict[str,
 
 
 def _template(name: str) -> tuple[str, str]:
-    """A name with # for each run of figures, and these."""
+    """A name with # for each run of figures, and the runs."""
     runs = [("".join(run), is_figure) for is_figure, run in groupby(name, str.isdigit)]
     template = "".join("#" if is_figure else run for run, is_figure in runs)
     return template, ",".join(run for run, is_figure in runs if is_figure)

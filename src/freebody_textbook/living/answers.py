@@ -29,7 +29,7 @@ from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT
 from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
-from freebody_textbook.check.numbers.units import in_other_units
+from freebody_textbook.check.numbers.units_of_symbols import in_other_units
 from freebody_textbook.check.numbers.written_units import UNITS
 from freebody_textbook.check.reading.vocabulary import GLUED
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
@@ -39,7 +39,7 @@ from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
 from freebody_textbook.check.verdicts.equation_verdict import STILL
 from freebody_textbook.derivation import Derivation
-from freebody_textbook.derive import freed
+from freebody_textbook.given_parameters import freed
 from freebody_textbook.living.answer_names import (
     MOST_THOUGHT,
     PageNames,

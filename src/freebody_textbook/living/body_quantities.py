@@ -77,7 +77,7 @@ class Inputs(dict[str, Expr]):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of all inputs."""
+        """Names of all inputs in their order."""
         return tuple(self)
 
 

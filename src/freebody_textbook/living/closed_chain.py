@@ -40,7 +40,7 @@ class LoopEnd:
     place: Any
     force: Any
     moment: Any
-    """None of a loop that transmits none."""
+    """Moment that the loop transmits; None of a loop that transmits none."""
     sign: int
     names: tuple[Expression, Expression]
     """The names of the force and of the moment."""
@@ -164,7 +164,7 @@ class ClosedChain:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Symbols that the page needs for it."""
+        """Symbols that the page needs to close the loops."""
         dots = ("",) if self.at_rest else ("", RATE, SECOND)
         coordinates = [self.s.coordinate(i) for i in self.s.order]
         multipliers = multiplier_names(self.loops.equations)

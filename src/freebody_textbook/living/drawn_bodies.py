@@ -40,7 +40,7 @@ class DrawnBodies:
         self.tree, self.closed, self.labels = setting.tree, closed, labels
 
     def all(self) -> list[dict[str, Any]]:
-        """All bodies one after the other, as the script takes them."""
+        """All bodies as data for the script, one after the other."""
         return [self._body(n) for n in range(1, len(self.naming.model.bodies) + 1)]
 
     def _body(self, n: int) -> dict[str, Any]:
@@ -97,7 +97,7 @@ class DrawnBodies:
         return vector(self.s, (x, y))
 
     def _along(self, n: int) -> Any:
-        """The x axis of body n."""
+        """Direction of the x axis of body n."""
         return vector(self.s, [row[0] for row in self.s.world[self.tree.body_of[n - 1]][0]])
 
     def _solids(self, n: int) -> list[dict[str, Any]]:
@@ -227,7 +227,7 @@ class DrawnBodies:
         return vector if self.naming.planar else times(self.values[f"R{n}"], vector)
 
     def _axis(self, n: int) -> Any:
-        """The axis of joint n."""
+        """Direction of the axis of joint n."""
         return vector(self.s, times(self.s.world[self.tree.body_of[n - 1]][0], self._own(n).axis))
 
     def _own(self, n: int) -> TreeBody:
@@ -241,7 +241,7 @@ class DrawnBodies:
 
 @dataclass(frozen=True)
 class PageFigure:
-    """A figure as data."""
+    """A derivation's first figure as data for its page."""
 
     bodies: Sequence[Mapping[str, str]]
     """The formulas of each body by what they name, such as C its centre of mass."""
@@ -254,7 +254,7 @@ class PageFigure:
     rods: Sequence[str]
     """The length of each loop's rod, or ""."""
     start: Mapping[str, float]
-    """First values of symbols."""
+    """Values of the symbols at the start."""
     view: tuple[float, float]
     """Azimuth and elevation of the viewer of a robot in space, degrees."""
     rule: Mapping[str, Any]

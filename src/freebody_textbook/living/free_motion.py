@@ -43,12 +43,12 @@ class FreeFlight:
 
     @property
     def solved_names(self) -> tuple[str, ...]:
-        """The accelerations."""
+        """Names of the accelerations, which the page solves for."""
         return tuple(x for x in self._moving if atom(x).dots)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Symbols that the page needs for it."""
+        """Symbols that the page needs for the motion of a free body."""
         return self.solved_names
 
     def start(self) -> dict[str, float]:
@@ -139,7 +139,7 @@ class FreeJoints:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Symbols that the page needs for it."""
+        """Symbols that the page needs for the motion of joints without motor."""
         return self.solved_names
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:

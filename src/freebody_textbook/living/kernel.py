@@ -60,7 +60,7 @@ class PageProgram:
 
     @property
     def size(self) -> int:
-        """Length of y."""
+        """Number of results y of the program."""
         return len(self._places)
 
     def _program(self, results: Iterable[int]) -> Program:

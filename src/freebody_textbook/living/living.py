@@ -176,7 +176,8 @@ def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, A
 
 
 def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
-    """Over polynomials where these are short, else over the scalars of the program."""
+    """Setting of the derivation over polynomials where these are short, else over the scalars of
+    the program."""
     symbols = derivation.equations.symbols
     load = LOADS[symbols.model.dim] if "fx" in symbols.extra else ()
     at_rest = METHODS[derivation.method].at_rest

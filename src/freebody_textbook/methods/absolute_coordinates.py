@@ -59,7 +59,7 @@ def work_out(s: Setting) -> Worked:
 
 
 class _Absolute:
-    """The steps."""
+    """The steps of the derivation in absolute coordinates."""
 
     def __init__(self, s: Setting):
         self.s = s
@@ -100,7 +100,7 @@ class _Absolute:
 
     # ------------------------------------------------------------ coordinates and constraints
     def chosen(self) -> Step:
-        """x, y, φ."""
+        """Step: the coordinates x, y, φ of each body."""
         lines = [
             eq(self.s.name("rc", i), ex.vector(*self.given.names_of(i)[:2]))
             for i in self.bodies
@@ -116,7 +116,7 @@ class _Absolute:
         return Step("Absolute coordinates", reason, tuple(lines), figure="centres")
 
     def constrained(self) -> Step:
-        """Φ(q) = 0."""
+        """Step: the constraint equations, Φ(q) = 0."""
         turns = self._turns()
         lines = [
             eq(entry("Phi", k + 1), ex.add(self.show(x), turns.get(k, ex.ZERO)), ex.ZERO)
@@ -151,7 +151,7 @@ class _Absolute:
         )
 
     def freedom(self) -> Step:
-        """f = n - m."""
+        """Step: the degrees of freedom, f = n - m."""
         n, m = len(self.given.names), len(self.given.Phi)
         reason = (
             f"{'1 body has' if len(self.bodies) == 1 else f'{len(self.bodies)} bodies have'} {n} "
@@ -161,7 +161,7 @@ class _Absolute:
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), n - m),))
 
     def rates(self) -> Step:
-        """Φ_q q̇ = 0."""
+        """Step: the constraints on the rates, Φ_q q̇ = 0."""
         zero = eq(ex.d_dt(sym("Phi")), ex.mul(self.loops.phi_q, dotted("q", 1)), ex.ZERO)
         lines = [zero]
         for constraint in self.given.constraints:
@@ -183,7 +183,7 @@ class _Absolute:
 
     # ------------------------------------------------------------ energies and forces
     def energies(self) -> Step:
-        """T and V."""
+        """Step: the energies T and V."""
         given, parts = self.given, []
         for m, name in zip(given.M, given.names, strict=True):
             if not m.is_zero:
@@ -284,7 +284,7 @@ class _Absolute:
 
     # ------------------------------------------------------------ solved
     def seconds(self) -> Step:
-        """Φ_q q̈ = c."""
+        """Step: the constraints on the accelerations, Φ_q q̈ = c."""
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
         rule = eq(
             ex.mul(self.loops.phi_q, dotted("q", 2)), ex.neg(ex.mul(rate, dotted("q", 1))), "c"
@@ -294,7 +294,7 @@ class _Absolute:
         return Step("Acceleration constraints", reason, (rule, *lines), ("5.28",))
 
     def together(self) -> Step:
-        """The block system."""
+        """Step: all equations as one block system."""
         n, m = len(self.given.names), len(self.given.Phi)
         reason = (
             f"{n} equations of the bodies and {m} of the constraints, for {n} accelerations and "
@@ -395,7 +395,7 @@ class BackToJoints:
         )
 
     def result(self) -> Step:
-        """Nᵀ times the equations."""
+        """Step: the torques, by Nᵀ times the equations."""
         s = self.s
         N_t = ex.transposed("N")
         loops = s.tree.loops

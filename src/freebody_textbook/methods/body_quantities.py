@@ -32,7 +32,7 @@ _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class BodyQuantity:
-    """One quantity of body n; h is the number of the body before, k that of the one behind."""
+    """A quantity of body n; h is the number of the body before, k that of the body behind."""
 
     known: str
     """The quantity's name in `fb.quantities`."""
@@ -69,7 +69,7 @@ class BodyQuantity:
     """The quantity's symbol in glossaries, for body i or for bodies i and k: the letter with its
     index."""
     shown: bool = False
-    """Whether living pages have it."""
+    """Whether living pages show the quantity."""
 
     @property
     def names(self) -> tuple[tuple[str, int], ...]:

@@ -21,7 +21,7 @@ class BodyValues:
 
     @property
     def n(self) -> int:
-        """The number of the body."""
+        """Number of the body in symbols."""
         return self.s.numbers[self.i]
 
     @property
@@ -75,15 +75,15 @@ class BodyValues:
 
     # ------------------------------------------------------------ shapes
     def element(self, x: Any) -> Trig:
-        """A number as polynomial."""
+        """A number as polynomial of the ring."""
         return self.s.symbols.element(x)
 
     def vector(self, v: Vector) -> tuple[Trig, ...]:
-        """A vector as polynomials."""
+        """A vector of polynomials from one of scalars."""
         return tuple(map(self.element, v))
 
     def matrix(self, rows: Any) -> tuple[tuple[Trig, ...], ...]:
-        """A matrix as polynomials."""
+        """A matrix of polynomials from one of scalars."""
         return tuple(map(self.vector, rows))
 
     def axes(self, v: Vector) -> tuple[Trig, ...]:

@@ -28,7 +28,7 @@ LONG = 90
 FEW = 9
 """Coordinates up to which they are listed in a column."""
 _ENTRIES = 16
-"""Entries up to which it is."""
+"""Number of entries up to which a matrix is written out."""
 LONGEST = 500
 """Numbers and symbols up to which all right sides of one system are written out."""
 
@@ -41,7 +41,7 @@ class Loops:
 
     @cached_property
     def equations(self) -> LoopEquations:
-        """Φ and its derivatives."""
+        """The loop equations Φ and their derivatives."""
         return LoopEquations(self.s.symbols)
 
     @cached_property
@@ -52,7 +52,7 @@ class Loops:
     # ------------------------------------------------------------ words
     @property
     def named(self) -> str:
-        """the loop, or the loops."""
+        """Words for the robot's loops: the loop, or the loops."""
         return "the loop" if len(self.s.tree.loops) == 1 else "the loops"
 
     def ends(self, loop: TreeLoop) -> tuple[int, int]:
@@ -61,7 +61,7 @@ class Loops:
         return a, b
 
     def body(self, i: int) -> str:
-        """ "body 3", or "the ground"."""
+        """Words for a body: "body 3", or "the ground"."""
         return f"body {self.s.numbers[i]}" if i >= 0 else "the ground"
 
     def points(self, loop: TreeLoop) -> tuple[str, str]:
@@ -91,7 +91,8 @@ class Loops:
 
     # ------------------------------------------------------------ steps
     def cut(self) -> Step:
-        """Dependent coordinates."""
+        """Step: the dependent coordinates, those of the tree that is left when the loops are
+        cut."""
         s = self.s
         held = "; ".join(self.holds(loop) for loop in s.tree.loops)
         reason = (
@@ -113,7 +114,7 @@ class Loops:
         return Step(f"Cut {self.named}: dependent coordinates", reason, tuple(lines))
 
     def closed(self) -> Step:
-        """Φ(q) = 0."""
+        """Step: the loop equations, Φ(q) = 0."""
         reason = " ".join(self._written(loop) for loop in self.s.tree.loops)
         lines = [
             eq(self.phi(k), shown, ex.ZERO)
@@ -154,7 +155,7 @@ class Loops:
         )
 
     def freedom(self) -> Step:
-        """f = n - m."""
+        """Step: the degrees of freedom, f = n - m."""
         n, m = len(self.s.symbols.coordinates), len(self.equations.names)
         f = self.equations.gruebler
         word = "degree" if f == 1 else "degrees"
@@ -170,7 +171,7 @@ class Loops:
         return Step("Degrees of freedom", reason, (eq("f", ex.sub("n", "m"), ex.sub(n, m), f),))
 
     def rates(self) -> Step:
-        """Φ_q q̇ = 0."""
+        """Step: the loop equations of the rates, Φ_q q̇ = 0."""
         reason = (
             "The equations hold at all times, so their time derivatives vanish: the matrix Φ_q of "
             "partial derivatives, multiplied by the rates, gives zero."
@@ -184,7 +185,7 @@ class Loops:
         )
 
     def seconds(self) -> Step:
-        """Φ_q q̈ = c."""
+        """Step: the loop equations of the accelerations, Φ_q q̈ = c."""
         rate = ex.Symbol("Phi_q_d", "Φ", ("q",), dots=1)
         rule = eq(ex.mul(self.phi_q, dotted("q", 2)), ex.neg(ex.mul(rate, dotted("q", 1))), "c")
         shown = list(map(self.s.show, self.equations.c))
@@ -298,11 +299,11 @@ class Loops:
 
     @property
     def phi_q(self) -> Expression:
-        """Φ_q."""
+        """Symbol of the Jacobian Φ_q."""
         return PHI_Q
 
     def phi(self, k: int) -> Expression:
-        """Φ_k."""
+        """Symbol of the loop equation Φ_k."""
         return entry("Phi", k)
 
     def matrix(self, name: Expression, rows: list) -> list[Equation]:
@@ -338,7 +339,7 @@ class Loops:
 
 
 PHI_Q = ex.Symbol("Phi_q", "Φ", ("q",))
-"""The matrix Φ_q."""
+"""Symbol of the Jacobian Φ_q."""
 
 
 def block_system() -> Equation:

@@ -90,7 +90,7 @@ class Energies:
 
     @property
     def has_rotors(self) -> bool:
-        """Whether rotors do."""
+        """Whether rotors have kinetic energy."""
         return not self.rotors.is_zero
 
     @property
@@ -100,19 +100,19 @@ class Energies:
 
     @cached_property
     def total_potential(self) -> Trig:
-        """V."""
+        """Potential energy V of weights and springs."""
         own = (self.potential(i) for i in self.s.weighted)
         return sum(own, self.resting + self.springs)
 
     @cached_property
     def lagrangian(self) -> Trig:
-        """T - V."""
+        """Lagrange's function T - V."""
         total = sum((self.kinetic(i) for i in self.s.weighted), self.rotors)
         return total - self.total_potential
 
 
 def kinetic_step(s: Setting, energies: Energies) -> Step:
-    """½ m v² + ½ I ω² a body."""
+    """Step: the kinetic energy of each body, ½ m v² + ½ I ω²."""
     lines: list[Equation] = []
     for i in s.weighted:
         v, w = s.name("vc", i), s.angular_name("omega", i)
@@ -146,7 +146,7 @@ def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equ
 
 
 def potential_step(s: Setting, energies: Energies) -> Step:
-    """Weights, and springs where there are."""
+    """Step: the potential energy of weights, and of springs where there are any."""
     lines = [eq("V0", s.show(energies.resting))] if energies.has_resting else []
     for i in s.weighted if s.weighs else ():
         n = s.numbers[i]

@@ -77,7 +77,7 @@ def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
 
 
 def _open_chain(setting: Setting) -> Worked:
-    """No loops: Φ is empty and (5.23) is (5.24)."""
+    """The derivation of an open chain, for which Φ is empty and (5.23) is (5.24)."""
     second = lagrange.work_out(setting)
     reason = (
         "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no "
@@ -179,7 +179,7 @@ class _FirstKindSteps:
         return [first, both]
 
     def _by_coordinate(self) -> list[tuple[int, int]]:
-        """(coordinate, body)."""
+        """Pairs (coordinate, body) in the order of the coordinates."""
         return sorted((self.s.index(i), i) for i in self.s.order)
 
     def _named_rest(self, k: int, i: int) -> Equation:
@@ -278,7 +278,7 @@ class _FirstKindSteps:
         return Step("Dependent accelerations", reason, tuple(lines), ("5.28",))
 
     def _second(self, r: Reduction) -> Step:
-        """Nᵀ M N ü = Nᵀ (n - M γ)."""
+        """Step: Lagrange's equations of the second kind, Nᵀ M N ü = Nᵀ (n - M γ)."""
         N_t = ex.transposed("N")
         rule = eq(
             ex.mul(N_t, "M", "N", ex.Symbol("u_dd", "u", dots=2)),
@@ -331,7 +331,7 @@ class _FirstKindSteps:
         return ex.add(*(ex.mul(count, *_squared(key)) for key, count in terms.items()))
 
     def _driving(self, r: Reduction, j: int) -> Expression:
-        """Σ N_ij (n_i - Σ M_ik γ_k)."""
+        """Expression Σ N_ij (n_i - Σ M_ik γ_k)."""
         total = []
         for i in range(len(r.N)):
             weight = self._entry(r, i, j)

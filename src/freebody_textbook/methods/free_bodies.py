@@ -30,7 +30,7 @@ from freebody_textbook.methods.setting import Setting
 
 
 def work_out(s: Setting, route: str) -> Worked:
-    """The steps of each body."""
+    """Derive the equations of bodies that nothing holds, body by body."""
     if route != "centre" or s.load:
         raise FreebodyError(
             "derive: f is the sum of all forces on a free body besides its weight, "

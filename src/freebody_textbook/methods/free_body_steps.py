@@ -32,7 +32,7 @@ UNITS = {"v": "m/s", "omega": "rad/s"}
 
 
 def mark_of(model: Model, k: int) -> str:
-    """The number in the symbols of body k; "" where it is the only body."""
+    """Number in the symbols of body k; "" where it is the only body."""
     return str(k + 1) if len(model.bodies) > 1 else ""
 
 
@@ -147,7 +147,7 @@ class FreeBody:
         return tuple(map(self.s.symbols.element, v))
 
     def wrench(self, v: Vector, vd: Vector, w: Vector, wd: Vector) -> tuple[Vector, Vector]:
-        """(f, n) by Newton and Euler."""
+        """Force and moment (f, n) by Newton and Euler."""
         s, space = self.s, self.s.tree.space
         c = s.centre(self.i)
         turning = add(space.cross(wd, c), space.cross(w, space.cross(w, c)))
@@ -169,7 +169,7 @@ class FreeBody:
 
     # ------------------------------------------------------------ steps
     def steps(self) -> Iterator[Step]:
-        """The steps of this body."""
+        """All steps of this body in their order."""
         yield self.pose()
         yield self.laws()
         yield self.written_out()
@@ -179,7 +179,7 @@ class FreeBody:
         yield self.along_coordinates()
 
     def pose(self) -> Step:
-        """Coordinates, R, ṗ."""
+        """Step: the coordinates, the rotation R and the velocity ṗ."""
         yaw, pitch, roll = map(self._told, self.coordinates[3:])
         R, p = self.s.world[self.i]
         reason = (
@@ -245,7 +245,7 @@ class FreeBody:
         )
 
     def written_out(self) -> Step:
-        """f and n by components."""
+        """Step: force f and moment n by their components."""
         f, n = self.wrench(
             self.symbols_of("v"), self.symbols_of("v", RATE),
             self.symbols_of("omega"), self.symbols_of("omega", RATE),

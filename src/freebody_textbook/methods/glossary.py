@@ -237,7 +237,7 @@ def joint_moments(s: Setting) -> Iterator[Meaning]:
 
 
 def loop_equations(s: Setting) -> Meaning:
-    """A loop equation."""
+    """Meaning of the symbols Φ_k."""
     meaning = "a loop equation, zero where the loop is closed"
     return Meaning((sym("Phi_k"),), meaning, _loop_units(s, "m", "m²", "1"))
 

@@ -123,12 +123,12 @@ class _JointRate:
         return f"{joints(self.s, self.i)} move, joint {self.number}"
 
     def _v(self, k: int) -> Expression:
-        """v_ck,r."""
+        """Symbol of the partial velocity of body k's centre of mass, v_ck,r."""
         n, r = self.s.numbers[k], self.speed
         return ex.Symbol(f"vc{n}_{r}", "v", (f"c{n}", str(r)), bold=True)
 
     def _omega(self, k: int) -> Expression:
-        """ω_k,r."""
+        """Symbol of the partial angular velocity of body k, ω_k,r."""
         n, r = self.s.numbers[k], self.speed
         return ex.Symbol(f"omega{n}_{r}", "ω", (str(n), str(r)), bold=not self.s.planar)
 
@@ -185,16 +185,16 @@ class _JointRate:
 
     @property
     def active_name(self) -> Expression:
-        """F_r."""
+        """Symbol F_r of the generalized active force."""
         return sym(f"F{self.speed}")
 
     @property
     def inertia_name(self) -> Expression:
-        """F*_r."""
+        """Symbol F*_r of the generalized inertia force."""
         return ex.Symbol(f"F{self.speed}_star", "F", (str(self.speed),), high="*")
 
     def _active_terms(self) -> Iterator[Expression]:
-        """The weights and the load."""
+        """Terms of weights and load in the active force."""
         s = self.s
         for k in s.weighted if s.weighs else ():
             if _some(self.centres[k]):
@@ -222,7 +222,7 @@ class _JointRate:
 
     @property
     def _active(self) -> Trig:
-        """F_r without the motor."""
+        """Generalized active force F_r without the motor."""
         s, total = self.s, -self._resisting
         for k in s.weighted if s.weighs else ():
             total = total + dot(scale(s.mass(k), s.gravity(k)), self.centres[k])
@@ -232,7 +232,7 @@ class _JointRate:
 
     @property
     def _inertia(self) -> Trig:
-        """F*_r."""
+        """Generalized inertia force F*_r."""
         s, total = self.s, -self._rotor
         for k in s.weighted:
             total = total - dot(scale(s.mass(k), s.centre_acceleration(k)), self.centres[k])
@@ -248,7 +248,7 @@ class _JointRate:
         return -self._active - self._inertia
 
     def equation(self) -> Step:
-        """F_r + F*_r = 0."""
+        """Step: Kane's equation of the rate, F_r + F*_r = 0."""
         s = self.s
         motor = f"this gives the {s.words(self.i).effort} of the motor"
         if not s.driven(self.i):

@@ -139,7 +139,7 @@ class _TipKinematics:
         )
 
     def jacobian(self) -> Step:
-        """The factors of the rates."""
+        """Step: the Jacobian, whose entries are the factors of the rates."""
         s = self.s
         rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.leaders))
         J = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
@@ -191,7 +191,7 @@ class _TipKinematics:
         ]
 
     def acceleration(self) -> Step:
-        """J q̈ + J̇ q̇."""
+        """Step: the acceleration of the tip, J q̈ + J̇ q̇."""
         s = self.s
         J_dot = [
             [s.show_moved(self.closed.J_dot[r][k]) for k in self._columns()] for r in self.rows
@@ -310,7 +310,7 @@ class _TipAndDrives:
         return Step("The tip and the drives", reason, tuple(lines), numbers)
 
     def jacobian(self) -> Step:
-        """J = -J_a⁻¹ J_b (2.36)."""
+        """Step: the Jacobian of tip and drives, J = -J_a⁻¹ J_b (2.36)."""
         J = self.io.J
         rule = eq(sym("J"), ex.neg(ex.mul(ex.power(_j("a"), -1), _j("b"))))
         below = [x.below for row in J for x in row if not x.is_polynomial]
@@ -363,7 +363,7 @@ class _TipAndDrives:
 
 
 def _component(row: str) -> Expression:
-    """ẋ for "vx", ω for "w"."""
+    """Symbol of a component of the tip's velocity: ẋ for "vx", ω for "w"."""
     if row[0] == "v":
         return ex.Symbol(f"{row[1]}_d", row[1], dots=1)
     return ex.Symbol(f"omega{row[1:]}", "ω", tuple(row[1:]))
@@ -374,8 +374,8 @@ def _j(low: str) -> Expression:
 
 
 def _inverse_position(s: Setting) -> list[Step]:
-    """One step for the notes' arm with straight links; none for others, which fb.inverse_kinematics
-    solves."""
+    """Step: the inverse kinematics of the notes' arm with straight links; none for other arms,
+    which fb.inverse_kinematics solves."""
     lengths = _lengths(s)
     if lengths is None:
         return []

@@ -29,7 +29,7 @@ from freebody_textbook.methods.terms import KINETIC, POTENTIAL, TIME, TermSource
 
 
 def work_out(setting: Setting) -> Worked:
-    """The steps, by energies."""
+    """Derive the equations of motion by energies."""
     s = setting
     energies, found = lagrangian(s)
     steps = [_coordinates(s), *found]

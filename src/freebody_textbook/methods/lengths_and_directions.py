@@ -45,7 +45,7 @@ def by_lengths(layout: Layout, x: Trig) -> Expression:
 
 
 def _times_mass(layout: Layout, name: str, terms: TrigTerms) -> Expression:
-    """mass · Σ length · (…)."""
+    """Terms printed as mass · Σ length · (…)."""
     parts = ex.add(
         *(_moved(layout, lengths, inner) for lengths, inner in _by_length(layout, terms))
     )

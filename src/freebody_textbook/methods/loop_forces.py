@@ -58,7 +58,7 @@ class LoopForces:
 
     @property
     def unknowns(self) -> list[Symbol]:
-        """λ_k of each loop equation."""
+        """Symbols λ_k of the multipliers, one a loop equation."""
         return [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
 
     def step(self, more: str = "") -> Step:
@@ -178,7 +178,7 @@ def without_links(s: Setting, step: Step) -> Step:
 
 
 def _in_words(x: Expression) -> str:
-    """f_3,2 or -f_3,2 as sentences have it."""
+    """A loop's force as sentences write it: f_3,2 or -f_3,2."""
     name = x.operand if isinstance(x, ex.Negative) else x
     assert isinstance(name, Symbol)
     return f"{'-' * (name is not x)}{name.letter}_{','.join(name.low)}{name.high}"

@@ -188,7 +188,7 @@ class ModularSetting(Setting):
         return {}
 
     def _run(self, gravity: str) -> tuple[Recursion, BodyMotions]:
-        """(every vector as it comes about, the motion by names)."""
+        """Recursion run once: (every vector as it comes about, the motion by names)."""
         if gravity not in self._runs:
             values: dict[tuple[str, int], Vector] = {}
 

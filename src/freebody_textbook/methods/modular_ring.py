@@ -49,7 +49,7 @@ class RingSetting(ModularSetting):
 
     @cached_property
     def loops(self) -> Loops:
-        """The loop."""
+        """The loop as the other methods describe loops."""
         return Loops(self)
 
     def vector(self, quantity: str, i: int) -> Symbol:
@@ -120,7 +120,7 @@ class _RingInward(Inward):
 
 
 def steps(s: Setting) -> list[Step]:
-    """From the equations in general to the torques."""
+    """All steps of a ring, from the equations in general to the torques."""
     shown = RingSetting.of(s)
     record: Recursion = shown.recursion("base")
     outward = recursive.Outward(shown, record, True, False)
@@ -155,7 +155,7 @@ def _general(s: RingSetting) -> Step:
 
 
 def _turned(s: RingSetting) -> Step:
-    """From the ground's axes to those of the last body."""
+    """Step: quantities turned from the ground's axes through all bodies to the last."""
     lines = []
     for quantity in s.quantities:
         for k, i in enumerate(s.order):

@@ -127,7 +127,7 @@ class _LoopedBodies(FreeBodies):
     """The free bodies with the forces of the loops on them."""
 
     def join(self, loops: Loops) -> None:
-        """Tell the loops."""
+        """Take over the loops, with the forces that they exert on the bodies."""
         self.loops, self.loop_forces = loops, LoopForces(self.s, loops)
         self.system = needs_of(self.reactions, loops)
 
@@ -137,7 +137,7 @@ class _LoopedBodies(FreeBodies):
         return [*super().outer(i), *self.loop_forces.on(i)]
 
     def turned(self, i: int) -> list[Expression]:
-        """Moments of loops."""
+        """Moments that loops exert on body i."""
         return self.loop_forces.moments_on(i)
 
     def further_forces(self, i: int) -> list[str]:
@@ -248,7 +248,7 @@ class _LoopedBodies(FreeBodies):
         ), lines
 
     def through_loops(self) -> list[Expression]:
-        """Φ_qᵀ λ by coordinate."""
+        """Generalized forces of the loops by coordinate, Φ_qᵀ λ."""
         columns = zip(*self.loops.equations.Phi_q, strict=True)
         return [
             ex.add(
@@ -265,8 +265,8 @@ class _LoopedBodies(FreeBodies):
 
 
 def _about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
-    """One equation a joint, from the base outward; drives: what each joint's friction and the like
-    takes."""
+    """Steps with one equation a joint, from the base outward; drives: what each joint's friction
+    and the like takes."""
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
     return [_carried(s, i, drives) for i in s.order]
@@ -342,7 +342,7 @@ def _carried(s: Setting, i: int, drives: Mapping[int, Trig]) -> Step:
 
 
 def _arms(s: Setting, i: int) -> list[Equation]:
-    """From the pivot to the centres of mass beyond the next joint."""
+    """Equations of the arms from pivot i to the centres of mass beyond the next joint."""
     if not s.turns(i):
         return []
     lines = [eq(_arm(s, i, k), _way(s, i, k, s.centre_name(k))) for k in _subtree(s, i) if k != i]

@@ -120,7 +120,7 @@ def _kinds(s: Setting) -> str:
 
 
 def _joints(numbers: list[int]) -> str:
-    """joints 1 to 3 and 5."""
+    """Numbers of joints in words: joints 1 to 3 and 5."""
     rows: list[list[int]] = []
     for n in numbers:
         if rows and rows[-1][-1] == n - 1:

@@ -13,7 +13,7 @@ from freebody.spatial import Vector, add, dot, scale, sub, times
 from freebody_textbook.methods.setting import Setting
 
 Reaction = tuple[Vector, Vector]
-"""Force and moment."""
+"""Force and moment at a joint."""
 
 
 class SolvedReactions:
@@ -26,7 +26,7 @@ class SolvedReactions:
 
     @property
     def f(self) -> dict[int, Vector]:
-        """Forces."""
+        """Forces at the joints by body."""
         return {i: f for i, (f, _) in self._found.items()}
 
     @property
@@ -59,7 +59,8 @@ class SolvedReactions:
         return found
 
     def _solved(self, i: int, found: dict[int, Reaction]) -> Reaction:
-        """From the two equations of body i, the reactions at its children being known."""
+        """Reaction at joint i from the two equations of body i, the reactions at its children being
+        known."""
         s, space = self.s, self.s.tree.space
         f = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
         n = add(

@@ -106,7 +106,7 @@ class Outward:
         return worked(name, rule, value, self.rules)
 
     def start(self) -> Step:
-        """The motion of the base."""
+        """Step: the motion of the base, from which the recursion starts."""
         s = self.s
         if not s.weighs:
             reason = "The base is at rest, and there is no gravity."
@@ -179,7 +179,7 @@ class Outward:
         return rows
 
     def _swing(self, i: int) -> Expression:
-        """ω × θ̇ z: the joint's own turning is carried around."""
+        """Term ω × θ̇ z: the joint's own turning is carried around."""
         s = self.s
         before = self._carried(s.angular_name("omega", s.tree.bodies[i].parent), i)
         return ex.cross(before, ex.mul(self._rate(i), s.name("z", i)))

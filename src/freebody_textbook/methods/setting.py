@@ -46,8 +46,8 @@ length."""
 
 @dataclass(frozen=True)
 class Setting:
-    """One model over the ring of polynomials; load: names of the components of the force on the
-    tip, or none."""
+    """A model over the ring of polynomials; load: names of the components of the force on the tip,
+    or none."""
 
     symbols: Symbols
     load: tuple[str, ...] = ()
@@ -59,7 +59,7 @@ class Setting:
     # ------------------------------------------------------------ the model
     @property
     def tree(self) -> Tree:
-        """The model over the ring."""
+        """The model in numbers over the ring."""
         return self.symbols.tree
 
     @property
@@ -186,7 +186,7 @@ class Setting:
         return 0.0 if self.planar else ((0.0,) * 3,) * 3
 
     def mass(self, i: int) -> Scalar:
-        """Mass of body i."""
+        """Mass of body i as polynomial or number."""
         return self._mass(i).m
 
     def inertia(self, i: int) -> Scalar:
@@ -232,7 +232,7 @@ class Setting:
     # ------------------------------------------------------------ the layout
     @cached_property
     def equations(self) -> Equations:
-        """The closed forms."""
+        """Equations of motion in closed form."""
         return Equations(self.symbols)
 
     @property
@@ -400,7 +400,7 @@ class Setting:
         return (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
 
     def recursion(self, gravity: str) -> Recursion:
-        """One run of the recursion; gravity: "base" or "explicit"."""
+        """Intermediates of the Newton-Euler recursion; gravity: "base" or "explicit"."""
         return rnea(self.tree, self.symbols.q, *self._rates, self.tip_load(), gravity)
 
     def tip_load(self) -> tuple[External, ...]:
@@ -474,6 +474,6 @@ class Setting:
         return force if self.planar else times(transposed(self.world[self.tip][0]), force)
 
     def tip_position(self) -> Vector:
-        """The tip in the world."""
+        """Position of the tip in the world."""
         R, p = self.world[self.tip]
         return add(p, times(R, self.tip_frame[2]))

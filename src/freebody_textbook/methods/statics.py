@@ -72,7 +72,7 @@ class _Equilibrium:
         )
 
     def body(self, i: int) -> Step:
-        """Equilibrium of one body."""
+        """Step: the equilibrium of one body."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
         forces = [s.force_name(s.tree.bodies[i].parent, i)] if s.is_held(i) else []
         forces += [ex.neg(s.force_name(i, k)) for k in children]
@@ -131,7 +131,7 @@ class _Equilibrium:
         return Step(f"Solve for joint {n}", reason, tuple(lines), numbers)
 
     def result(self, tau: dict) -> Step:
-        """The torques written out."""
+        """Step: the torques written out."""
         s = self.s
         lines = tuple(eq(s.motor(i), s.show(tau[i])) for i in s.leaders)
         numbers = ("2.47", "2.48") if s.cited == "RR" else ()
@@ -150,7 +150,7 @@ class _Equilibrium:
         )
 
     def transpose(self) -> Step:
-        """The load's part as -Jᵀ f."""
+        """Step: the load's part of the torques as -Jᵀ f."""
         s = self.s
         J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
         rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
@@ -207,7 +207,7 @@ class _Balance(_Equilibrium):
 
     @cached_property
     def system(self) -> LoopStatics:
-        """The equations of the joints."""
+        """Equations of the joints, linear in the multipliers."""
         return needs_of(self.reactions, self.loops)
 
     # ------------------------------------------------------------ the bodies
@@ -278,7 +278,7 @@ class _Balance(_Equilibrium):
         return Step(title, reason, tuple(lines), result=True)
 
     def torques(self) -> Step:
-        """τ of the motors."""
+        """Step: the torques τ of the motors."""
         s = self.s
         lines = []
         for i in s.order:
@@ -300,7 +300,7 @@ class _Balance(_Equilibrium):
         return Step("Torques and forces of the motors", reason, tuple(lines), result=True)
 
     def reactions_step(self) -> Step:
-        """Forces in the joints."""
+        """Step: the forces in the joints."""
         s = self.s
         held = [i for i in s.order if i not in s.links and s.is_held(i)]
         lines = [

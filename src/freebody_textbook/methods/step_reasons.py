@@ -66,7 +66,7 @@ class Efforts:
 
     @property
     def verb(self) -> str:
-        """is, or are."""
+        """Verb that fits the number of efforts: is, or are."""
         return "is" if self.count == 1 else "are"
 
     @property

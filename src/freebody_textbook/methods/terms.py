@@ -42,7 +42,7 @@ class TermKind:
     one: str
     all: str
     when: str = ""
-    """When such terms are there, of those that are not always."""
+    """Words on when such terms occur; "" for terms that always do."""
 
 
 INERTIA = TermKind(
@@ -105,7 +105,7 @@ class Term:
 
     @property
     def words(self) -> str:
-        """The term in words."""
+        """Description of the term in words."""
         return self.kind.one.format(here=self.here, others=listed(self.others))
 
 

@@ -50,7 +50,7 @@ _TYPICAL_RATES, _TYPICAL_SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 
 class Each(tuple):
-    """One value for each of several bodies, such as the masses m_i; `sum` adds them up."""
+    """Values of several bodies, such as the masses m_i; `sum` adds them up."""
 
 
 def value(node: Expression, values: Mapping[str, FormulaValue]) -> FormulaValue:
@@ -105,7 +105,7 @@ def _for_each(rule: Callable[[Any, Any], FormulaValue]) -> Callable[[Any, Any], 
 
 @_for_each
 def plus(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a + b of the same shape."""
+    """Sum a + b of two values of the same shape."""
     if rank(a) != rank(b) or (rank(a) and len(a) != len(b)):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} cannot be added")
     return tuple(map(plus, a, b)) if rank(a) else a + b
@@ -153,7 +153,7 @@ def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 @_for_each
 def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """The dot product a · b."""
+    """Dot product a · b of two vectors."""
     if rank(a) != 1 or rank(b) != 1 or len(a) != len(b):
         raise FormulaError(f"{shape_name(a)} and {shape_name(b)} have no dot product")
     return reduce(lambda x, y: x + y, (x * y for x, y in zip(a, b, strict=True)))
@@ -204,7 +204,7 @@ def _diagonal(x: FormulaValue) -> FormulaValue:
 
 
 def _skew(x: FormulaValue) -> FormulaValue:
-    """The matrix of x × …"""
+    """Matrix of the cross product by x from the left."""
     a, b, c = x
     return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
 

@@ -40,7 +40,7 @@ TALLEST = 40
 LETTERS = 34.0
 """Letters of a line in a window of 400 px."""
 LARGEST = 595_000
-"""Bytes that a page may have with them."""
+"""Bytes that a page may have, what it holds for phones included."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class _Document:
     symbol: Callable[[Expression], str]
     equations: Callable[[Step], str]
     listed: Callable[[list[str]], str] = ", ".join
-    """Symbols of one meaning."""
+    """How symbols of one meaning are listed."""
     wrap: Callable[[str, str], str] = lambda words, indent: words
     rows: Callable[[_Document, SymbolRows], str] = lambda self, rows: "".join(
         self.row.format(*row) for row in rows
@@ -87,7 +87,7 @@ class _Document:
     notes: str
     reason: str = "{}"
     end: str = ""
-    """The end of a step."""
+    """Text at the end of a step."""
     source: str
     between: str = "\n"
 
@@ -120,7 +120,7 @@ class _Document:
         return self.between.join(filter(None, blocks))
 
     def step(self, step: Step, number: str = "", left: dict[str, str] | None = None) -> str:
-        """One of the steps, with its figure if that is left."""
+        """A step of the document, with its figure if that is left."""
         notes = self.notes.format(self.prose(cited(step.notes))) if step.notes else ""
         blocks = [
             self.heading.format(number, self.prose(step.operation), notes),
@@ -143,12 +143,12 @@ class _Document:
 
 # ---------------------------------------------------------------- text
 def text(derivation: Derivation, width: int = 100) -> str:
-    """For a terminal."""
+    """The derivation as text for a terminal."""
     return _terminal(width)(derivation)
 
 
 def step_text(step: Step, width: int = 100) -> str:
-    """One step for a terminal, without its number."""
+    """A step as text for a terminal, without its number."""
     return _terminal(width).step(step).lstrip("\n")
 
 
@@ -324,7 +324,7 @@ def html(
     style: str = "",
     living: LivingParts | None = None,
 ) -> str:
-    """One page that fetches nothing; `style` is for the figures, `living` makes it one that can be
+    """A page that fetches nothing; `style` is for the figures, `living` makes it one that can be
     tried."""
     title, inside, head, run = web_prose(_title(derivation)), body, policy(), ""
     if living is not None:

@@ -256,7 +256,7 @@ def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
 def _chain(
     head: Expression, rest: tuple[Expression, ...], room: float, measure: _WidthOf
 ) -> list[_Row]:
-    """One line if it fits, else a line a side."""
+    """Rows of a chain of equal sides: one row if it fits, else a row a side."""
     joined = rest[0] if len(rest) == 1 else Equation(rest)
     if len(rest) == 1 or sum(map(measure, rest)) + _SIGN * (len(rest) - 1) <= room:
         return [_Row(head, joined)]

@@ -44,7 +44,7 @@ class Medium:
         return replace(self, vectors=self.vectors - {"n"})
 
     def __call__(self, sentence: str) -> str:
-        """The sentence set."""
+        """A sentence, set for the medium."""
         return literal.in_parts(sentence, self._set, self.name)
 
     def _set(self, words: str) -> str:
@@ -79,7 +79,7 @@ def _web_symbol(sign: str, letter: str, low: str, bold: bool) -> str:
 tex_prose = Medium(
     lambda words: "".join(_TEX.get(c, c) for c in _with_minus(words)), _tex_symbol, literal.tex
 )
-"""A sentence in LaTeX."""
+"""Setter of sentences in LaTeX."""
 
 markdown_prose = Medium(str, _tex_symbol, literal.markdown)
 """A sentence in Markdown, symbols between dollar signs."""
@@ -88,7 +88,7 @@ text_prose = Medium(str, _text_symbol, literal.printable)
 """A sentence for a terminal: numbers as subscripts."""
 
 web_prose = Medium(lambda words: html.escape(_with_minus(words)), _web_symbol, literal.web)
-"""A sentence in HTML."""
+"""Setter of sentences in HTML."""
 
 
 def cited(numbers: Sequence[str]) -> str:

@@ -16,10 +16,10 @@ from freebody.formats import dh_csv, toml
 from freebody.formats.saving import as_toml
 from freebody.formats.toml_table import line_of, lines
 from freebody.model.build import build_model
-from freebody.model.description import Mimic
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.joints.prismatic import SLIDING
 from freebody.model.joints.revolute import TURNING
+from freebody.model.mimics import Mimic
 from freebody.model.placement import Rotate, Shift
 from support.real_files import FILES, REFUSED, ROBOTS
 

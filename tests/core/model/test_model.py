@@ -15,9 +15,10 @@ import pytest
 import freebody as fb
 from freebody import Drive, FileError, Inertia, Limits, ModelError, Parameter
 from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, Loop, Mimic, Mount, Payload, RobotDescription
+from freebody.model.description import Joint, Link, Loop, Mount, Payload, RobotDescription
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
+from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, shift
 from support import generate, robots
 from support.helpers import close, numbers, refused

@@ -12,8 +12,7 @@ import pytest
 import freebody as fb
 from freebody import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
 from freebody.math import less
-from freebody.motion.simulation import stepped
-from freebody.motion.simulation import steps as steps_of_many
+from freebody.motion.simulation import side_by_side, step_sizes
 from support import generate
 from support.robots import Joint, Link, Placement, Robot, Shift, loaded
 
@@ -116,14 +115,14 @@ def test_results_do_not_depend_on_how_many_steps_a_call_takes(monkeypatch: pytes
 
     whole = run()
     settings = (
-        (steps_of_many, "_MOST_AT_ONCE", 3),
-        (stepped, "STAYING", 32),
-        (stepped, "_FEW_STEPS", 10**9),  # every step called from Python
+        (step_sizes, "_MOST_AT_ONCE", 3),
+        (side_by_side, "STAYING", 32),
+        (side_by_side, "_FEW_STEPS", 10**9),  # every step called from Python
     )
     for module, name, value in settings:
         with monkeypatch.context() as patch:
             patch.setattr(module, name, value)
-            patch.setattr(stepped, "_FEWEST", 16)
+            patch.setattr(side_by_side, "_FEWEST", 16)
             for case, found in run().items():
                 np.testing.assert_array_equal(found, whole[case], err_msg=f"{name} {case}")
 
@@ -246,7 +245,7 @@ def test_a_jump_at_a_time_of_the_result_but_for_rounding(method: str, t: np.ndar
 def test_instants_of_a_long_run_are_found_at_once():
     """Of a controller of 1 kHz in 200 s."""
     calls = 1e-3 * np.arange(200_000)
-    found = steps_of_many.step_times(np.array([0.0, 200.0]), 1, np.zeros(0), calls)
+    found = step_sizes.step_times(np.array([0.0, 200.0]), 1, np.zeros(0), calls)
     assert found.calls == tuple(range(200_000))
 
 

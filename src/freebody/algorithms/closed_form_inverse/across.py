@@ -27,8 +27,8 @@ from freebody.spatial import dot, scale, sub
 
 @dataclass(frozen=True, eq=False)
 class Across(Recipe):
-    """Up to three joints across `normal` at places `across` of the chain, and perhaps a lift along
-    it: planar arms and SCARA robots; c: the frame's origin at zero."""
+    """A recipe of one to three joints across `normal` at places `across` of the chain, and perhaps
+    a lift along it: planar arms and SCARA robots; c: the frame's origin at zero."""
 
     screws: Sequence[Screw]
     normal: Array

@@ -181,7 +181,7 @@ def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
 
 
 def _straightened(screws: Sequence[Screw]) -> list[Screw]:
-    """Each axis along the first one that it is nearly parallel to."""
+    """The axes, each turned along the first one that it is nearly parallel to."""
     done: list[Screw] = []
     for s in screws:
         for other in done:

@@ -27,11 +27,11 @@ class AxisLine:
     rest: Scalar
     """The angle taken where any would do."""
     along: Matrix
-    """w wᵀ."""
+    """Matrix of the part of a vector along the axis: w wᵀ."""
     across: Matrix
-    """1 - w wᵀ."""
+    """Matrix of the part of a vector across the axis: 1 - w wᵀ."""
     around: Matrix
-    """The matrix of w ×."""
+    """Matrix of the cross product w × r."""
 
 
 def line(screw: Screw) -> AxisLine:
@@ -67,7 +67,7 @@ class JointPlace:
     """1 where any angle would do."""
 
     def direction(self, v: Vector) -> Vector:
-        """A vector as the joint's rotation turns it."""
+        """A vector, turned by the joint's rotation."""
         l = self.line
         if not l.turning:
             return v
@@ -174,7 +174,7 @@ def turn_by(l: AxisLine, x: Scalar) -> JointPlace:
 
 
 def least(*clear: Scalar) -> Scalar:
-    """How clear a whole is of which these are parts."""
+    """The smallest of the margins, which is that of the whole."""
     found = clear[0]
     for x in clear[1:]:
         found = minimum(found, x)

@@ -25,7 +25,7 @@ from freebody.elementary import (
 from freebody.spatial import Matrix, Vector, dot, identity, plus, product, scale, space, transposed
 
 CLEAR = 1e-9
-"""By how much (relative) a branch must clear its bounds, to be one for sure or none."""
+"""Relative margin by which a branch must clear its bounds, to be a solution for sure or none."""
 
 ORTHOGONAL = 1e-6
 """How far a target's rotation may be from orthogonal."""

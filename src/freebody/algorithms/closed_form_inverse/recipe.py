@@ -27,7 +27,7 @@ class WantedMotion:
     before: JointPlaces = ()
     """Motions done last: X is these, the first of them outermost, times the rest."""
     after: JointPlaces = ()
-    """Motions done first."""
+    """Motions that are done before this one."""
 
     def point(self, x: Vector) -> Vector:
         """The point to which X takes a point."""
@@ -39,7 +39,7 @@ class WantedMotion:
         return x
 
     def direction(self, v: Vector) -> Vector:
-        """A direction as X turns it."""
+        """A direction, turned by the motion."""
         for place in reversed(self.after):
             v = place.direction(v)
         v = times(self.R, v)
@@ -54,7 +54,7 @@ class WantedMotion:
         return WantedMotion(self.R, self.p, before, after)
 
     def inverse(self) -> WantedMotion:
-        """X⁻¹."""
+        """The opposite motion X⁻¹."""
         back = transposed(self.R)
         return WantedMotion(
             back,
@@ -74,7 +74,7 @@ class Recipe(ABC):
 
     @abstractmethod
     def ways(self, X: WantedMotion) -> list[PlacedBranch]:
-        """The branches."""
+        """Branches of the joints that bring the tip to a wanted motion."""
 
     @property
     @abstractmethod

@@ -153,8 +153,8 @@ class ThreeParallel(Recipe):
         return found
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar]:
-        """With joint 1 at x: from the height at which the axes are parallel to the plane of the
-        arm, and from the ring that two joints reach in it."""
+        """Squares of distances with joint 1 at x: from the height at which the axes are parallel to
+        the plane of the arm, and from the ring that two joints reach in it."""
         s2, s3, s4 = self.screws[1:4]
         l2, upper, fore = line(s2), off_axis(s2, s3.p), off_axis(s3, s4.p)
         found = []
@@ -234,5 +234,5 @@ class OneJointHeld(Recipe):
         return [((*p, *held), clear) for p, clear in self.rest.ways(X.without(last=held))]
 
     def ways(self, X: WantedMotion) -> list[PlacedBranch]:
-        """At zero."""
+        """Branches of the other joints, the held one at zero."""
         return self.at(X, 0.0)

@@ -96,7 +96,8 @@ class Branches:
         return self.recipe.reached(X)
 
     def gaps(self, R: Matrix, p: Vector, x: Scalar) -> list[Scalar] | None:
-        """See `Recipe.gaps`."""
+        """Squares of the distances of a frame's pose from what can be had with the deciding joint
+        at x; see `Recipe.gaps`."""
         return self.recipe.gaps(self.wanted(R, p), x)
 
     def _held_at(self, held: Scalar) -> Scalar:

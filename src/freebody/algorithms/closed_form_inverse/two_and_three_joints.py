@@ -57,7 +57,7 @@ class JointPair:
     length: float
 
     def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
-        """The places of both joints."""
+        """Branches of a pair of joints, each with the places of both."""
         l1, l2 = line(self.s1), line(self.s2)
         if self.s1.turning and self.s2.turning and parallel(self.s1.w, self.s2.w):
             chord = level(l1, p)

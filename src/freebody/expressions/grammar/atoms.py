@@ -11,9 +11,9 @@ from string import ascii_letters, digits
 from freebody.expressions.grammar.tables.characters import DOT, PRIME
 
 _DOTS = {"_dd": 2, "_d": 1}
-"""Endings of rates."""
+"""Endings of names of rates."""
 _PLACES = frozenset((*digits, *"ihk"))
-"""A link's number, or the letter that stands for one."""
+"""A link's number, or a letter that stands for such a number."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Atom:
 
     @property
     def figures(self) -> str:
-        """All figures of the index, "" where there are none."""
+        """All figures of the index, "" where it has none."""
         return "".join(c for part in self.index for c in part if c.isdigit())
 
     @property
@@ -96,6 +96,6 @@ def between(name: str) -> tuple[str, ...]:
 
 
 def numbered(name: str) -> tuple[str, str]:
-    """A name without the figures that it ends with, and these."""
+    """A name in two parts: without the figures at its end, and those figures."""
     stem = name.rstrip(digits)
     return stem, name[len(stem) :]

@@ -27,7 +27,7 @@ class Lexeme(NamedTuple):
     start: int
     end: int
     apart: bool = False
-    """Whether a blank stands before it."""
+    """Whether a blank stands before the lexeme."""
 
     @property
     def command(self) -> str:
@@ -102,7 +102,7 @@ class Lexemes(Sequence[Lexeme]):
 
     @cached_property
     def depths(self) -> list[int]:
-        """How many brackets are open in front of each lexeme, and behind the last; less than 0
+        """Number of brackets that are open in front of each lexeme, and behind the last; negative
         where more were closed."""
         return list(accumulate((_DEEPENING.get(x.text, 0) for x in self.items), initial=0))
 

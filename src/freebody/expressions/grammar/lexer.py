@@ -29,7 +29,7 @@ class WrittenFigures(NamedTuple):
 
     @property
     def digits(self) -> int:
-        """How many digits count: zeros in front do not."""
+        """Number of digits that count, which zeros in front do not."""
         return len(self.mantissa.replace(".", "").lstrip("0"))
 
 
@@ -48,12 +48,12 @@ class Token:
 
     @property
     def span(self) -> Span:
-        """The place in the text."""
+        """Place of the token in the text."""
         return self.start, self.end
 
     @property
     def deepens(self) -> int:
-        """How many brackets are open behind it more than before it: 1, 0 or -1."""
+        """Change of the number of open brackets by this token: 1, 0 or -1."""
         return _DEEPENING.get(self.kind, 0)
 
 

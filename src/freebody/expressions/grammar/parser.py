@@ -50,7 +50,7 @@ class Parser(ABC):
     # ------------------------------------------------------------ tokens
     @property
     def token(self) -> Token:
-        """The next token."""
+        """The token that is read next."""
         return self.tokens[self.at] if self.at < len(self.tokens) else self.stop
 
     def ahead(self, k: int) -> Token:
@@ -143,7 +143,7 @@ class Parser(ABC):
 
     # ------------------------------------------------------------ expressions
     def expression(self) -> Expression:
-        """A sum of terms."""
+        """Parse a sum of terms."""
         terms = [self._signed(self.product)]
         while self.is_operator("+", "-"):
             terms.append(self._signed(self.product))
@@ -196,7 +196,7 @@ class Parser(ABC):
         )
 
     def factor(self) -> Expression:
-        """A primary with its powers."""
+        """Parse a primary with its powers."""
         node = self.primary()
         while True:
             if self.token.kind == "power" or self.is_operator("^"):
@@ -217,7 +217,7 @@ class Parser(ABC):
         return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
-        """A number in radians, where ° stands behind it."""
+        """The operand that was read, in radians where a sign of degrees follows."""
         if self.token.kind != "degree":
             return node
         span = (node.span[0], self.take().end)
@@ -262,7 +262,7 @@ class Parser(ABC):
         self.fail_here("a term")
 
     def bracket(self) -> Expression:
-        """( … ), the node as wide as its brackets."""
+        """Parse ( … ); the node is as wide as its brackets."""
         token = self.take()
         self._deeper(token)
         node = self.expression()
@@ -283,7 +283,7 @@ class Parser(ABC):
             self.source.fail(f"more than {DEEPEST} brackets inside one another", token.span)
 
     def _nested_call(self) -> Expression:
-        """A function or fraction; both may hold others."""
+        """Parse a function or fraction, whose parts may hold further ones."""
         token = self.token
         self._deeper(token)
         node = self._fraction() if token.kind == "fraction" else self.call()

@@ -60,7 +60,7 @@ class Match:
 
     @property
     def span(self) -> tuple[int, int]:
-        """The place in the text."""
+        """Place of the match in the text."""
         at = self.lexemes[self.start].start if self.start < len(self.lexemes) else 0
         return at, self.lexemes[self.stop - 1].end if self.stop > self.start else at
 
@@ -98,7 +98,7 @@ class LexemePattern:
                 stop = max(match.stop, k + 1)
 
     def found_in(self, lexemes: Lexemes, start: int = 0, end: int | None = None) -> bool:
-        """Whether it describes something in a stretch."""
+        """Whether the pattern describes something in a stretch."""
         return next(self.all(lexemes, start, end), None) is not None
 
     def _candidates(self, lexemes: Lexemes, start: int, end: int) -> Iterator[int] | range:

@@ -12,7 +12,7 @@ from freebody.expressions.grammar.tables.spellings import LABEL, SPELLINGS
 
 
 class _SpellingRow:
-    """A row of the table."""
+    """A row of the table of spellings."""
 
     def __init__(self, find: str, put: str, remark: str = ""):
         self.pattern = LexemePattern(find)

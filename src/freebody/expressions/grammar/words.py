@@ -107,7 +107,7 @@ class _Speller:
 
     # ------------------------------------------------------------ units
     def _unit(self) -> bool:
-        """Read one more unit of a word, if there is one."""
+        """Read one more unit of a word, if the word goes on."""
         x, word = self._next, self.word
         if plain := letter(x):
             self._take()

@@ -228,5 +228,6 @@ def turned_by(caller: str, model: Model) -> Weights:
 
 
 def _sense(body: Body) -> int:
-    """1 of a body that turns anticlockwise, -1 clockwise, 0 of one that does not turn."""
+    """Sense of a turn: 1 of a body that turns anticlockwise, -1 clockwise, 0 of one that does not
+    turn."""
     return int(body.kind.turns and math.copysign(1, body.joint.axis[0]))

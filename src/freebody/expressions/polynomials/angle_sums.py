@@ -241,5 +241,5 @@ def _product(f: str, plus: _Multiples, minus: _Multiples, equal: bool) -> tuple[
 
 
 def _sorted(wave: TrigProduct) -> TrigProduct:
-    """Short arguments first."""
+    """Factors of a product in order, those with short arguments first."""
     return tuple(sorted(wave, key=lambda f: (len(f[1]), sum(abs(k) for _, k in f[1]), f[1], f[0])))

@@ -15,7 +15,7 @@ PolynomialRows = list[list[Trig]]
 
 
 def inner(a: Sequence[Trig], b: Sequence[Trig], s: Symbols) -> Trig:
-    """Σ a b."""
+    """Inner product Σ a b of two rows."""
     total = s.zero()
     for x, y in zip(a, b, strict=True):
         if not x.is_zero and not y.is_zero:
@@ -24,7 +24,7 @@ def inner(a: Sequence[Trig], b: Sequence[Trig], s: Symbols) -> Trig:
 
 
 def times(A: Sequence[Sequence[Trig]], B: Sequence[Sequence[Trig]], s: Symbols) -> list[list[Trig]]:
-    """A B."""
+    """Product A B of two matrices."""
     columns = list(zip(*B, strict=True))
     return [[inner(row, column, s) for column in columns] for row in A]
 

@@ -81,7 +81,7 @@ class Order:
 
     @cached_property
     def gravity(self) -> str:
-        """The name of gravity's magnitude, if it has one."""
+        """Name of gravity's magnitude; "" where it has no symbol."""
         size = self.symbols.model.gravity_size
         return size.name if isinstance(size, Parameter) else ""
 
@@ -126,7 +126,7 @@ class Order:
         return kind, int(digits[0]) if digits else 0, name not in self.symbols.coordinates, name
 
     def number(self, value: Fraction) -> Expression:
-        """A coefficient."""
+        """A polynomial's coefficient as an expression."""
         return ex.num(
             value,
             self.decimal

@@ -66,7 +66,7 @@ class TrigReader(QuantityReader):
         return 0.0 if number == 0.0 else Trig(self.ring, self.ring.constant(number), 0)
 
     def number(self, x: Fraction) -> Trig:
-        """An exact number."""
+        """An exact number as polynomial of the ring."""
         return Trig(self.ring, self.ring.constant(x), 0)
 
     def sin_cos(self, angle: Quantity) -> tuple[Scalar, Scalar]:
@@ -108,7 +108,7 @@ class Symbols(ByValue):
     euler: bool = False
     """Whether three angles stand for each quaternion."""
     formulas: Formulas = ()
-    """Parameters that are no symbols but given by others."""
+    """Parameters that are no symbols of the ring but polynomials in other parameters."""
     turned: tuple[tuple[int, ...], ...] | None = None
     """B of θ = B φ, where the joints' coordinates are θ and the symbols stand for φ."""
     quarters: tuple[int, ...] = ()
@@ -130,7 +130,7 @@ class Symbols(ByValue):
 
     @cached_property
     def tree(self) -> Tree:
-        """The model over the ring."""
+        """The model in numbers over the ring."""
         return lower(self.model, self.reader)
 
     @property
@@ -183,7 +183,7 @@ class Symbols(ByValue):
         return [self.ring[x + ending] for x in self.coordinates]
 
     def of_joints(self, values: Sequence[Trig]) -> tuple[Trig, ...]:
-        """B φ."""
+        """Values along the joints' coordinates from those along φ: B φ."""
         rows = self.turned
         return tuple(values) if rows is None else tuple(self._sum(row, values) for row in rows)
 
@@ -204,7 +204,7 @@ class Symbols(ByValue):
         return moving | {x + RATE: self.ring[x + SECOND] for x in self.coordinates}
 
     def zero(self) -> Trig:
-        """0 in the ring."""
+        """The polynomial 0 in the ring."""
         return Trig(self.ring, self.ring.constant(0), 0)
 
     def element(self, x: Scalar) -> Trig:

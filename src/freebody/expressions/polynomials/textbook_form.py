@@ -54,7 +54,7 @@ class Layout:
         return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
-        """A generator."""
+        """A generator as it is printed."""
         return sym(name)
 
     def form(self, x: Trig) -> Expression:
@@ -81,7 +81,7 @@ class Layout:
         return rows
 
     def _times_rates(self, groups: InertiaGroups, rates: SymbolPowers) -> Expression:
-        """number · (terms) · rates."""
+        """Expression number · (terms) · rates."""
         content = self.content(
             {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
         )
@@ -330,7 +330,7 @@ def _is_short(x: Fraction) -> bool:
 
 
 def _without(monomial: SymbolPowers, divisor: SymbolPowers) -> SymbolPowers:
-    """monomial / divisor."""
+    """Quotient of two monomials: monomial / divisor."""
     below = dict(divisor)
     return tuple((n, e - below.get(n, 0)) for n, e in monomial if e > below.get(n, 0))
 

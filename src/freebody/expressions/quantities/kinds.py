@@ -18,20 +18,21 @@ _EQUATION = "an equation between the robot's quantities"
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What is common to quantities such as all entries of the mass matrix."""
+    """Everything that is common to quantities of one kind, such as all entries of the mass
+    matrix."""
 
     name: str
-    """That of what the equations of motion have, M; else a word."""
+    """Name in the equations of motion, such as M; of other kinds a word."""
     words: str = ""
-    """What one of it is, with places for its indices and its joint."""
+    """Words for an entry, with places for its indices and its joint."""
     unit: Unit | OfJoints | None = None
-    """None where only its terms tell."""
+    """Unit of the quantity; None where only its terms tell."""
     key: str = ""
-    """What files of notations call it."""
+    """Name of the kind in files of notations."""
     letters: tuple[str, ...] = ()
-    """In answers, where no notation gives others."""
+    """Letters in answers, where no notation gives others."""
     printed: tuple[str, ...] = ()
-    """In derivations as they are made."""
+    """Letters in derivations as they are made."""
     usual: str = ""
     """The letter by which sentences name its entries."""
     shared: tuple[str, ...] = ()
@@ -42,7 +43,7 @@ class Kind:
     """Whose equations contain it: in those of bodies g is a vector, in those of joints a
     generalized force."""
     tells: Literal["", "motion", "weight"] = ""
-    """What else counts in a line about a load: nothing, motion or weight."""
+    """Contents that a line about a load has besides: nothing, motion or weight."""
     dots: int = 0
     """How often it is a derivative."""
 
@@ -54,7 +55,7 @@ class Kind:
     by_rates: bool = False
     """Whether only its product with the rates is determined."""
     is_symmetric: bool = False
-    """Whether entries i, j and j, i are one."""
+    """Whether entries i, j and j, i are always equal."""
     has_own_sense: bool = False
     """Whether which of two senses it has is settled apart from quantities of other kinds."""
 
@@ -62,8 +63,8 @@ class Kind:
     holds_by_loops: bool = False
     """Whether only closed loops can make a line about it right."""
     of_loops: Literal["", "positions", "rates", "slopes"] = ""
-    """Of what loops are made of: their equations, the rates of these, and their slopes. Compared at
-    any positions; the rates at closed positions, with any rates."""
+    """Part of loops that the kind is: their equations, the rates of these, or their slopes.
+    Compared at any positions; the rates at closed positions, with any rates."""
     is_of_loop_equation: bool = False
     """Whether it has the sign of a loop equation, which is everybody's own."""
     may_be_still: bool = False
@@ -89,17 +90,17 @@ class Kind:
     is_posture: bool = False
     """Whether all its lines must be of one posture."""
     is_drive: bool = False
-    """Whether a drive exerts it."""
+    """Whether a drive exerts the torque."""
     is_reaction: bool = False
     """Whether it acts in a joint: it may be 0 by chance."""
     terms: tuple[str, ...] = ()
-    """Of what it is the sum, by the names that the equations of motion have."""
+    """Names of the quantities whose sum it is, as in the equations of motion."""
     is_load: bool = False
     """Whether it acts from outside."""
     is_given: bool = False
     """Whether a formula of the model or of its notation gives it."""
     is_coefficient: bool = False
-    """Whether other lines are written with it."""
+    """Whether other lines are written with the quantity."""
     has_legs: bool = False
     """Whether the loops give it in other ways, along other legs."""
     is_velocity_term: bool = False
@@ -107,15 +108,14 @@ class Kind:
     is_told_by_value: bool = False
     """Whether its value tells which of several quantities with one name is meant."""
     rates: tuple[Literal["some", "one", "none"], ...] = ()
-    """Of what shares a name with another quantity: which rates answers about it have, one in each
-    term, some or none."""
+    """Rates in answers, where two quantities share a name: one in each term, some or none."""
     has_rows_of_tip: bool = False
     """Whether its rows are those of the tip's velocity, of which the first suffice for a force."""
     has_velocity_terms: bool = False
     """Whether c_1 or V_1 may stand in it as a sum of velocity terms."""
 
     def titled(self, index: Sequence[int], joint: str) -> str:
-        """In words, of an entry."""
+        """Words for an entry with these indices."""
         return self.words.format(*index, joint=joint)
 
     def unit_of(self, turns: Sequence[bool]) -> Unit | None:
@@ -279,14 +279,15 @@ IDENTITY = Kind(
     has_velocity_terms=True,
 )  # fmt: skip
 LONG_EQUATION = Kind("long", _EQUATION, holds_by_loops=True, is_long=True)
-"""Of a closed chain, too long to be multiplied out: its sides are compared in numbers."""
+"""Kind of a closed chain's equation that is too long to be multiplied out: its sides are compared
+in numbers."""
 OWN = Kind("own")
 SINGULAR = Kind("singular", is_pose=True)
 
 LETTERED = (
     TORQUE, MASS, CORIOLIS, VELOCITY, GRAVITY, BIAS, JACOBIAN, KINETIC, POTENTIAL, LAGRANGIAN,
 )  # fmt: skip
-"""Those to which a notation may give letters."""
+"""Kinds to which a notation may give letters."""
 SHARED_LETTERS = frozenset(
     letter
     for kind in (MASS, VELOCITY, GRAVITY, ENERGY, BODY_KINETIC, LOAD)
@@ -296,4 +297,4 @@ SHARED_LETTERS = frozenset(
 USUAL_LETTERS = {kind.name: kind.letters for kind in LETTERED}
 """Letters that `check` reads where a notation gives none."""
 SUMS = {kind.name: kind.terms for kind in LETTERED if kind.terms}
-"""What is the sum of others, and of which."""
+"""Names of quantities that are sums, with the names of their terms."""

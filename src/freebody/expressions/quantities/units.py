@@ -4,7 +4,7 @@ texts."""
 from __future__ import annotations
 
 Unit = tuple[int, int, int]
-"""Powers of kg, m and s."""
+"""Exponents of kg, m and s in a unit."""
 
 NONE: Unit = (0, 0, 0)
 LENGTH: Unit = (0, 1, 0)
@@ -16,11 +16,11 @@ MASS: Unit = (1, 0, 0)
 INERTIA: Unit = (1, 2, 0)
 FORCE: Unit = (1, 1, -2)
 ENERGY: Unit = (1, 2, -2)
-"""Of a moment too."""
+"""Unit of energies, and of moments."""
 POWER: Unit = (1, 2, -3)
 MOMENTUM: Unit = (1, 1, -1)
 SPIN: Unit = (1, 2, -1)
-"""Of an angular momentum."""
+"""Unit of an angular momentum."""
 
 _TEXTS = {
     ENERGY: "N m", FORCE: "N", POWER: "W", RATE: "rad/s", SECOND: "rad/s²", NONE: "rad",
@@ -35,7 +35,7 @@ def si_text(unit: Unit, angular: bool = False) -> str:
 
 
 def unit_text(unit: Unit) -> str:
-    """kg m²/s²."""
+    """A unit as text: kg m²/s²."""
     high = {1: "", 2: "²", 3: "³", 4: "⁴", 5: "⁵", 6: "⁶"}
     letters = list(zip(("kg", "m", "s"), unit, strict=True))
     above = " ".join(f"{x}{high.get(e, f'^{e}')}" for x, e in letters if e > 0)

@@ -59,7 +59,7 @@ def in_parts(sentence: str, words: Callable[[str], str], name: Callable[[str], s
 
 
 def tex(name: str) -> str:
-    """For LaTeX's text mode."""
+    """A text escaped for LaTeX's text mode."""
     return "".join(map(_tex_letter, _LETTERS.findall(printable(name))))
 
 
@@ -70,22 +70,23 @@ def _tex_letter(letter: str) -> str:
 
 
 def tex_math(name: str) -> str:
-    r"""For its math mode: as it is where that is safe, else as \text."""
+    r"""A text for LaTeX's math mode: as it is where that is safe, else as \text."""
     return name if _PLAIN.fullmatch(name) else f"\\text{{{tex(name)}}}"
 
 
 def markdown(name: str) -> str:
-    """For Markdown, in a sentence or a table."""
+    """A text escaped for Markdown, in a sentence or a table."""
     return re.sub(r"([\\`*_{}\[\]()<>#+\-.!|$~&])", r"\\\1", printable(name))
 
 
 def web(name: str) -> str:
-    """For HTML."""
+    """A text escaped for HTML."""
     return html.escape(printable(name))
 
 
 def printable(name: str) -> str:
-    """For a terminal: characters that would steer it, or turn the line around, are shown as �."""
+    """A text for a terminal: characters that would steer it, or turn the line around, are shown as
+    �."""
     return "".join(c if c.isprintable() else "\ufffd" for c in name)
 
 

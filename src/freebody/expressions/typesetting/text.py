@@ -55,4 +55,4 @@ TEXT = Typesetter(
         column=("[{}]ᵀ", ", ", ""),
     )
 )
-"""Text for a terminal."""
+"""Notation of text for a terminal."""

@@ -92,18 +92,18 @@ class Notation:
     digits: Callable[[str], str] = str
     """A number's digits and sign."""
     ratio: Callable[[Fraction], str] = str
-    """A fraction of two numbers."""
+    """How a fraction of two numbers is set."""
     symbol: Callable[[Symbol, str], str]
     """A symbol, with an exponent as `exponent` gives it, or ""."""
     exponent: Callable[[int], str] = str
     gap: Callable[[Expression, Expression], str] = lambda before, after: " "
     """The text between two factors."""
     function: Callable[[str], str] = str
-    """A function's name."""
+    """How a function's name is set."""
     tight: Callable[[str], str] = str
     """An argument without the spaces around its signs."""
     words: Callable[[str], str] = str
-    """Upright words."""
+    """How words are set upright."""
     sourced: Callable[[str, str], str] = lambda source, term: term
     """A term by where it came from; it may be broken."""
     finished: Callable[[list[str]], list[str]] = list
@@ -113,7 +113,7 @@ class Notation:
     lead: str = "−"
     brackets: str = "({})"
     tall_brackets: str = "({})"
-    """Around what has a fraction in it."""
+    """Brackets around an expression that has a fraction in it."""
     cross: str = " × "
     dot: str = " · "
     equals: str = " = "
@@ -121,7 +121,7 @@ class Notation:
     colon: str = ": "
     """Behind the conditions under which something holds."""
     tenfold: str = "·"
-    """Between a decimal's digits and its power of ten."""
+    """Sign between a decimal's digits and its power of ten."""
     differentials: tuple[str, str] = ("d", "∂")
     transposed: str = "ᵀ"
     inverse_transposed: str = "⁻ᵀ"
@@ -131,7 +131,7 @@ class Notation:
     group: str = "{}"
     """Several pieces as one; where this is an element, no line is broken in it."""
     line: str = "{}"
-    """A whole formula."""
+    """Text around a whole formula."""
     width: Callable[[str], float] = len
     """About how wide a string is, in letters."""
     applied: str = "{} {}"
@@ -224,7 +224,7 @@ class Typesetter:
         return self(factor, CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT)
 
     def _call(self, node: Expression, bracket: bool = False) -> str:
-        """A function, or its power."""
+        """Set a function, or a power of one."""
         n, function = self.notation, node.base if isinstance(node, Power) else node
         assert isinstance(function, Function)
         argument = function.argument

@@ -287,7 +287,7 @@ def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
 
 
 def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
-    """A body and all that hangs on it."""
+    """A body with all that hangs on it."""
     below = [b for b in seen.pose.bodies if b.parent == first.index]
     return [first, *(b for child in below for b in _subtree(seen, child))]
 

@@ -78,7 +78,7 @@ def bars(body: BodyPlace, rod: bool = True) -> list[tuple[str, tuple[Array, Arra
 
 
 def sticks(pose: Skeleton) -> list[tuple[Array, Array]]:
-    """Ends of all bars."""
+    """Ends of all bars that stand for links."""
     return [ends for body in pose.bodies for _, ends in bars(body)]
 
 

@@ -25,13 +25,13 @@ from freebody.model.description import (
     Limits,
     Link,
     Loop,
-    Mimic,
     Mount,
     Notice,
     RobotDescription,
 )
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, shift
 from freebody.spatial import space
 

@@ -153,8 +153,8 @@ _CIRCULAR = object()
 
 @dataclass(frozen=True)
 class Expanded:
-    """What a xacro file stands for: the URDF's root, notices, and the macros that it defines, or
-    else those of its includes, each as `name(parameters)`."""
+    """Result of a xacro file: the URDF's root, notices, and the macros that it defines, or else
+    those of its includes, each as `name(parameters)`."""
 
     root: XmlElement
     notices: tuple[Notice, ...]
@@ -515,7 +515,7 @@ class _XacroExpansion:
         return joined
 
     def command(self, text: str, scope: Mapping[str, Any]) -> Any:
-        """The value of $(text)."""
+        """Value of a substitution $(…) whose inside is `text`."""
         name, _, rest = text.strip().partition(" ")
         if name == "eval":
             read = {"arg": XacroFunction(lambda of: _literal(self.arg(of)))}

@@ -26,7 +26,8 @@ _DEEPEST = 60  # nested parts of an expression
 
 
 class ExpressionError(Exception):
-    """What cannot be evaluated, told as a sentence without its place."""
+    """Raised for an expression that cannot be evaluated, with a sentence that does not name its
+    place."""
 
 
 @dataclass
@@ -132,7 +133,7 @@ GLOBALS: dict[str, Any] = {
     "math": Namespace(_MATH, "math"),
     "python": Namespace(_PYTHON, "python"),
 }
-"""What every expression may use, besides the properties and macro parameters of its file."""
+"""Names that every expression may use, besides the properties and macro parameters of its file."""
 
 _METHODS: dict[type, dict[str, Callable[..., Any]]] = {
     str: {

@@ -23,7 +23,7 @@ _UNITS = {
 
 
 def read_yaml(path: Path, evaluate: Callable[[str], Any]) -> Any:
-    """What a YAML file holds: dicts, lists, text and numbers. evaluate: the value of an expression
+    """Contents of a YAML file: dicts, lists, text and numbers. evaluate: the value of an expression
     behind a unit. Raises FileError for what cannot be read."""
     try:
         import yaml  # an extra

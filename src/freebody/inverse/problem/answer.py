@@ -16,7 +16,7 @@ from freebody.inverse.problem.workspace import Away, distances
 
 
 class Numbered(NamedTuple):
-    """Which of `count` targets some are (N,)."""
+    """Rows (N,) of some targets among `count`."""
 
     rows: np.ndarray
     count: int

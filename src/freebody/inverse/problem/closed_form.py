@@ -47,7 +47,7 @@ _ElbowWords = tuple[str, str]
 
 @dataclass(frozen=True, eq=False)
 class ClosedFormArm:
-    """All branches of a task."""
+    """An arm whose inverse kinematics has a closed form: its branches, task and words."""
 
     branches: Branches
     task: Task
@@ -56,7 +56,7 @@ class ClosedFormArm:
 
     @property
     def chain(self) -> ScrewChain:
-        """The joints as screws."""
+        """The arm's joints as screws."""
         return self.branches.chain
 
     @property
@@ -367,7 +367,7 @@ def _joined(parts: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
 
 
 def _cross(a: Array, b: Array) -> Array:
-    """a × b over the last axis."""
+    """Cross product a × b over the last axis."""
     a, b = np.broadcast_arrays(a, b)
     return np.asarray(np.cross(a, b), dtype=float)
 
@@ -378,5 +378,5 @@ def _across(w: Array, v: Array) -> Array:
 
 
 def _size(v: Array) -> Array:
-    """Length over the last axis."""
+    """Length of vectors along the last axis."""
     return np.sqrt(np.sum(v * v, axis=-1))

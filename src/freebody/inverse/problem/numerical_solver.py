@@ -57,12 +57,12 @@ class NumericalSolver:
 
     @cached_property
     def rates(self) -> Array:
-        """(nv,): the length for rates in m/s, 1 for angular ones."""
+        """Scales (nv,) of rates: the length for rates in m/s, 1 for angular ones."""
         return np.where(rates_of_lengths(self.model.tree), self.length, 1.0)
 
     @cached_property
     def scale(self) -> Array:
-        """(r,): what makes angles of the task's rows."""
+        """Factors (r,) that make angles of the task's rows."""
         angular = len(self.task.angular)
         return np.array([1.0 / self.length] * len(self.task.linear) + [1.0] * angular)
 
@@ -217,7 +217,7 @@ _Residual = Callable[[Array, np.ndarray], tuple[Array, Array]]
 """(x (k, n), rows (k,)) -> (e (k, m), E (k, m, nv)): residuals of problems, and what a step takes
 off them."""
 _Move = Callable[[Array, Array], Array]
-"""(x, step) -> the moved x."""
+"""Function (x, step) -> the moved x."""
 
 
 def descend(

@@ -75,9 +75,9 @@ class Found:
     the method, and notes."""
 
     q: Array
-    """(N, k, nq)."""
+    """Positions (N, k, nq) that were found."""
     miss: Array
-    """(N, k), by forward kinematics."""
+    """Distances (N, k) from the targets, by forward kinematics."""
     names: BranchNames | np.ndarray
     """Names of the branches (N, k), or the function that finds them from solutions (…, nq)."""
     method: str
@@ -120,7 +120,7 @@ def _widened(x: np.ndarray, k: int) -> np.ndarray:
 
 
 def nothing(problem: InverseProblem, method: str) -> Found:
-    """Solutions of no targets."""
+    """Solutions of a problem without targets."""
     return found_in_turn([], None, problem.solver.model.nq, method, [])
 
 

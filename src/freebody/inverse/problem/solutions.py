@@ -60,7 +60,7 @@ class Solutions(Tabled, ByValue):
 
     @classmethod
     def lazily_named(cls, names: BranchNames, **fields: Any) -> Solutions:
-        """With all fields but the branches' names, which are found when they are asked for."""
+        """Solutions from all fields but the branches' names, which are found on first access."""
         made = object.__new__(cls)
         vars(made).update(fields, _names=names)
         for name in ("q", "residual", "within_limits", "distance"):
@@ -232,7 +232,8 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
 
 
 def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndarray:
-    """Which of positions q (N, k, nq) that are there (N, k) are none before them, to `apart`."""
+    """Flags of the positions q (N, k, nq), among those that are there (N, k), that are none before
+    them, to `apart`."""
     turn = _TURN * turning_coordinates(model)
 
     def alike(rows: np.ndarray, first: np.ndarray) -> np.ndarray:
@@ -246,8 +247,8 @@ def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndar
 def each_once(
     there: np.ndarray, alike: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """Which of those that are there (N, k) are none before them; alike: rows (M,), one of each (M,)
-    -> which others are as that one (M, k)."""
+    """Flags of the solutions that are there (N, k) and none before them; alike: rows (M,), one of
+    each (M,) -> which others are as that one (M, k)."""
     kept, left = np.zeros(there.shape, dtype=bool), there.copy()
     while len(rows := np.flatnonzero(left.any(axis=1))):
         first = np.argmax(left[rows], axis=1)

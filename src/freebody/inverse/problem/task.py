@@ -26,7 +26,7 @@ class Task:
 
     @property
     def linear(self) -> tuple[int, ...]:
-        """The rows of position."""
+        """Rows of the task that are positions."""
         return tuple(r for r in self.rows if r < self.dim)
 
     @property
@@ -46,7 +46,7 @@ class Task:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the rows."""
+        """Names of the task's rows."""
         return tuple(row_names(self.dim)[r] for r in self.rows)
 
     def error(self, T: Array, target: Array) -> Array:

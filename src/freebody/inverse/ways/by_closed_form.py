@@ -102,7 +102,7 @@ def candidates(
 
 
 def notes(problem: InverseProblem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
-    """Which joints (n,) could stand anywhere, and which do not matter."""
+    """Notes on joints (n,) that could stand anywhere, and on those that do not matter."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
     found = [
@@ -207,7 +207,7 @@ class _Nearest:
         self.low, self.high = (float(bound[self.held]) for bound in problem.solver.bounds)
 
     def found(self) -> tuple[Array, Array]:
-        """(q (N, branches, nq), miss), sorted."""
+        """Solutions nearest to the reference, sorted: (q (N, branches, nq), miss)."""
         at, step = self._grid()
         N = len(self.problem.target)
         q, _, far = self._solved(np.broadcast_to(at, (N, len(at))))  # (N, G, branches)

@@ -28,7 +28,7 @@ from freebody.model.model import Model
 from freebody.trees.states import integrate, random_state
 
 _SHOWN = 8
-"""How many of infinitely many solutions are returned."""
+"""Number of solutions that are returned of infinitely many."""
 _CLOSED = 1e-11  # scaled loop equations of a solution
 _ROUNDING = 1e-14
 """Rest of the scaled equations at which Newton's steps have nothing to gain."""
@@ -113,7 +113,7 @@ class _Held:
 
     @property
     def solver(self) -> NumericalSolver:
-        """Frame and task."""
+        """Numerical solver with frame and task."""
         return self.problem.solver
 
     @cached_property
@@ -132,7 +132,7 @@ class _Held:
     def descend(
         self, target: Array, starts: Array, weight: float, iterations: int
     ) -> tuple[Array, Array]:
-        """(q, what is left) from starts (N, nq) to targets (N, …)."""
+        """Result (q, what is left) of descents from starts (N, nq) to targets (N, …)."""
         solver = self.solver
 
         def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
@@ -222,7 +222,7 @@ class _Held:
         return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
 
     def thinned(self, s: Verified) -> Verified:
-        """A few of infinitely many."""
+        """A few solutions of infinitely many."""
         kept: list[int] = []
         for row in range(len(s.q)):
             if len(kept) < _SHOWN and all(

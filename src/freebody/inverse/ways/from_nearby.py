@@ -46,7 +46,7 @@ Poses = Callable[[Array, np.ndarray], tuple[Array, Array]]
 _OneMember = Callable[[InverseProblem], Solutions]
 """Solver of a problem of one member."""
 _SolvedPiece = tuple[np.ndarray, Solutions]
-"""Rows of the batch, and what was found for them."""
+"""Rows of the batch, with what was found for their targets."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,8 @@ class Follow:
     def descended(
         self, solver: NumericalSolver, q: Array, target: Array, rows: np.ndarray
     ) -> Array:
-        """Where starts q (M, nq) come to, each of the target of a row."""
+        """Where the numerical solver leads from starts q (M, nq); `rows` tells the target of each
+        start."""
         task, k = solver.task, len(solver.task.linear)
         goal, iterations = 1e-3 * EXACT, 100
         if self.kernel is not None:
@@ -91,7 +92,7 @@ class NearbyForm:
 
     @property
     def method(self) -> str:
-        """Name of the method."""
+        """Name of the method, for results."""
         return f"{self.form.method}, of the arm nearby, and Levenberg–Marquardt from there"
 
 

@@ -10,7 +10,7 @@ from freebody.inverse.problem.solutions import ALIKE, APART, Verified, verified,
 from freebody.trees.states import random_state
 
 _SHOWN = 8
-"""How many of the infinitely many solutions of a redundant arm are returned."""
+"""Number of solutions that are returned of the infinitely many of a redundant arm."""
 _AT_ONCE = 1024
 """Targets side by side, which bounds the memory."""
 

@@ -1,4 +1,4 @@
-"""Energies and momentum."""
+"""Formulas of energies and momentum."""
 
 from __future__ import annotations
 

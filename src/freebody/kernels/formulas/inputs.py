@@ -64,8 +64,8 @@ INPUTS = {
     "integral": Input(("nv",), "what the observer remembers, at first M qd (kg m^2/s, kg m/s)"),
     "ko": Input(("nv",), "gains of the observer (1/s)", 1.0),
 }
-"""By name, all but the wrenches on frames, whose number a call says: wrench0, wrench1, …, which
-come last."""
+"""Inputs of formulas by name, all but the wrenches on frames, whose number a call says: wrench0,
+wrench1, …, which come last."""
 
 POSITIONS = tuple(name for name, given in INPUTS.items() if given.dims == ("nq",))
 """Inputs that are positions; a derivative by them is one along the rates."""

@@ -68,7 +68,7 @@ class Output(NamedTuple):
 
 
 def one(name: str, dims: Dimensions, meaning: str) -> dict[str, Output]:
-    """The outputs of a formula that has one."""
+    """Outputs of a formula that has a single one."""
     return {name: Output(dims, meaning)}
 
 
@@ -123,13 +123,13 @@ class Formula:
 
 
 def frame_of(o: Option) -> str:
-    """The option's frame."""
+    """Name of the frame that the option chooses."""
     assert o.frame is not None  # the public functions resolve the tip
     return o.frame
 
 
 def partition_of(o: Option) -> Partition:
-    """The option's partition."""
+    """Partition of the loops that the option chooses."""
     assert o.partition is not None  # `kernel` and the functions of closed chains choose it
     return o.partition
 
@@ -153,7 +153,7 @@ def still(tree: Tree) -> Vector:
 
 
 def seeded(values: Vector, rates: Vector) -> Vector:
-    """Values with one slope each."""
+    """Values, each with a slope."""
     return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))
 
 

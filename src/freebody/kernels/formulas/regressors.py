@@ -14,7 +14,7 @@ from freebody.spatial import Vector, neg, transposed
 def _forward_by_parameters(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector
 ) -> tuple[Any, ...]:
-    """∂q̈/∂π = -M⁻¹ Y."""
+    """Derivative of the acceleration by the parameters, ∂q̈/∂π = -M⁻¹ Y."""
     qdd = forward_dynamics(tree, q, qd, tau)
     factors = factor(tree, crba(tree, q))
     columns = transposed(regressor(tree, q, qd, qdd))

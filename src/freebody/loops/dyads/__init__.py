@@ -48,4 +48,4 @@ OF_ONE: dict[tuple[bool, str], OfOne] = {
 their order."""
 
 OF_TWO: tuple[OfTwo, ...] = (two_circles,)
-"""Tried in their order."""
+"""Constructions of two unknown joints, in the order in which they are tried."""

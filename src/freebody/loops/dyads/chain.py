@@ -76,7 +76,7 @@ class Posture:
 
     @cached_property
     def world(self) -> list:
-        """Poses of all bodies."""
+        """Poses of all bodies in the world."""
         return world_poses(self.tree, joint_poses(self.tree, tuple(np.moveaxis(self.q, -1, 0))))
 
     def point(self, frame: str | None) -> Complex:
@@ -92,7 +92,7 @@ class Posture:
         return np.asarray(np.angle(self._complex((R[0][0], R[1][0]))), dtype=float)
 
     def pivot(self, body: int) -> Complex:
-        """Where a joint is."""
+        """Place of a joint in the world."""
         return self._complex(self.world[body][1])
 
     def slide(self, crossing: Crossing) -> Complex:

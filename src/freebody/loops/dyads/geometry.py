@@ -20,12 +20,12 @@ _FLAT = 1e-6  # angles (rad) below which two branches count as one
 
 
 def along(e: Complex, v: Complex) -> Array:
-    """e · v."""
+    """Component of v along the direction e: e · v."""
     return np.asarray(np.real(np.conj(e) * v), dtype=float)
 
 
 def across(e: Complex, v: Complex) -> Array:
-    """e × v."""
+    """Component of v across the direction e: e × v."""
     return np.asarray(np.imag(np.conj(e) * v), dtype=float)
 
 

@@ -25,15 +25,15 @@ class ConstructionStep(ABC):
 
     chains: tuple[Chain, ...]
     crossings: tuple[Crossing, ...]
-    """The joints that it finds."""
+    """Joints that the construction finds."""
     names: tuple[str, ...] = ()
-    """Names of its points, as each kind needs them."""
+    """Names of the dyad's points, as each kind needs them."""
     ways: ClassVar[tuple[str, str]] = ("left", "right")
     """Words for the solutions with a positive and a negative label."""
 
     @property
     def chain(self) -> Chain:
-        """The chain, where it is one."""
+        """Chain of a construction that has a single one."""
         return self.chains[0]
 
     @property

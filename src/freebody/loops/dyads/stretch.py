@@ -11,7 +11,7 @@ from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
 class Stretch(ConstructionStep):
-    """Name: of the slide."""
+    """A chain whose slide closes it; named by the slide."""
 
     ways = ("forward", "backward")
 
@@ -24,7 +24,7 @@ class Stretch(ConstructionStep):
         return self._gap(at)[0] / self.chain.distance
 
     def _gap(self, at: Posture) -> tuple[Array, Array]:
-        """From the first end to the second, along the slide and across."""
+        """Components, along and across the slide, of the vector from first to second end."""
         start, end = (at.point(frame) for frame in self.chain.ends)
         e = at.slide(self.crossings[0])
         return along(e, end - start), across(e, end - start)

@@ -46,7 +46,7 @@ class Swing(ConstructionStep):
         return self.names[0], other, base, np.abs(leg - d), leg + d
 
     def _arms(self, at: Posture) -> tuple[Complex, Complex]:
-        """From the pin to both ends."""
+        """Vectors from the pin to both ends of the chain."""
         ((body, _),) = self.crossings
         near, far = (at.point(end) - at.pivot(body) for end in self.chain.ends)
         return near, far

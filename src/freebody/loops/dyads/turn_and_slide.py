@@ -43,8 +43,8 @@ class TurnAndSlide(ConstructionStep):
         return along(e, sliding) / np.maximum(np.abs(sliding), 1e-300)
 
     def _parts(self, at: Posture) -> tuple[Complex, Complex, Complex, bool]:
-        """From the pin: what is rigid, what slides, along which way; whether the slide lies behind
-        the pin."""
+        """Vectors from the pin: what is rigid, what slides, along which way; and whether the slide
+        lies behind the pin."""
         turn, slide = self.crossings
         o = at.pivot(turn[0])
         near, far = (at.point(end) - o for end in self.chain.ends)

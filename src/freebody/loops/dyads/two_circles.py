@@ -19,7 +19,7 @@ class TwoCircles(ConstructionStep):
     """Name: of what the slides carry."""
 
     signs: tuple[float, ...] = ()
-    """With which the slides move the second end of each chain against its first."""
+    """Signs with which the slides move the second end of each chain against its first."""
 
     def solve(self, at: Posture) -> list[Array]:
         one, two = self._gaps(at)

@@ -24,7 +24,7 @@ USUAL = tuple(law.name for law in LAWS.values() if law.usual)
 
 @dataclass(frozen=True)
 class ActingLaw:
-    """A law with its scalars."""
+    """A law of a drive with its scalars."""
 
     law: DriveLaw
     p: Vector
@@ -45,7 +45,8 @@ class DriveScalars:
 
     @property
     def inertia(self) -> Scalar:
-        """What the joint's second rate is multiplied by: reflected rotor inertia."""
+        """Inertia that the drive adds to its joint: reflected rotor inertia, which multiplies the
+        joint's second rate."""
         return inertia_of(self.laws)
 
     def torque(self, q: Vector, qd: Vector) -> Scalar:
@@ -111,7 +112,7 @@ class DriveScalars:
 
 
 def inertia_of(laws: Sequence[ActingLaw]) -> Scalar:
-    """What the second rate of a joint under these laws is multiplied by."""
+    """Inertia that laws add to their joint, which multiplies its second rate."""
     return _sum(x.law.inertia(x.p) for x in laws if x.law.inertia is not None)
 
 
@@ -149,7 +150,7 @@ def _acts(strength: Scalar) -> bool:
 
 
 def of_names(names: Sequence[str], scalars: Sequence[Scalar]) -> tuple[ActingLaw, ...]:
-    """Laws by name, with their scalars one after the other."""
+    """Laws by name, from their scalars one after the other."""
     rest = iter(scalars)
     laws = [LAWS[name] for name in names]
     return tuple(ActingLaw(law, tuple(islice(rest, law.size))) for law in laws)

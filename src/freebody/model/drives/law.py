@@ -51,7 +51,7 @@ class LawNumber:
 
     @property
     def place(self) -> tuple[str, str]:
-        """The table of a file, and the key in it."""
+        """Table of a file, and key in the table."""
         table, key = self.label.split(".")
         return table, key
 
@@ -131,7 +131,7 @@ class DriveLaw:
 
     @cached_property
     def size(self) -> int:
-        """The number of scalars."""
+        """Number of scalars of the law."""
         return len(self.scalars_of(lambda name: 1.0))
 
     @cached_property

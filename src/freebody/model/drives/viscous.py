@@ -1,4 +1,4 @@
-"""Viscous friction: d q̇."""
+"""Viscous friction, a torque d q̇ against the motion."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from freebody.spatial import AnySpace, Vector
 
 
 class Cylindrical(JointKind):
-    """Cylindrical."""
+    """Cylindrical joint: turns about its axis and slides along it."""
 
     name = "cylindrical"
     nq = nv = 2

@@ -8,7 +8,7 @@ from freebody.spatial import AnySpace, Vector
 
 
 class Fixed(JointKind):
-    """Fixed."""
+    """Fixed joint, which does not move."""
 
     name = "fixed"
     nq = nv = 0

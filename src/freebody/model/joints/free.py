@@ -11,7 +11,7 @@ from freebody.spatial import AnySpace, Matrix, Vector, add, identity, scale, sub
 
 
 class Floating(Primitive):
-    """Any motion of a rigid body."""
+    """Primitive of a free joint: any motion of a rigid body."""
 
     nq = 7
     nv = 6
@@ -58,7 +58,7 @@ _SLIDES = tuple((name, SLIDING, axis) for name, axis in zip("xyz", identity(3), 
 
 
 class Free(JointKind):
-    """Free."""
+    """Free joint of a floating base, with all motions of a body."""
 
     name = "free"
     nq = 7

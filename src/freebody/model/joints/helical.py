@@ -15,7 +15,7 @@ class Screwing(Primitive):
     """Rotation by q[0] (rad) about the axis, and translation by pitch times q[0] (m) along it."""
 
     advance: Scalar
-    """The pitch, m/rad."""
+    """Pitch of the screw, m/rad."""
     nq = nv = 1
     turns = slides = True
     words = JointWords("helical", "angle", "torque", "nut", "rad", "N m")

@@ -14,7 +14,7 @@ from freebody.elementary import Scalar
 from freebody.spatial import AnySpace, Matrix, Vector, add, sub
 
 Column = tuple[Vector, Vector]
-"""(angular, linear)."""
+"""Motion column (angular, linear)."""
 
 
 class JointWords(NamedTuple):
@@ -36,7 +36,7 @@ class Own(NamedTuple):
     """A number that belongs to joints of one kind, such as the pitch of a screw."""
 
     name: str
-    """In files, and behind the joint's in `fb.parameters`."""
+    """Name of the number in files, and behind the joint's in `fb.parameters`."""
     unit: str
     what: str
     """Meaning of the number: the lead of a screw."""
@@ -47,13 +47,13 @@ class Solid(NamedTuple):
 
     radius: float
     half: float
-    """Half of its length."""
+    """Half of the solid's length."""
     sides: int = 24
     """Number of sides; many of a cylinder."""
     moves: bool = True
     """Whether it goes with the body; else it stays where the joint begins."""
     along: str = "axis"
-    """Else x, y or z of the frame that it stays in."""
+    """Direction of the solid: "axis", or x, y or z of the frame that it stays in."""
 
 
 class Primitive(ABC):
@@ -77,7 +77,7 @@ class Primitive(ABC):
 
     @abstractmethod
     def columns(self, space: AnySpace, axis: Vector) -> tuple[Column, ...]:
-        """nv motion columns."""
+        """The joint's nv motion columns."""
 
     def position_rates(self, space: AnySpace, q: Vector, rates: Vector) -> Vector:
         """q̇ of the joint (nq scalars) when it moves with `rates` (nv scalars)."""
@@ -125,7 +125,7 @@ class JointKind(ABC):
     coordinate: ClassVar[str] = ""
     """Letter of a single coordinate in formulas, before the joint's number."""
     letter: ClassVar[str] = ""
-    """In planar words and DH tables."""
+    """Letter of the kind in planar words and DH tables."""
     axis_letter: ClassVar[str] = "z"
     """Letter of the unit vector along the axis, before the joint's number."""
     mark: ClassVar[str] = "joint"

@@ -25,7 +25,7 @@ SLIDING = Sliding()
 
 
 class Prismatic(JointKind):
-    """Prismatic."""
+    """Prismatic joint, which slides along its axis."""
 
     name = "prismatic"
     motion = Sliding

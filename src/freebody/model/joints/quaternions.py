@@ -18,7 +18,7 @@ _ARCTANGENT = tuple((-1) ** k / (2 * k + 1) for k in range(13))
 
 
 def product(a: Vector, b: Vector) -> Vector:
-    """a b."""
+    """Product a b of two quaternions."""
     (w, x, y, z), (W, X, Y, Z) = a, b
     return (
         w * W - x * X - y * Y - z * Z,
@@ -34,7 +34,7 @@ def conjugate(q: Vector) -> Vector:
 
 
 def unit(q: Vector) -> Vector:
-    """q divided by its length."""
+    """A quaternion divided by its length."""
     return scale(1.0 / sqrt(dot(q, q)), q)
 
 

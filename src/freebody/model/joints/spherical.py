@@ -53,7 +53,7 @@ YAW_PITCH_ROLL = (("yaw", TURNING, _Z), ("pitch", TURNING, _Y), ("roll", TURNING
 
 
 class Spherical(JointKind):
-    """Spherical."""
+    """Spherical joint, which turns about its centre in any way."""
 
     name = "spherical"
     nq = 4

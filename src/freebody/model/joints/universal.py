@@ -9,7 +9,7 @@ from freebody.spatial import AnySpace, Vector
 
 
 class Universal(JointKind):
-    """Universal."""
+    """Universal joint, which turns about two crossing axes."""
 
     name = "universal"
     nq = nv = 2

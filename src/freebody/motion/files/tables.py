@@ -28,7 +28,7 @@ class MotionTable(Protocol):
     """Columns by name: a dict, a DataFrame or a Dataset."""
 
     def items(self) -> Any:
-        """Name and column of each."""
+        """Pairs of name and column of the table."""
 
 
 def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion:

@@ -40,7 +40,7 @@ class PathSamples(NamedTuple):
 
     @property
     def q(self) -> Array:
-        """Positions (T, P, nv)."""
+        """Positions along the paths (T, P, nv)."""
         return self.orders[0]
 
     @property
@@ -58,7 +58,7 @@ class PathSamples(NamedTuple):
         return PathSamples(self.s[points], tuple(x[points] for x in self.orders))
 
     def only(self, paths: Flags) -> PathSamples:
-        """Samples of some paths."""
+        """The samples of the chosen paths alone."""
         return PathSamples(self.s[:, paths], tuple(x[:, paths] for x in self.orders))
 
 

@@ -229,7 +229,7 @@ def _from_rest(s: Array, count: int) -> Array:
 
 
 def _parts(count: int) -> tuple[slice, slice]:
-    """Slices of samples at `count` points and then between them."""
+    """Slices of an array that holds `count` points first and the intervals between them after."""
     return slice(count), slice(count, None)
 
 

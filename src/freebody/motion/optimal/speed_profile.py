@@ -55,7 +55,7 @@ class SpeedProfile(NamedTuple):
 
     @property
     def starts(self) -> Flags:
-        """(P,) whether the end can be reached from rest."""
+        """Flags (P,) of paths whose end can be reached from rest."""
         return ~(self.reachable[0, :, 0] > _CLOSE * self.reachable[0, :, 1])
 
 

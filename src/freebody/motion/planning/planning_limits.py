@@ -21,7 +21,7 @@ SLACK = 1e-9
 """Excess over a limit, as a part of it (or rad, m), that rounding makes of a motion planned along
 it."""
 SAME = 1e-12
-"""rad, m: waypoints nearer to each other are one."""
+"""Distance, rad or m, below which two waypoints count as one."""
 _LEAST, _MOST = 1e-9, 1e12
 """Smallest and largest limits that a robot can move under."""
 Limit = JointVector | float | None
@@ -32,7 +32,7 @@ class LimitExcess:
     """A limit that a motion does not keep, where it is farthest beyond."""
 
     name: str
-    """Name of the coordinate."""
+    """Name of the coordinate that exceeds its limit."""
     quantity: str
     """The limited quantity: "position", "velocity" or "acceleration"."""
     value: float
@@ -43,7 +43,7 @@ class LimitExcess:
 
     @property
     def text(self) -> str:
-        """The excess as a clause."""
+        """The excess as a clause of a sentence."""
         value, limit = compared(self.value, self.limit, digits=5)
         end = ""
         if self.quantity == "position":

@@ -279,8 +279,8 @@ PROFILES = {
 
 
 def _phases(phases: Sequence[tuple[float, float]], order: int) -> PiecewisePolynomial:
-    """From 0 at rest: (duration, derivative of that order) in turn, those of no duration left
-    out."""
+    """Curve that begins at 0 at rest and has in each phase (duration, constant derivative of that
+    order); phases of no duration are left out."""
     state = np.zeros(order)  # value, first derivative, …
     breaks, pieces = [0.0], []
     for duration, top in phases:

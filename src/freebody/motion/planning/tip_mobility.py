@@ -56,7 +56,7 @@ class TipMobility:
         return len(self.columns) - self.freedom
 
     def posture(self, q: Array) -> TipPosture:
-        """The posture at q (nq,)."""
+        """Posture of the arm at q (nq,)."""
         T, _ = self.solver.pose_and_jacobian(q)
         return TipPosture(self, q, self.solver.equations(q, T)[1][:, self.columns])
 

@@ -334,7 +334,7 @@ class _JointCurve:
     notices: tuple[str, ...]
 
     def motion(self, T: float, t: Array) -> Motion:
-        """From rest to rest in T s, at times t of these."""
+        """The motion along the path from rest to rest in T seconds, at times t."""
         s, sd, sdd = (x[:, None] for x in _way(self.path.length, T, t))
         curves = self.curve, self.curve.derivative(), self.curve.derivative(2)
         x, slope, bend = (curve(s[:, 0]) for curve in curves)
@@ -354,7 +354,7 @@ def _positions(found: Sequence[TipPosture]) -> Array:
 
 
 def _spline(marks: Array, ways: Array, x: Array) -> PiecewisePolynomial:
-    """Through x (N, n) at the ways (N,), of degree 5; the third derivative may jump at the
+    """Spline of degree 5 through x (N, n) at the ways (N,); the third derivative may jump at the
     marks."""
     stretches = np.split(ways[:-1], len(marks) - 1)
     # every way but those beside ends is a knot

@@ -39,7 +39,7 @@ class TipPath:
 
     @property
     def length(self) -> float:
-        """Length of the whole way."""
+        """Length of the whole path."""
         return float(self.marks[-1])
 
     def at(self, s: Array) -> Array:
@@ -51,7 +51,8 @@ class TipPath:
 
 @dataclass(frozen=True, eq=False)
 class _Leg:
-    """From one pose to the next: m and rad of each m of the way, the turn in the body's axes."""
+    """Straight motion from one pose to the next: m and rad of each m of the way, the turn in the
+    body's axes."""
 
     start: Array
     length: float

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.lanes import MotionLanes, Some
-from freebody.motion.simulation.steppers import LaneState, Rates
+from freebody.motion.simulation.one_step import LaneState, Rates
 
 _NEAR = 1e-14  # of the duration
 _TURNS = 200

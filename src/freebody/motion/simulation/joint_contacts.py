@@ -84,8 +84,8 @@ class JointContacts:
         return x <= self.lower, x >= self.upper
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
-        """Between which torques a coordinate at rest is held: friction resists both ways, a stop
-        pushes inward as much as it takes."""
+        """Lowest and highest torque that hold a coordinate at rest: friction resists both ways, a
+        stop pushes inward as much as it takes."""
         below, above = self.at_stops(q)
         return np.where(above, -np.inf, -self.grip), np.where(below, np.inf, self.grip)
 

@@ -24,7 +24,7 @@ class MotionLanes:
 
     @property
     def count(self) -> int:
-        """The number of lanes."""
+        """Number of lanes, one for each motion."""
         return prod(self.shape)
 
     def each(self, array: Array, core: int) -> Array:
@@ -149,7 +149,7 @@ class LawTorque:
         return LawTorque(law, each, cores)
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """The law's own inputs."""
+        """Inputs of the law besides time and state, for some lanes."""
         return tuple(some_of(x, core, lanes) for x, core in zip(self.more, self.cores, strict=True))
 
     in_turn = inputs

@@ -15,6 +15,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, warn
 from freebody.loops.equations import require_closed
 from freebody.model.families import member_at
+from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import (
     EXPLICIT,
     IMPLICIT,
@@ -32,7 +33,6 @@ from freebody.motion.simulation.first_order_system import (
 from freebody.motion.simulation.lanes import MotionLanes, some_of
 from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.schedules import Schedule, along_with, schedule, with_edges
-from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import CompiledTorque, one_lane
 from freebody.motion.simulation.unending import (
     GivenUp,

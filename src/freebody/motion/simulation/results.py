@@ -20,6 +20,7 @@ from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
+from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,
@@ -28,7 +29,6 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.simulation import Simulation
 from freebody.motion.simulation.torques import TorqueInput, drive_of
 from freebody.trees.special_joints import all_driven
 
@@ -145,7 +145,8 @@ class States:
 
 
 class RecordedQuantity(NamedTuple):
-    """Its dimensions besides batch and time, unit, words, and how it follows from the states."""
+    """A quantity that `simulate` can record: its dimensions, unit, words, and its function of the
+    states."""
 
     dims: tuple[str, ...]
     unit: str

@@ -90,7 +90,8 @@ def _begin_within(plan: Schedule, edges: Array) -> Callable[[int, Array, Array],
 
 
 def merged(times: Array, others: Array, near: float) -> Array:
-    """Increasing: times, and what lies between them of others, but for those that are near one."""
+    """Times in order: `times`, and the entries of `others` between them, except those closer than
+    `near` to one of `times`."""
     inside = others[(others > times[0]) & (others < times[-1])]
     k = np.searchsorted(times, inside)
     apart = np.minimum(inside - times[k - 1], times[k] - inside)

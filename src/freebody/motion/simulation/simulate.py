@@ -11,18 +11,7 @@ from numpy.typing import ArrayLike
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, sticking_friction
-from freebody.motion.simulation.driven_steps import STEP_METHODS
-from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
-from freebody.motion.simulation.joint_contacts import refuse_beyond
-from freebody.motion.simulation.one_by_one import one_by_one
-from freebody.motion.simulation.results import (
-    Simulated,
-    SimulationInterrupted,
-    SimulationStopped,
-    dataset,
-    recorded,
-)
-from freebody.motion.simulation.simulation import (
+from freebody.motion.simulation.arguments import (
     TOLERANCE,
     Progress,
     Simulation,
@@ -35,7 +24,18 @@ from freebody.motion.simulation.simulation import (
     simulation_of,
     times_of,
 )
-from freebody.motion.simulation.stepped import stepped
+from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
+from freebody.motion.simulation.joint_contacts import refuse_beyond
+from freebody.motion.simulation.one_by_one import one_by_one
+from freebody.motion.simulation.results import (
+    Simulated,
+    SimulationInterrupted,
+    SimulationStopped,
+    dataset,
+    recorded,
+)
+from freebody.motion.simulation.side_by_side import side_by_side
+from freebody.motion.simulation.step_kernels import STEP_METHODS
 from freebody.motion.simulation.torques import (
     CompiledTorque,
     TorqueArgument,
@@ -307,6 +307,6 @@ def _integrate(run: Simulation, method: str, result: Simulated) -> None:
         return
     by_steps = run.lanes.shape or run.contacts is not None
     if method in STEP_METHODS or (method == "auto" and by_steps):
-        stepped(run, method, result)
+        side_by_side(run, method, result)
     else:
         one_by_one(run, method, result)

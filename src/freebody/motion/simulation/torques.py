@@ -20,9 +20,9 @@ from freebody.labels import is_labelled, row_times
 from freebody.lazy import cached_property
 from freebody.model.families import member_at
 from freebody.model.model import Model
-from freebody.motion.simulation.driven_steps import STATE, law_inputs
 from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
 from freebody.motion.simulation.lanes import MotionLanes, some_of
+from freebody.motion.simulation.step_kernels import STATE, law_inputs
 from freebody.outputs.number_text import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel, compile_program

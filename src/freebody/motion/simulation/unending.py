@@ -17,10 +17,10 @@ from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.friction import smooth_friction
 from freebody.motion.ranges import angular
+from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import System, TorqueLaw, loads_over, system
 from freebody.motion.simulation.lanes import some_of
-from freebody.motion.simulation.simulation import Simulation
-from freebody.motion.simulation.steppers import Driving, LaneState
+from freebody.motion.simulation.one_step import Driving, LaneState
 from freebody.motion.simulation.torques import CompiledTorque, drive_of, one_lane
 
 MOST = 1e8

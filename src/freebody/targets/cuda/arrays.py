@@ -46,7 +46,7 @@ class DeviceView:
         )
 
     def overlaps(self, other: DeviceView) -> bool:
-        """Whether some bytes may be of both."""
+        """Whether some bytes may belong to both arrays."""
         (a, b), (c, d) = self.extent, other.extent
         return a < d and c < b
 

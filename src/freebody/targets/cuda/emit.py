@@ -95,7 +95,7 @@ class _Entry:
         self.table = instructions(lanes)
 
     def text(self, name: str) -> str:
-        """The definition."""
+        """Definition of the entry as text."""
         inputs, outputs = self.program.inputs, self.program.outputs
         parameters = [_parameters(k, a, "readonly ") for k, a in enumerate(inputs)]
         parameters += [_parameters(k, a) for k, a in enumerate(outputs, len(inputs))]

@@ -140,8 +140,8 @@ class GpuKernel(Kernel):
 
 
 class _Call:
-    """One call: where its arrays are, and its launches in their order on a stream of the current
-    GPU."""
+    """A call of a kernel: where its arrays are, and its launches in their order on a stream of the
+    current GPU."""
 
     def __init__(
         self, kernel: GpuKernel, batch: tuple[int, ...], device: int, handle: int, stream: Any

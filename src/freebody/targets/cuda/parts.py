@@ -200,18 +200,18 @@ def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> Pro
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
-    """For each result its output and its index there."""
+    """Output, and index in it, of each result."""
     return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
 
 
 def _by_columns(program: Program) -> Callable[[int], Any]:
-    """The order of results: output by output, its last axis slowest, as a derivative's is the
-    direction."""
+    """Sort key of results: by output, then by the last axis, which is a derivative's direction."""
     entries = _entries(program)
     return lambda i: (entries[i][0], entries[i][1][-1:], entries[i][1])
 
 
 def _by_directions(program: Program) -> Callable[[int], Any]:
-    """The last axis slowest, then the others from behind, then the outputs."""
+    """Sort key of results: by the last axis, then the axes before it from behind, then by
+    output."""
     entries = _entries(program)
     return lambda i: (entries[i][1][::-1], entries[i][0])

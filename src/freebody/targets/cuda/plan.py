@@ -38,12 +38,12 @@ class Plan:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all entries."""
+        """Names of all entries of the plan."""
         return tuple(self.entries)
 
     @property
     def text(self) -> str:
-        """All entries as PTX."""
+        """PTX text of all entries."""
         return ptx(emit(self.entries, self.dtype))
 
 

@@ -43,7 +43,7 @@ from freebody.targets.target import Target
 
 _NAME = "cpu"
 _LENGTH = 8
-"""Bytes of a length."""
+"""Number of bytes of a length."""
 
 
 class _QuickKernel(Kernel):

@@ -11,7 +11,7 @@ from freebody.targets.llvm.lanes import DOUBLE, Real, loaded
 
 _COUNT = 16  # offset in PyBytesObject of its length
 BYTES = 32
-"""Offset in PyBytesObject of what is in it."""
+"""Offset of the bytes in PyBytesObject."""
 
 PAIR = "qq"
 """The form in bytes of a place of unit length: an input, and the entry of it where its four numbers

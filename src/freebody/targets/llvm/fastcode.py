@@ -212,8 +212,8 @@ def _strides(argument: Argument, step: int) -> list[int]:
 
 
 def _named_out(outputs: int) -> list[str]:
-    """No keyword, or the one that is `out`: its value `%given`, and where the arrays in it stand,
-    `%outs`."""
+    """Code for a call without keywords, or with `out` alone: its value `%given`, and where the
+    arrays in it stand, `%outs`."""
     lines = [
         "counted:",
         "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
@@ -394,7 +394,7 @@ def _field(k: int, name: str, offset: int, kind: str) -> str:
 
 
 def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
-    """A new array for output k."""
+    """Code that makes a new array for output k."""
     return [
         f"  %new{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {axes}, "
         f"ptr {shape}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",

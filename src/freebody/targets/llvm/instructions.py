@@ -210,7 +210,7 @@ def _sum(x: LaneValue, y: LaneValue) -> tuple[LaneValue, LaneValue]:
 
 
 def _pair(b: Block, condition: LaneValue, x: Any, y: Any) -> tuple[LaneValue, LaneValue]:
-    """A choice between two numbers of two parts each."""
+    """A choice between two numbers that consist of two parts."""
     return b.where(condition, x[0], y[0]), b.where(condition, x[1], y[1])
 
 
@@ -272,8 +272,8 @@ INSTRUCTION = {
     "epsilon": "{r} = fadd {v} {epsilon}, zeroinitializer",
     CHOICE: "{r} = select {mask} {a}.c, {v} {b}, {v} {c}",
 } | {name: _call(name) for name in FUNCTIONS}
-"""Only contraction to fused multiply-add is allowed: other fast-math flags break range reduction
-and NaN."""
+"""Instructions by operation. Only contraction to fused multiply-add is allowed: other fast-math
+flags break range reduction and NaN."""
 
 
 def instructions(lanes: Lanes) -> dict[str, str]:

@@ -38,7 +38,7 @@ class Real:
 
     @property
     def size(self) -> int:
-        """Bytes."""
+        """Number of bytes of the type."""
         return self.bits // 8
 
     @property
@@ -61,7 +61,7 @@ class Real:
 DOUBLE = Real("double", "float64", 64, 53, 12, "<d")
 FLOAT = Real("float", "float32", 32, 24, 11, "<f")
 REALS = {real.dtype: real for real in (DOUBLE, FLOAT)}
-"""By the name that NumPy has for them."""
+"""Number types by NumPy's name."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Lanes:
 
     @property
     def v(self) -> str:
-        """Type of the vector."""
+        """LLVM's type of the vector."""
         return f"<{self.width} x {self.real.name}>"
 
     @property
@@ -93,7 +93,7 @@ class Lanes:
 
     @property
     def size(self) -> int:
-        """Bytes, and alignment."""
+        """Number of bytes of the vector, which is also its alignment."""
         return self.real.size * self.width
 
     def constant(self, value: float) -> str:
@@ -117,7 +117,7 @@ class OneLane(Lanes):
 
     @property
     def v(self) -> str:
-        """Type of the number."""
+        """LLVM's type of the number."""
         return self.real.name
 
     @property
@@ -127,7 +127,7 @@ class OneLane(Lanes):
 
     @property
     def mask(self) -> str:
-        """Type of a truth value."""
+        """LLVM's type of a truth value."""
         return "i1"
 
     @property

@@ -146,7 +146,7 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
 def _rounds(
     program: Program, lanes: Lanes, slots: int, tiles: int, checks: Mapping[int, int]
 ) -> list[str]:
-    """Until the last round is out."""
+    """Code of the loop over rounds of samples, until the last round is out."""
     samples = lanes.width * tiles
     inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
     outputs = list(enumerate(program.outputs, len(program.inputs)))

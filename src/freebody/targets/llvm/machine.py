@@ -24,7 +24,7 @@ from freebody.targets.llvm.lanes import DOUBLE, Lanes, Real
 
 WIDTHS = (2, 4, 8, 16)
 LONGEST_VECTOR = 512
-"""Bits."""
+"""Bits of the longest vectors that code is made for."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,8 @@ LEVELS = {
     "x86-64-v4": CpuLevel(True, "x86-64-v4", _V4),
     "armv8-a": CpuLevel(False, "generic", ()),
 }
-"""By name. x86: the System V ABI, AMD64 Architecture Processor Supplement, table 3.1."""
+"""Levels of CPUs by name. x86: the System V ABI, AMD64 Architecture Processor Supplement, table
+3.1."""
 
 
 def lacking(level: str) -> str:
@@ -157,7 +158,7 @@ def object_code(text: str, opt: int | None = None, here: Host | None = None) -> 
 
 
 def code_generator(opt: int = 2, jit: bool = False, here: Host | None = None) -> Any:
-    """LLVM's for the host, or a level of it."""
+    """LLVM's code generator for the host, or for a level of CPUs."""
     llvm, here = library(), here or host()
     return llvm.Target.from_triple(here.triple).create_target_machine(
         cpu=here.cpu, features=here.features, opt=opt, reloc="pic", codemodel="small", jit=jit

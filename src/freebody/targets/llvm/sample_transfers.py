@@ -59,7 +59,7 @@ def check_slots(program: Program, layout: SegmentedProgram) -> dict[int, int]:
 
 
 def integers(numbers: Sequence[int]) -> str:
-    """A constant array."""
+    """LLVM text of a constant array of integers."""
     return f"[{len(numbers)} x i64] [{', '.join(f'i64 {n}' for n in numbers)}]"
 
 

@@ -191,7 +191,7 @@ def repeated(
 
 @cache
 def _repeat() -> tuple[Any, Any]:
-    """(what keeps the code, the C function)."""
+    """Compiled loop as (what keeps the code, the C function)."""
     code, found = load([object_code(_TEXT)], ("repeat",), {})
     pointer, number = ctypes.c_void_p, ctypes.c_int64
     prototype = ctypes.CFUNCTYPE(None, pointer, pointer, number, pointer, number, pointer, number)

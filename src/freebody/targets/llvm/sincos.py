@@ -28,7 +28,7 @@ class _Series:
     half_pi: tuple[float, ...]
     """pi/2 in parts, for fused multiply-add."""
     to_integer: float
-    """After adding it, the low bits are the nearest integer."""
+    """Number after whose addition the low bits are the nearest integer."""
 
 
 _SERIES = {
@@ -158,7 +158,7 @@ class VectorCode:
         self.lines: list[str] = []
 
     def multiply_add(self, result: str, x: str, y: str, z: str) -> str:
-        """x y + z"""
+        """Instructions for x y + z, fused where the machine can."""
         v = self.lanes.v
         if self.fma:
             text = f"  {result} = call {v} @llvm.fma.{self.lanes.suffix}({v} {x}, {v} {y}, {v} {z})"

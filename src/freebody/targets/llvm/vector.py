@@ -68,7 +68,7 @@ class LaneValue:
         return self._with("shl", count)
 
     def __rshift__(self, count: int) -> LaneValue:
-        """Without regard to a sign."""
+        """Logical shift right: zeros enter at the top, whatever the sign."""
         return self._with("lshr", count)
 
     def __lt__(self, other: LaneValue | float) -> LaneValue:
@@ -91,7 +91,7 @@ class LaneValue:
 
     @property
     def bits(self) -> LaneValue:
-        """A real's 64 bits."""
+        """The 64 bits of a real, as an integer."""
         types = self.block.types
         return self.block.value("i", f"bitcast {types['v']} {self.name} to {types['i']}")
 
@@ -103,7 +103,7 @@ class LaneValue:
 
 
 class Block:
-    """The lines of one function."""
+    """Lines of LLVM text of one function."""
 
     def __init__(self, lanes: Lanes, fma: bool):
         self.lanes, self.fused = lanes, fma
@@ -124,7 +124,7 @@ class Block:
         return LaneValue(self, kind, constant)
 
     def fma(self, x: LaneValue, y: LaneValue | float, z: LaneValue | float) -> LaneValue:
-        """x y + z."""
+        """Fused multiply-add x y + z where the machine has it."""
         y, z = self.lifted(y, "v"), self.lifted(z, "v")
         if not self.fused:
             return x * y + z
@@ -147,7 +147,7 @@ class Block:
         return self.value("v", f"select {mask} {condition.name}, {v} {x.name}, {v} {y.name}")
 
     def absolute(self, x: LaneValue) -> LaneValue:
-        """|x|."""
+        """Absolute value of a real."""
         return (x.bits & (2**63 - 1)).real
 
     def signed(self, size: LaneValue, sign: LaneValue) -> LaneValue:
@@ -155,7 +155,7 @@ class Block:
         return ((sign.bits & -(2**63)) | size.bits).real
 
     def sqrt(self, x: LaneValue) -> LaneValue:
-        """The square root."""
+        """Square root of a real."""
         v = self.types["v"]
         return self.value("v", f"call {v} @llvm.sqrt.{self.lanes.suffix}({v} {x.name})")
 

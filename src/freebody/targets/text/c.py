@@ -227,7 +227,7 @@ def _dialect(unit: SourceUnit) -> _Dialect:
 
 
 def _emit_c(unit: SourceUnit) -> str:
-    """One file of C, complete."""
+    """A complete file of C."""
     return "\n".join([*_head(unit), "#include <math.h>", "", *_definitions(unit, _dialect(unit))])
 
 

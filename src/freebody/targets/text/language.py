@@ -123,7 +123,7 @@ class SelfTestSamples:
 
     @property
     def count(self) -> int:
-        """Number of samples."""
+        """Number of samples of the self-test."""
         return len(self.outputs[0])
 
 

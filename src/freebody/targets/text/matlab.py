@@ -110,7 +110,7 @@ def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
 
 
 def _array(row: np.ndarray, argument: Argument) -> str:
-    """One sample of an argument; MATLAB counts columns first."""
+    """Text of one sample of an argument; MATLAB counts columns first."""
     order = np.asarray(row).reshape(argument.shape or (1,)).ravel(order="F")
     return f"reshape([{', '.join(map(number, order.tolist()))}], {_sizes(argument)})"
 

@@ -74,7 +74,7 @@ class ProgramWords:
 
     @property
     def all(self) -> frozenset[str]:
-        """Every word."""
+        """All words that the program uses."""
         return frozenset((self.function, *self.inputs, *self.outputs))
 
 

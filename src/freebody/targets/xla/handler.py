@@ -126,7 +126,7 @@ def _sizes(lines: _TextLines, arguments: tuple[Argument, ...], inputs: int, real
 
 
 def _refused(lines: _TextLines) -> None:
-    """Return an error of XLA's."""
+    """Emit the return of an error of XLA's."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")
     lines.fill(kind, "%problem", message="@message")
@@ -146,7 +146,7 @@ class _TextLines(list[str]):
         return f"%{name}"
 
     def entry(self, name: str, base: str, index: int) -> str:
-        """Load a pointer, or a size, of an array of them."""
+        """Emit the load of one pointer or size from an array of them."""
         return self.field(name, "ptr", base, 8 * index)
 
     def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
@@ -167,7 +167,7 @@ class _TextLines(list[str]):
         return f"%{name}"
 
     def all(self, name: str, flags: list[str]) -> str:
-        """Whether all are true."""
+        """Emit the conjunction of flags."""
         known = "true"
         for k, flag in enumerate(flags):
             self.append(f"  %{name}.{k} = and i1 {known}, {flag}")
@@ -181,7 +181,8 @@ record; how many parts there are, how many of them in a row of the outer axis, s
 samples in a row."""
 
 _BASES = 56
-"""Then addresses of all arguments, bytes from sample to sample, and from row to row."""
+"""Offset in the record at which addresses of all arguments begin, then bytes from sample to sample,
+and from row to row."""
 
 _NUMBER, _SCHEDULE = "XLA_FFI_ThreadPool_NumThreads_Args", "XLA_FFI_ThreadPool_Schedule_Args"
 _MODES = 0x1F80
@@ -190,7 +191,7 @@ elsewhere."""
 
 
 def _size_of(arguments: int) -> int:
-    """Bytes of the record."""
+    """Number of bytes of the record of a call."""
     return _BASES + 24 * arguments
 
 
@@ -285,8 +286,8 @@ def _ask(lines: _TextLines) -> None:
 
 
 def _cut(lines: _TextLines) -> None:
-    """Into two parts a thread, so that one that is slow keeps the others less; of one thread a row
-    is a part."""
+    """Code that cuts the samples into two parts a thread, so that a slow thread delays the others
+    less; of one thread a row is a part."""
     lines += [
         "cut:",
         "  %threads.found = load i64, ptr %found, align 8",

@@ -188,7 +188,7 @@ def _partitioned(
         return compute(arrays, (outer, inner))
 
     def uncut(argument: Argument, placed: Any) -> Any:
-        """Along the batch as it lies, its vectors and matrices in one piece."""
+        """Sharding along the batch as it lies, with vectors and matrices in one piece."""
         spec = (*placed.sharding.spec, None, None)[:2]
         core = (None,) * len(argument.shape)
         return NamedSharding(placed.sharding.mesh, PartitionSpec(*spec, *core))

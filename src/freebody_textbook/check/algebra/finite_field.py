@@ -28,7 +28,7 @@ from freebody_textbook.closed_chains.linear import Ratio
 PRIME = 2**61 - 1
 
 SineAndCosine = tuple[int, int]
-"""(sin, cos) of an angle."""
+"""Sine and cosine of an angle, in the field."""
 
 
 def residue(value: Fraction | int) -> int:
@@ -73,7 +73,7 @@ class Point:
         return residue(value)
 
     def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
-        """The sum of two angles."""
+        """Sine and cosine of the sum of two angles."""
         return plus(a, b)
 
     def of(self, x: Value) -> int:
@@ -83,7 +83,7 @@ class Point:
         return sum(self.term(powers, c) for powers, c in x.terms()) % PRIME
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> int:
-        """The value of one term."""
+        """Value of one term at the point."""
         total = residue(coefficient)
         for name, exponent in powers.items():
             total = total * pow(self.generator(name), exponent, PRIME) % PRIME
@@ -160,7 +160,7 @@ class RealPoint(Point):
     values: Mapping[str, Any]
     turns: Mapping[str, Any]
     slack: float = 0.0
-    """By how much two numbers may differ."""
+    """Largest difference of two numbers that count as equal."""
 
     @classmethod
     def of_state(cls, ring: TrigRing, state: Mapping[str, float]) -> RealPoint:
@@ -264,7 +264,7 @@ class Workspace:
         return (self.value + slope * (value - self.values[node])) % PRIME
 
     def _above(self, parent: Expression, node: Expression, value: int) -> int:
-        """The value of a node if one of its parts had another one."""
+        """Value that `parent` would have if `node`, one of its parts, had `value`."""
         slope = self._slope(parent, node)
         if slope is not None:
             return self.values[parent] + slope * (value - self.values[node])
@@ -291,7 +291,7 @@ class Workspace:
 
 
 class _Nowhere(Point):
-    """No point: only what a tree is made of is asked for."""
+    """A point without values, for finding out only what a tree is made of."""
 
     def at(self, node: Expression, known: object = None) -> int:
         return 0

@@ -36,7 +36,7 @@ def _multiplied(a: Trig, b: Trig) -> Trig:
 
 
 def plus(a: Value, b: Value, times: Times = _multiplied) -> Value:
-    """The sum a + b."""
+    """Sum a + b of polynomials or quotients."""
     if isinstance(a, Trig) and isinstance(b, Trig):
         return a + b
     (p, q), (r, s) = pair(a), pair(b)
@@ -44,7 +44,7 @@ def plus(a: Value, b: Value, times: Times = _multiplied) -> Value:
 
 
 def times(a: Value, b: Value, product: Times = _multiplied) -> Value:
-    """The product a b."""
+    """Product a b of polynomials or quotients."""
     if isinstance(a, Trig) and isinstance(b, Trig):
         return product(a, b)
     (p, q), (r, s) = pair(a), pair(b)
@@ -52,12 +52,12 @@ def times(a: Value, b: Value, product: Times = _multiplied) -> Value:
 
 
 def negative(a: Value) -> Value:
-    """The opposite value -a."""
+    """Opposite -a of a polynomial or quotient."""
     return Ratio(-a.above, a.below) if isinstance(a, Ratio) else -a
 
 
 def inverted(a: Value) -> Value:
-    """1 / a, of what is not 0."""
+    """Inverse 1/a of a polynomial or quotient that is not 0."""
     above, below = pair(a)
     return over(below, above)
 

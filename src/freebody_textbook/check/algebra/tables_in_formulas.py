@@ -245,7 +245,7 @@ class _Tables:
         raise NoValue(f"{_size(_shape(base))} has no power {node.exponent} here", node)
 
     def _inverse(self, base: Matrix, span: Span) -> Matrix:
-        """The inverse by cofactors."""
+        """Inverse of a matrix by cofactors."""
         below, n = self._determinant(base.rows, span), range(len(base.rows))
 
         def entry(i: int, j: int) -> Expression:

@@ -43,7 +43,7 @@ _ABOUT_THE_JOINT = (
 
 
 class FormulaParameters(QuantityGroup):
-    """lc1, I1, … where formulas give them."""
+    """Parameters lc1, I1, … where formulas give them."""
 
     def single(self) -> Iterator[NamedTarget]:
         for name, value in self.setting.given.items():

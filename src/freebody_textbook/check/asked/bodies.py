@@ -206,7 +206,7 @@ class QuantitiesOfBodies(QuantityGroup):
         return self.element(lambda: dot(self._world(n)[row], self._bodies[n - 1][name]))
 
     def _inertia_in_world(self, n: int, i: int, j: int) -> Callable[[], Trig]:
-        """An entry of R I Rᵀ."""
+        """Entry of a body's inertia in world axes, R I Rᵀ."""
         R, of_body = self._world(n), self._bodies[n - 1]
         return self.element(lambda: dot(R[i], times(of_body[f"I{n}"], R[j])))
 

@@ -96,11 +96,11 @@ class EnergyQuantities(QuantityGroup):
         )
 
     def _rate(self, energy: Trig) -> Callable[[], Trig]:
-        """The rate of an energy."""
+        """Time derivative of an energy."""
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
     def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:
-        """An energy of a body with all that is fixed to it."""
+        """Energy of a body and all that is fixed to it."""
 
         s = self._setting
         return self.element(lambda: energy(Energies(s, s.motion), s.tree.body_of[body]))

@@ -36,7 +36,7 @@ _VECTORS = (
 _ALONE = {"omega": "pqr", "v": "uvw"}
 """Letters of their components."""
 _ANGLES = ("psi", "theta", "phi")
-"""Yaw, pitch and roll."""
+"""Names of yaw, pitch and roll."""
 
 
 def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:

@@ -138,7 +138,7 @@ class QuantityGroup:
         return lambda: over(*map(self.setting.element, sides()))
 
     def coordinate(self, name: str, k: int) -> AskedQuantity:
-        """An entry of q, q̇ or q̈."""
+        """Quantity that is an entry of q, q̇ or q̈."""
         return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def entry(self, name: str, *index: int) -> Callable[[], Trig]:

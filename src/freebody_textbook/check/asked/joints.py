@@ -138,7 +138,7 @@ class JointQuantities(QuantityGroup):
         return (*(letter + number for number in numbers for letter in letters), *along)
 
     def _rate_of_mass(self, i: int, j: int) -> AskedQuantity:
-        """An entry of Ṁ."""
+        """Quantity that is an entry of Ṁ."""
         entry, rates = self.entry("M", i, j), self.setting.symbols.rates
         words = f"entry {i}, {j} of the rate of the mass matrix"
         return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)

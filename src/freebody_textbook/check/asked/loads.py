@@ -35,13 +35,13 @@ _HAND = LexemePattern("!-%latin < a | o | s > ~_? ~{? ~%axis ~}? &? =")
 _VECTOR = LexemePattern(f"!-%latin < < F | f > < ~_? ~{{? {_POINT} ~}}? >? | W > %ends !~_")
 """A force without its components: in an answer with the Jacobian."""
 _FORCE = LexemePattern("!-%latin F %ends !~_")
-"""A force on a slide."""
+"""Pattern of the force on a slide."""
 _GIVEN = LexemePattern("%fresh < F | f > ~_? ~{? ~%axis? ~}? &< &? = >")
-"""A name of one's own."""
+"""Pattern of a name of the user's own for a force."""
 JOINT_FORCE = LexemePattern("< !-%latin f | %font { f } > ~_? ~{? < ~%digit | ~%low_digit >")
 """The force in a joint, f_12."""
 MOMENT = LexemePattern("!-%latin < M | n | N > ~_? ~{? ~%axis")
-"""A moment at the tip."""
+"""Pattern of a moment at the tip."""
 SPELT = {"f": ("f", "F", "fP", "FP", "fE", "FE", "fe", "Fe", "ftip", "Ftip"), "n": ("n", "M", "N")}
 VECTORS = tuple(name for name in SPELT["f"] if not name.endswith("tip"))
 
@@ -211,7 +211,7 @@ def held(
         return gravity() if has_weight else setting.zero
 
     def product(entry: str) -> Trig:
-        """J F or Jᵀ F."""
+        """Entry of J F or Jᵀ F."""
         total = setting.zero
         for name in names:
             k = setting.loads.index(name) + 1

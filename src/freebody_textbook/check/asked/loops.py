@@ -189,7 +189,7 @@ class ReducedQuantities(QuantityGroup):
 
     @cached_property
     def _drift(self) -> QuantityTable:
-        """γ: what q̈ is where ü = 0."""
+        """Drift γ, the accelerations q̈ where ü = 0."""
         return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
 
     def _drift_of(self, k: int) -> AskedQuantity:
@@ -207,7 +207,7 @@ class ReducedMass(QuantityGroup):
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether both are in it."""
+        """Whether the formulas have both M and H, the mass matrix in independent coordinates."""
         first = next(_H.all(formulas), None)
         return first is not None and _M.found_in(formulas, first.stop)
 
@@ -334,6 +334,6 @@ class LoopForceSystem(QuantityGroup):
         return {"A": A, "k": [[self._right(x, i)] for i, x in enumerate(system.right, 1)]}
 
     def _right(self, x: Trig, i: int) -> AskedQuantity:
-        """An entry of k."""
+        """Quantity that is an entry of k, the right side of A λ = k."""
         words = f"entry {i} of k, A λ = k"
         return AskedQuantity(kinds.OF_INDEPENDENT, (i,), self.element(lambda: x), words=words)

@@ -78,7 +78,7 @@ class ParallelQuantities(QuantityGroup):
 
     @cached_property
     def _tables(self) -> dict[str, QuantityTable]:
-        """J_a, J_b and J by name."""
+        """Quantities that are entries of J_a, J_b and J, by name of the matrix."""
         if self._found is None:
             return {}
         a, b = self._names
@@ -119,7 +119,7 @@ class ParallelQuantities(QuantityGroup):
         ]
 
     def _of_tip(self, i: int, k: int) -> AskedQuantity:
-        """An entry of J."""
+        """Quantity that is an entry of the Jacobian J of tip and drives."""
         assert self._found is not None
         x = self._found.J[i][k]
         value = self.quotient(lambda: (x.above, x.below))
@@ -154,7 +154,7 @@ class ParallelQuantities(QuantityGroup):
         return {**found, "v": tip}
 
     def _rate_of_tip(self, k: int, row: str) -> AskedQuantity:
-        """A rate of the tip."""
+        """Quantity that is a rate of the tip."""
         assert self._found is not None
         symbols = self.setting.equations.symbols
         J = Kinematics(symbols, self._found.frame).J[ROWS[symbols.model.dim].index(row)]

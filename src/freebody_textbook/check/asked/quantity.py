@@ -1,4 +1,4 @@
-"""One quantity that can be asked."""
+"""A quantity that can be asked, as a record."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ with these and the motion; "" of lines without such a force."""
 
 @dataclass(frozen=True)
 class AskedQuantity:
-    """One quantity: its kind, indices from 1, and how to compute the right value."""
+    """A quantity that can be asked: its kind, indices from 1, and how to compute the right
+    value."""
 
     kind: Kind
     index: tuple[int, ...]
@@ -56,7 +57,7 @@ class AskedQuantity:
 
     @property
     def title(self) -> str:
-        """The quantity in words."""
+        """Name of the quantity in words."""
         return self.words or self.kind.titled(self.index, self.joint)
 
 

@@ -32,11 +32,11 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
-from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier
+from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier, multipliers
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
-from freebody_textbook.derive import formulas_of, multipliers
 from freebody_textbook.equations.equations import Equations
+from freebody_textbook.given_parameters import formulas_of
 from freebody_textbook.methods.free_body_steps import XYZ
 from freebody_textbook.methods.whole_bodies import are_free, symbols_of_bodies, velocity_names
 
@@ -80,7 +80,7 @@ class RightEquations:
 
     @property
     def ring(self) -> TrigRing:
-        """The ring of answers."""
+        """Ring of the polynomials of answers."""
         return self.symbols.ring
 
     @cached_property
@@ -165,7 +165,7 @@ class RightEquations:
 
     @property
     def zero(self) -> Trig:
-        """The polynomial 0."""
+        """The polynomial 0 of the ring of answers."""
         return self.symbols.zero()
 
     def element(self, x: Trig) -> Trig:

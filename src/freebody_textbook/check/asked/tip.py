@@ -39,7 +39,7 @@ _MOTION = (
 
 
 class TipQuantities(QuantityGroup):
-    """x, y, r, J, J̇, det J."""
+    """Quantities of the tip: x, y, r, J, J̇, det J."""
 
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"J": "JP"}
 
@@ -117,7 +117,7 @@ class TipQuantities(QuantityGroup):
         return [[entry(i, j) for j in n] for i in n]
 
     def _entry(self, i: int, j: int) -> Callable[[], Trig]:
-        """An entry of J."""
+        """Value of an entry of the tip's Jacobian J."""
         assert self._tip is not None
         J = self._tip.J
         return self.element(lambda: self.setting.forces(J[i - 1])[j - 1])

@@ -20,7 +20,7 @@ from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
 from freebody_textbook.check.claims.formula_reader import all_right, entry_label
 from freebody_textbook.check.claims.own_definitions import OwnDefinitions
 from freebody_textbook.check.claims.unnamed_equations import UnnamedEquations
-from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import unit_of_quantity
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.reading.reading import power_behind, turn_behind
@@ -338,7 +338,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
 
 def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
-    """A name of the user's own, or an entry of it."""
+    """Quantity that is a name of the user's own, or an entry of such a name."""
     return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
 
 

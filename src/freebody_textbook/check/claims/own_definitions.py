@@ -21,7 +21,7 @@ from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, difference, generator, pair
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader
-from freebody_textbook.check.numbers.units import is_of_another_kind
+from freebody_textbook.check.numbers.units_of_symbols import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, refuse_itself, uses
 from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
@@ -39,7 +39,7 @@ _IN_NUMBERS = "by the forces on the body"
 
 
 class SolvedQuantities(FormulaReader):
-    """Reads lines solved for what moves."""
+    """Reader of lines that are solved for what moves."""
 
     def is_solved(self, line: AnswerLine) -> bool:
         """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an

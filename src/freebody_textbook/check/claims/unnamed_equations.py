@@ -112,7 +112,7 @@ class UnnamedEquations(FormulaReader):
         return [] if closing is None else [closing]
 
     def _of_torque(self, line: AnswerLine, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
-        """An equation solved for the one torque in it."""
+        """An equation that has one torque, solved for that torque."""
         if len(set(torques.values())) != 1:
             self.source.fail(
                 "neither side is one of the quantities that are checked",

@@ -9,7 +9,7 @@ FORMS: dict[str, DocumentForm] = {
     form.name: form
     for form in (plain.FORM, markdown.FORM, latex.FORM, notebook.FORM, python_code.FORM)
 }
-"""The forms by name."""
+"""Forms of documents by their names."""
 
 
 def form_of(file_name: str) -> DocumentForm:

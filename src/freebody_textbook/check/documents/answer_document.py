@@ -132,7 +132,7 @@ class Blanks:
             at = max(at, end)
 
     def inside(self, span: Span) -> str:
-        """The text of a stretch."""
+        """Text of a stretch of the document."""
         return "".join(self.characters[slice(*span)])
 
     def replace(

@@ -23,7 +23,7 @@ from freebody.outputs.number_text import shortest
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.asked_quantities import Targets
-from freebody_textbook.check.numbers.units import unit_of
+from freebody_textbook.check.numbers.units_of_symbols import unit_of
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.reading.reading import AnswerParser
 from freebody_textbook.check.reading.vocabulary import Vocabulary
@@ -56,7 +56,7 @@ class GivenValue:
 
 
 GivenState = Mapping[str, GivenValue]
-"""By the names of generators."""
+"""Values of a state by names of generators."""
 NO_STATE = word_set(
     "not except unless never near minus plus twice half delta δ cot sec csc exp log ln"
 )
@@ -65,7 +65,7 @@ _GivenItem = TypeVar("_GivenItem")
 
 
 def in_words(state: GivenState) -> str:
-    """θ₁ = 30°, θ̇₁ = 2 rad/s."""
+    """Text of a state: θ₁ = 30°, θ̇₁ = 2 rad/s."""
     return ", ".join(f"{sym(name)} = {_with_unit(x)}" for name, x in state.items())
 
 
@@ -284,7 +284,7 @@ class WrittenNumber:
     it."""
 
     span: Span
-    """The place of the number."""
+    """Place of the number in the text."""
     begun: int
     """The begin of its equation, of which the sides before have no unit and the same state."""
     said: Span

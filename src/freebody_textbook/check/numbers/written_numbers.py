@@ -24,7 +24,7 @@ from freebody_textbook.check.numbers.states import (
     WrittenNumber,
     WrittenNumbers,
 )
-from freebody_textbook.check.numbers.units import Unit, unit_of, unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.spelling.equation_marks import asked_marks, quantity_before
@@ -100,7 +100,7 @@ class _NumberSearch:
         self.source = AnswerText(self.text, document.written, document.parts)
         self.taken: list[Span] = []
         self.is_taken = bytearray(len(self.text))
-        """Flags of the characters that are in one of these."""
+        """Flags of the characters in stretches that are taken."""
         self.units: list[Span] = []
         self.standing: list[StandingState] = []
         self.heads: dict[int, tuple[WrittenUnit, Span]] = {}
@@ -108,7 +108,7 @@ class _NumberSearch:
 
     @property
     def lexemes(self) -> Lexemes:
-        """The lexemes of the text."""
+        """Lexemes of the text in which numbers are sought."""
         return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:

@@ -40,7 +40,7 @@ _TOGETHER = {
 }
 """Units written without blanks, and their parts: Nm, Nms, kgm."""
 UNITS = (*_KNOWN, *_SYNONYMS, *filter(None, _TOGETHER))
-"""Words that are units."""
+"""Words that stand for units."""
 _WORD = LexemePattern("< word:@unit_letters raised:~%two_or_three? !~%unit_goes_on | word:° >")
 _LONG_WORD = LexemePattern("word:@unit_letters")
 _POWER = LexemePattern(

@@ -43,7 +43,7 @@ _BETWEEN = LexemePattern(
 
 
 class AnswerLine(tuple[tuple[Token, ...], ...]):
-    """An equation by its sides."""
+    """An equation as the tokens of its sides."""
 
     @property
     def tokens(self) -> list[Token]:

@@ -28,7 +28,7 @@ _HIGHEST = 2
 
 
 class DerivativeParser(Parser):
-    """A parser of derivatives."""
+    """A parser of expressions with derivatives."""
 
     vocabulary: Vocabulary
     reader: PolynomialReader

@@ -177,7 +177,7 @@ def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
 
 
 def _stands_alone(lexemes: Lexemes, k: int, within: range) -> bool:
-    """Whether no letter is glued to one on either side."""
+    """Whether the letter at k has no letter or figure directly beside it."""
     behind = lexemes[k + 1] if k + 1 < within.stop else None
     glued = behind is not None and not behind.apart and behind.kind in ("letter", "digit", "low")
     before = lexemes[k - 1] if k > within.start and not lexemes[k].apart else None

@@ -117,8 +117,8 @@ class Vocabulary:
     def define(
         self, plain: str, meaning: Value | Expression, uses: tuple[AskedQuantity, ...] = ()
     ) -> None:
-        """A name of the user's own for a value, a vector or matrix, or an expression that is
-        compared in numbers, and the quantities that it is given by; it goes before all others."""
+        """Enter a name of the user's own, with its value, vector, matrix or expression, and the
+        quantities that define it; it takes precedence over all others."""
         self.uses[plain], self._known = uses, None
         if isinstance(meaning, Expression):
             self.symbols.pop(plain, None)

@@ -35,25 +35,25 @@ class Belief:
     """Whether the joint is taken for one that does not accelerate."""
     loops_act: bool = True
     gyroscopic: int = 1
-    """The factor of ω × I ω."""
+    """Factor of ω × I ω in Euler's equation."""
     spins_alone: bool = False
     """Whether the body's own joint alone makes up ω in I ω."""
     turns_alone: bool = False
     """Whether it alone makes up ω in ω × r."""
     coriolis: Fraction = Fraction(1)
-    """The factor of 2 ω × ḋ."""
+    """Factor of the Coriolis acceleration 2 ω × ḋ."""
 
 
 RIGHT = Belief()
 _RIGHTLY = (False, False, 1, 1)
 """The right answers to the questions of a belief that concern motions."""
 BodyKey = tuple[str, int]
-"""A letter and a body."""
+"""Letter of a vector and number of its body."""
 
 
 @dataclass(frozen=True)
 class BodyThere:
-    """One body; vectors are along the world's axes, the inertia along its own."""
+    """A body in a state; vectors are along the world's axes, the inertia along its own."""
 
     parent: int
     place: int
@@ -61,7 +61,7 @@ class BodyThere:
     turns: bool
     R: Matrix
     way: Vector
-    """The vector from the joint before to this one."""
+    """Vector from the joint before to the body's joint."""
     turn: Vector
     slide: Vector
     m: Any
@@ -70,7 +70,7 @@ class BodyThere:
     reach: Vector
     """The vector from the body's joint to the next one, or to the tip."""
     loops: tuple[Vector, Vector]
-    """Force and moment of the loops on it."""
+    """Force and moment of the loops on the body."""
 
 
 @dataclass(frozen=True)
@@ -202,7 +202,7 @@ class BodiesAtPoint:
         return self.s.tree.space.cross(w, r)
 
     def _whirled(self, w: tuple[Vector, Vector], r: Vector) -> Vector:
-        """ω̇ × r + ω × (ω × r)."""
+        """Acceleration of a point r away on a turning body: ω̇ × r + ω × (ω × r)."""
         return add(self._crossed(w[1], r), self._crossed(w[0], self._crossed(w[0], r)))
 
     def motions(self, state: State, of: Collection[int], belief: Belief) -> list[InertialMotion]:

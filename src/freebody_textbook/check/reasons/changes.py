@@ -53,7 +53,7 @@ def parts(factor: int | Fraction, *kinds: str) -> Change:
 
 
 def without_acceleration(x: Subject) -> Iterator[Changed]:
-    """Without the terms of one coordinate's acceleration."""
+    """Change: the terms of one coordinate's acceleration are left out."""
     for name in (c + SECOND for c in x.setting.symbols.coordinates if x.accelerates):
         yield {"name": sym(name)}, x.at({name: 0})
 
@@ -103,14 +103,14 @@ def _turning(x: Subject) -> set[str]:
 
 
 def degrees(x: Subject) -> Iterator[Changed]:
-    """A derivative by an angle in degrees, or a rate in them."""
+    """Change: angles or rates in degrees, so that a derivative has a factor π/180."""
     yield {}, x.value * x.point.number(PI / 180)
     yield {}, x.value * x.point.number(180 / PI)
 
 
 # ---------------------------------------------------------------- values
 def other_gravity(x: Subject) -> Iterator[Changed]:
-    """Gravity in the opposite direction."""
+    """Change: gravity in the opposite direction."""
     g = x.setting.order.gravity
     if g in x.names:
         yield {"energy": _weights(x)}, x.at({g: -x.point.values[g]})
@@ -139,13 +139,13 @@ class Without:
 
 
 def of_weights(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """The symbol of gravity."""
+    """Group with the symbol of gravity, which stands for all weights."""
     if setting.order.gravity:
         yield {}, {setting.order.gravity}
 
 
 def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """Mass and inertia of one body, or of it and all that it carries."""
+    """Groups with mass and inertia of one body, or of it and all that it carries."""
     model, inertial = setting.symbols.model, setting.order.inertial
     heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
     carried = {i: {i} for i in every}

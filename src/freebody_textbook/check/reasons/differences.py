@@ -65,7 +65,7 @@ class Difference:
 
     @property
     def names(self) -> set[str]:
-        """The symbols in it, those of its angles too."""
+        """Symbols in a term, those of its angles too."""
         monomial, wave = self.key
         return {x for x, _ in monomial} | {x for _, angle, _ in wave for x, _ in angle}
 
@@ -140,7 +140,7 @@ def printed(
 
 
 def polynomial(setting: RightEquations, key: ProductKey, value: Fraction) -> Trig:
-    """A term with its number."""
+    """Polynomial of one term with its coefficient."""
     monomial, wave = key
     x = setting.ring.polynomial([(dict(monomial), value)])
     for function, argument, exponent in wave:

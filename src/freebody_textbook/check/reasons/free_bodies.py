@@ -31,9 +31,9 @@ class FreeBelief:
     right."""
 
     gyroscopic: int = 1
-    """The factor of ω × I ω."""
+    """Factor of ω × I ω in Euler's equation."""
     transport: int = 1
-    """The factor of ω × v."""
+    """Factor of ω × v in Newton's equation."""
     weight: int = 1
     axes: Literal["body", "", "back"] = "body"
     """The rotation of forces: "body" as it must be, "" none, "back" by Rᵀ into the world."""
@@ -72,14 +72,14 @@ class FreeBodyMotion:
 
     @cached_property
     def body(self) -> FreeBody:
-        """The body as `fb.derive` tells of it."""
+        """The body as in derivations."""
         symbols = self.setting.symbols
         given = symbols.given or symbols.model
         return FreeBody(Setting(symbols), given, 0)
 
     @cached_property
     def angles(self) -> tuple[str, ...]:
-        """Yaw, pitch and roll."""
+        """Names of yaw, pitch and roll of the body."""
         return self.body.coordinates[_ANGLES]
 
     @cached_property
@@ -99,7 +99,7 @@ class FreeBodyMotion:
         return frozenset(thrusts_of(self.body.given))
 
     def pushed(self, belief: FreeBelief) -> dict[str, Value]:
-        """f and n by the thrusts."""
+        """Components of f and n as given by the thrusts."""
         s = self.body.s
         f = n = [self.setting.zero] * 3
         for name, frame in thrusts_of(self.body.given).items():

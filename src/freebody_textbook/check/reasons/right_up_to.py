@@ -87,7 +87,7 @@ def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> boo
 
 
 _AGREEING = 2
-"""Parts that tell a factor."""
+"""Number of parts that must agree to tell a factor."""
 
 
 def undriven_equation(
@@ -139,7 +139,7 @@ def _votes(setting: RightEquations, x: Trig, y: Trig) -> list[Fraction]:
 
 
 def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
-    """The number that a is times b, if it is one."""
+    """The number k where a = k b, if there is such a number."""
     ratio = Fraction(a.leading_coefficient) / Fraction(b.leading_coefficient)
     if (a - b * ratio).is_zero:
         yield ratio
@@ -147,7 +147,7 @@ def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
 
 Same = Callable[[Value, Value], bool]
 _Pair = tuple[Value, Value]
-"""An entry of the answer, and the right one."""
+"""An entry of the answer with its right value."""
 _NOTE = "Row {} is that of J_a ẋ + J_b θ̇ = 0 times a factor, in all of its entries."
 
 

@@ -34,7 +34,7 @@ Changed = tuple[Mapping[str, object], Any]
 
 @dataclass(frozen=True)
 class Component:
-    """One entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
+    """An entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
 
     key: BodyKey
     entry: int

@@ -72,7 +72,7 @@ class AdmissibleStates(StateValues):
         return replace(self, values=values)
 
     def chosen(self, which: AnyArray) -> AdmissibleStates:
-        """Some of the states."""
+        """The states at some places of the collection."""
         values = {name: x[which] for name, x in self.values.items()}
         return AdmissibleStates(values, self.parameters[which], self.branch[which])
 
@@ -417,7 +417,7 @@ class StateSampler:
 
     @cached_property
     def _any_rows(self) -> Rows:
-        """The equations that close loops."""
+        """Equations that close loops, as rows over all names."""
         return Rows(self.loops[0], self._names)
 
     @cached_property

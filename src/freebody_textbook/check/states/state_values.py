@@ -40,7 +40,7 @@ class Running:
 
     @staticmethod
     def exact(x: Any) -> Running:
-        """Numbers as they are."""
+        """Numbers without rounding errors so far, as running values."""
         return Running(x, np.abs(x))
 
     def __add__(self, other: Running) -> Running:
@@ -129,7 +129,7 @@ _FUNCTIONS: Mapping[str, tuple[Callable[[Running], Running], Callable[[Running],
     "arcsin": (_arcsin, lambda y: _HALF_TURN - y),
     "arctan": (_arctan, lambda y: y + _HALF_TURN),
 }
-"""By its name a function's value, and its second value by the first."""
+"""A function's value and its second value by the first, by name of the function."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,7 +186,7 @@ class StateValues:
 
     @property
     def count(self) -> int:
-        """The number of states."""
+        """Number of the states."""
         return len(next(iter(self.values.values())))
 
     @cached_property
@@ -262,7 +262,7 @@ class StateValues:
 
 
 def functions_of(node: Expression) -> list[Function]:
-    """The functions in a tree."""
+    """All functions that a tree contains."""
     return [x for x in nodes(node) if isinstance(x, Function)]
 
 

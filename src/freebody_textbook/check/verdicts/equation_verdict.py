@@ -1,5 +1,5 @@
-"""One equation of an answer against the right one: equal, or the simplest explanation of the
-difference."""
+"""Verdict on an equation of an answer against the right one: equal, or the simplest explanation of
+the difference."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.more_of_bodies import MOVES
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.units import can_be_a_level, misfit
+from freebody_textbook.check.numbers.units_of_symbols import can_be_a_level, misfit
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint

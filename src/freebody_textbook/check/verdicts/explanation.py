@@ -117,7 +117,7 @@ class Explanation:
 
     @cached_property
     def forward(self) -> Repairs:
-        """Changes of the answer."""
+        """Changes of the answer that may make it right."""
         return Repairs(self.setting, self.work, self.value, self._related)
 
     def _related(self, name: str) -> dict[str, Value]:
@@ -250,8 +250,8 @@ class _Changes(Explanation):
         return ()
 
     def simplest(self, has_cause: bool) -> list[Mistake]:
-        """One change or several that make it right; none where none is found, and where the cause
-        is known only a likely one."""
+        """The fewest changes that make the answer right; none where none is found, and where the
+        cause is known only a likely one."""
         single = self._single()
         if single is None:
             return [] if has_cause else self._several()

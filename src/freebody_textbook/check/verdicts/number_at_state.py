@@ -21,7 +21,7 @@ from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import GivenState, WrittenNumber
-from freebody_textbook.check.numbers.units import Unit, unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.states.completed_state import completed
@@ -36,7 +36,7 @@ _VAGUE = 0.05
 
 @dataclass(frozen=True)
 class NumberAtState:
-    """One claim in numbers, and the right number at its state."""
+    """A claim in numbers, and the right number at its state."""
 
     setting: RightEquations
     claim: Claim
@@ -89,7 +89,7 @@ class NumberAtState:
 
     @cached_property
     def yours(self) -> float:
-        """The answer, in SI units."""
+        """The answer's number in SI units."""
         return float(self._number.fraction) * self.factor
 
     @cached_property
@@ -105,7 +105,7 @@ class NumberAtState:
 
     @cached_property
     def _size(self) -> float:
-        """The sum of the sizes of the right number's terms."""
+        """Sum of the sizes of the right number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())

@@ -31,7 +31,7 @@ from freebody_textbook.check.numbers.states import (
     WrittenNumbers,
     in_words,
 )
-from freebody_textbook.check.numbers.units import unit_of_quantity
+from freebody_textbook.check.numbers.units_of_symbols import unit_of_quantity
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
 from freebody_textbook.check.reasons.misconceptions import explaining
@@ -48,7 +48,7 @@ Thought = tuple[str, Callable[[], float]]
 
 
 def reasons(number: NumberAtState, targets: Targets) -> list[str]:
-    """At most two sentences on what may have been thought, each of which alone makes the number
+    """Sentences, two at most, on what may have been thought, each of which alone makes the number
     right."""
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value

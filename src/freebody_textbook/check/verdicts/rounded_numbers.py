@@ -62,7 +62,7 @@ class Rounded:
 
     @cached_property
     def _kept(self) -> frozenset[str]:
-        """g, where the answer has it."""
+        """Symbols that stay symbols: g, where the answer has it."""
         g = self.setting.order.gravity
         return frozenset([g] if any(g in powers for powers, _ in self.yours.terms()) else [])
 
@@ -153,7 +153,7 @@ class Rounded:
         return found
 
     def _slack(self) -> dict[ProductKey, Fraction]:
-        """By how much each term in numbers changes when every number is half a unit off."""
+        """Change of each term in numbers when every number is half a unit off."""
         total: dict[ProductKey, Fraction] = {}
         for node, half in self._decimals.items():
             moved = replaced(self.node, {node: replace(node, value=node.value + half)})

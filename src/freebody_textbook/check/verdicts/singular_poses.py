@@ -151,7 +151,7 @@ def _coordinate(source: AnswerText, at: int, vocabulary: Vocabulary, targets: Ta
 
 
 def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
-    """The values and where they stand; ± for both."""
+    """Values with the stretches where they stand; ± gives both signs."""
     for match in _VALUE.all(pose.lexemes, *pose.captures["values"]):
         value = Fraction(match["number"] or match["above"] or 1)
         value = value * PI if "pi" in match or "below" in match else value

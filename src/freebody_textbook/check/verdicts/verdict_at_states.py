@@ -18,7 +18,7 @@ from freebody_textbook.check.algebra.finite_field import without_values
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
-from freebody_textbook.check.numbers.units import in_other_units
+from freebody_textbook.check.numbers.units_of_symbols import in_other_units
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.misconceptions import left_out
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
@@ -101,7 +101,7 @@ def _has_conditions(setting: RightEquations) -> bool:
 
 @dataclass(frozen=True)
 class _AtStates:
-    """One claim and the states at which it must hold."""
+    """A claim and the states at which it must hold."""
 
     judge: Judge
     claim: Claim

@@ -137,7 +137,7 @@ class Wording:
         return self.node(repair.new.factors[-1])
 
     def _reason(self, kind: str, old: Expression, new: Expression) -> str:
-        """Why, in half a sentence."""
+        """Half a sentence that says why a piece is wrong."""
         name = self._name(old)
         if name in self.setting.foreign:
             return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
@@ -323,7 +323,8 @@ def example_at(
     waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
 
     def is_told(name: str) -> bool:
-        """Multipliers only where the answer has them."""
+        """Whether an example tells a symbol's value: of multipliers only where the answer has
+        them."""
         of = written if name.startswith(MULTIPLIER) else [*written, *pair(right)]
         return name in waves or any(occurs(name, piece) for piece in of)
 

@@ -175,4 +175,4 @@ PATTERNS = {
     "listed": "@entry < , @entry >{1,9}",
     "force_number": "F _? < { %counted } | %counted | %low_digit >",
 }
-"""Parts of patterns."""
+"""Parts of patterns that have names."""

@@ -160,7 +160,7 @@ class _StepInputs:
 
     @property
     def inputs(self) -> tuple[Argument, ...]:
-        """All inputs, in their order."""
+        """All inputs of a step, in their order."""
         nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
         return (
             Argument("q", (self.model.nq,)),

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.lanes import Some
+from freebody.motion.simulation.one_step import KernelStepper, LaneState, Stepper
 from freebody.motion.simulation.results import Simulated
 from freebody.motion.simulation.schedules import merged
-from freebody.motion.simulation.steppers import KernelStepper, LaneState, Stepper
 from freebody.motion.simulation.unending import IN_A_ROW, MOST, GivenUp, Growth
 from freebody.targets.in_turn import Placed
 
@@ -84,7 +84,7 @@ class LaneMotions:
 
     @property
     def rows(self) -> int:
-        """The number of rows."""
+        """Number of rows of states."""
         return len(self.state[0])
 
     def kept(self, block: slice) -> list[Array]:
@@ -109,8 +109,8 @@ class Advance(Protocol):
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """From one edge to another: the states there, and those of the result on the way; NaN where
-        a motion cannot go on. Stops at times between them."""
+        """Move from one edge to another: the states there, and those of the result on the way; NaN
+        where a motion cannot go on. Stops at times between them."""
         ...
 
 
@@ -122,7 +122,8 @@ class SpanBySpan:
     through: Callable[[slice, LaneState, float, float], LaneState]
     stop: threading.Event
     block: int = 8192
-    """So that a step lasts long: threads wait for each other between two steps, for Python."""
+    """Number of lanes in a block, so large that a step lasts long: threads wait for each other
+    between two steps, for Python."""
 
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
@@ -192,7 +193,8 @@ class ControlledSteps:
     stop: threading.Event
     events: ContactEvents | None = None
     watch: Callable[[int, float, LaneState, float], None] | None = None
-    """Told now and then of a lane, a time, its state there, and the step it took."""
+    """Function that is told now and then of a lane, a time, its state there, and the step it
+    took."""
     order: int = 4
     given_up: dict[int, GivenUp] = field(default_factory=dict)
     """The last steps of motions that were given up, by lane."""

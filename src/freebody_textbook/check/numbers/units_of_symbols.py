@@ -69,9 +69,9 @@ def _unit_of_multiplier(loop: str) -> Unit:
 def in_other_units(
     setting: RightEquations, names: Sequence[str], conditions: Iterable[Trig], energy: Trig
 ) -> list[tuple[float, list[float]]]:
-    """By how much an energy and each of some symbols change in other units. What holds at a state
-    holds where all change alike; none where the units of the energy or of the state's conditions,
-    polynomials that vanish, are not known, as where numbers stand for lengths."""
+    """Factors by which an energy and each of some symbols change in other units. What holds at a
+    state holds where all change alike; none where the units of the energy or of the state's
+    conditions, polynomials that vanish, are not known, as where numbers stand for lengths."""
     known = _units_tell(setting, energy) and not setting.is_free_body
     if not known or not all(_has_one_unit(setting, x) for x in conditions):
         return []

@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.kernels.structural import Bound
-from freebody.motion.simulation.driven_steps import both_laws
+from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import System, TorqueLaw
 from freebody.motion.simulation.lanes import (
     HeldTorque,
@@ -24,7 +24,7 @@ from freebody.motion.simulation.lanes import (
     some_of,
     steady,
 )
-from freebody.motion.simulation.simulation import Simulation
+from freebody.motion.simulation.step_kernels import both_laws
 from freebody.motion.simulation.torques import CompiledTorque, batched, drive_of
 from freebody.targets import Kernel
 from freebody.targets.in_turn import Placed, in_turn
@@ -39,7 +39,7 @@ _SLICE = 400  # of what a thread is woken for: some 20 ms
 
 @dataclass(frozen=True, eq=False)
 class LaneKernel:
-    """A kernel of `driven_steps` with what a batch gives it: wrenches, and the model's numbers
+    """A kernel of `step_kernels` with what a batch gives it: wrenches, and the model's numbers
     (lanes, k) or (k,)."""
 
     kernel: Kernel
@@ -274,5 +274,5 @@ def _torque(run: Simulation) -> tuple[TorqueLaw, LaneTorque | None]:
 
 
 def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
-    """One row for all motions as it is, one for each in the shape of the batch."""
+    """Torques as they are where all motions have one row, else in the shape of the batch."""
     return tau if tau.ndim == 1 else tau.reshape(whole)

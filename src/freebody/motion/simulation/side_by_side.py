@@ -19,8 +19,8 @@ from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
 from freebody.motion.friction import without_laws
+from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.contact_events import ContactEvents
-from freebody.motion.simulation.driven_steps import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,
@@ -37,10 +37,7 @@ from freebody.motion.simulation.lanes import (
     some_of,
     steady,
 )
-from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.schedules import instants
-from freebody.motion.simulation.simulation import Simulation
-from freebody.motion.simulation.steppers import (
+from freebody.motion.simulation.one_step import (
     Driving,
     FunctionRates,
     FunctionStepper,
@@ -50,7 +47,10 @@ from freebody.motion.simulation.steppers import (
     Stepper,
     driving_of,
 )
-from freebody.motion.simulation.steps import (
+from freebody.motion.simulation.results import Simulated, SimulationStopped
+from freebody.motion.simulation.schedules import instants
+from freebody.motion.simulation.step_kernels import STEP_METHODS, driven_rates, driven_step
+from freebody.motion.simulation.step_sizes import (
     STAYING,
     Advance,
     CompiledSteps,
@@ -86,7 +86,7 @@ _Blocks = deque[tuple[int, slice]]
 """Blocks that are to be moved, and which they are."""
 
 
-def stepped(run: Simulation, method: str, result: Simulated) -> None:
+def side_by_side(run: Simulation, method: str, result: Simulated) -> None:
     """Fill in the motions; method: one of equal steps, or "auto"."""
     model, lanes = run.model, run.lanes
     if model.loops:
@@ -344,7 +344,7 @@ class _LaneRun:
     """Set where an interrupt ends the steps; `advance` looks at it too."""
 
     def run(self) -> None:
-        """Fill in the result."""
+        """Run all steps and fill in the result."""
         times, rows = self.motions.times, self.motions.rows
         starts = times.calls or (0,)
         ends = (*starts[1:], len(times.edges) - 1)
