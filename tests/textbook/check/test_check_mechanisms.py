@@ -36,6 +36,16 @@ RIGHT = [
     ("four_bar", r"\lambda^T\Phi_q\dot q = 0"),
     ("2R", "A = m2*l1\nC = lc2\nH12 = I2 + m2*lc2^2 + AC*cos(theta2)"),
     ("slider_crank", "n = l1*cos(theta1)/(l2*cos(theta1 + theta2))\nomega_2 = -n*dtheta1"),
+    # rates of any quantity, of robots with a parameter d too
+    ("four_bar", "τ1 θ̇1 = dT1/dt + dT2/dt + dT3/dt + dV1/dt + dV2/dt + dV3/dt"),
+    ("four_bar", "τ1 θ̇1 = Ṫ1 + Ṫ2 + Ṫ3 + V̇1 + V̇2 + V̇3"),
+    ("four_bar", "τ1 θ̇1 = d(T1 + T2 + T3 + V1 + V2 + V3)/dt"),
+    ("four_bar", "f01 + f21 + m1 g = m1 d v_c1/dt"),
+    ("slider_crank", "dT1/dt = (I1 + m1*lc1^2) dθ1/dt d²θ1/dt²"),
+    ("2R", r"\dot T_1 = (I_1 + m_1 l_{c1}^2)\dot\theta_1\frac{d^2\theta_1}{dt^2}"),
+    ("2R", "T1_dot = (I1 + m1 lc1²) θ̇1 ddθ1/dt²"),
+    ("2R", "dp1/dt = τ1 - dV/dθ1"),
+    ("2R", "diff(T_1, t) = (I1 + m1*lc1^2)*diff(theta1, t)*diff(theta1, (t, 2))"),
 ]  # fmt: skip
 
 
@@ -58,6 +68,10 @@ WRONG = [
     ("2R", "qd'*(Mdot - C)*qd = 0"),
     ("2R", "tau = M @ ddq + C @ dq - g"),
     ("2R", "A = m2*l1\nC = lc2\nH12 = I2 + m2*lc2^2 + 2AC*cos(theta2)"),
+    ("four_bar", "τ1 θ̇1 = dT1/dt + dT2/dt + dT3/dt + dV1/dt + dV2/dt - dV3/dt"),
+    ("four_bar", "dT1/dt = (I1 + m1 lc1²) θ̇1²"),
+    ("2R", "Ṫ1 = ½ (I1 + m1 lc1²) θ̇1 θ̈1"),
+    ("2R", "dp1/dt = τ1 + dV/dθ1"),
 ]  # fmt: skip
 
 
@@ -75,6 +89,10 @@ REFUSED = [
     ("2R", "x = l1*cos(theta1)' + l2*cos(theta1 + theta2)", "no vector or matrix"),
     ("2R", r"\theta_1 = \cot^{-1}(x/y)", "the inverse function of cot"),
     ("slider_crank", "cos(theta1 + theta2) = 0", "this tells a pose"),
+    ("2R", "d/dt(θ̈1) = 0", "nothing here tells how θ̈₁ changes in time"),
+    ("2R", "d/dt(τ1) = 0", "nothing here tells how θ̈₁ changes in time"),
+    ("four_bar", "d/dt(λ1 l1) = 0", "nothing here tells how λ₁ changes in time"),
+    ("four_bar", "T1 = 1/2 (I1 + m1 lc1^2) dθ1/dt²", "the time t does not occur"),
 ]
 
 

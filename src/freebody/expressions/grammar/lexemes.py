@@ -116,12 +116,18 @@ class Lexemes(Sequence[Lexeme]):
 
     def closing(self, k: int) -> int | None:
         """The brace that closes the one at k."""
-        depth = 0
-        for j in range(k, len(self.items)):
-            depth += {"{": 1, "}": -1}.get(self.items[j].text, 0)
-            if depth == 0:
-                return j
-        return None
+        return self._closings.get(k)
+
+    @cached_property
+    def _closings(self) -> dict[int, int]:
+        """Braces that are closed, and those that close them."""
+        found, opened = dict[int, int](), list[int]()
+        for k, x in enumerate(self.items):
+            if x.text == "{":
+                opened.append(k)
+            elif x.text == "}" and opened:
+                found[opened.pop()] = k
+        return found
 
 
 NOTHING = Lexemes(())

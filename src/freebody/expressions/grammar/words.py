@@ -7,7 +7,7 @@ before the letter, primes behind: ˙theta1, lc1, theta1'.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -252,6 +252,22 @@ def word_at(source: Source, at: int) -> Word | None:
             with suppress(UnreadableError):
                 source.words[at] = spell(source, at)
     return source.words[at]
+
+
+def dotted(source: Source) -> frozenset[str]:
+    """The plain spellings of the words in a text that have dots, as marks or in letters."""
+    found = words_in(source, range(len(source.lexemes)))
+    return frozenset(x for x in found if DOT in x or "dot" in x)
+
+
+def words_in(source: Source, within: range) -> Iterator[str]:
+    """The plain spellings of the words in a stretch."""
+    k = within.start
+    while k < within.stop:
+        word = word_at(source, k)
+        if word is not None:
+            yield word.plain
+        k = max(word.at if word else 0, k + 1)
 
 
 def spelt(name: str) -> str:

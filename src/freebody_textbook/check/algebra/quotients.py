@@ -62,6 +62,14 @@ def inverted(a: Value) -> Value:
     return over(below, above)
 
 
+def slope(x: Value, along: Callable[[Trig], Trig]) -> Value:
+    """The derivative of a value, of whose polynomials `along` gives it."""
+    if isinstance(x, Trig):
+        return along(x)
+    above, below = pair(x)
+    return over(along(above) * below - above * along(below), below * below)
+
+
 def difference(a: Value, b: Value) -> Trig:
     """The numerator of a - b: 0 where they are equal."""
     (p, q), (r, s) = pair(a), pair(b)
@@ -74,7 +82,7 @@ def put(x: Trig, images: Mapping[str, Value]) -> Value:
     for powers, coefficient in x.terms():
         rest = {name: k for name, k in powers.items() if name not in images}
         term: Value = x.ring.polynomial([(rest, coefficient)])
-        for name in powers.keys() & images.keys():
+        for name in (x for x in powers if x in images):
             for _ in range(powers[name]):
                 term = times(term, images[name])
         above, below = pair(term)

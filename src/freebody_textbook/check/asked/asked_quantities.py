@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 
+from freebody.expressions.grammar.atoms import numbered, spellings
 from freebody.expressions.grammar.lexemes import NOTHING, Lexemes
+from freebody.expressions.grammar.tables.characters import DOT
 from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import USUAL_LETTERS
@@ -35,6 +37,7 @@ from freebody_textbook.check.asked.parallel import ParallelQuantities
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.asked.tip import TipQuantities
+from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.methods.body_quantities import soft_names
 
 _ABOUT_THE_JOINT = (
@@ -102,6 +105,8 @@ class Targets:
     """Whether vectors are told in the axes of any body, {}^1v_2."""
     formulas: Lexemes = NOTHING
     """The formulas of the answer, which tell what it is about."""
+    dotted: frozenset[str] = frozenset()
+    """The words of the answer that have dots."""
 
     @cached_property
     def names(self) -> frozenset[str]:
@@ -130,7 +135,36 @@ class Targets:
 
     @cached_property
     def single(self) -> dict[str, AskedQuantity]:
-        """Quantities that are one polynomial."""
+        """Quantities that are one polynomial, and the rates of which the answer has names."""
+        return self._of_groups | {
+            name: target
+            for name, target in self._rates()
+            if name not in self._of_groups and name not in self.tables
+        }
+
+    def _rates(self) -> Iterator[tuple[str, AskedQuantity]]:
+        """The rates of quantities whose names have a dot in the answer, Ṫ1 and v̇_c2x."""
+        bare = [x.replace(DOT, "").replace("dot", "") for x in self.dotted]
+        for name, target in self._of_groups.items() if bare else ():
+            written = self._dotted(name) if any(name in x for x in bare) else ()
+            if not written or target.in_world is not None:  # rates there are those of vectors
+                continue
+            try:
+                rate = self.setting.rate(target.compute())
+            except AnswerError:  # it is not known how that changes
+                continue
+            asked = AskedQuantity(
+                kinds.DERIVATIVE, (), lambda x=rate: x, words=f"the rate of {target.title}"
+            )
+            yield from ((x, asked) for x in written)
+
+    def _dotted(self, name: str) -> list[str]:
+        """The spellings of a name with one dot that are in the answer."""
+        return [x for x in spellings(*numbered(name), 1) if any(x in y for y in self.dotted)]
+
+    @cached_property
+    def _of_groups(self) -> dict[str, AskedQuantity]:
+        """Quantities by the names that their groups give them."""
         found: dict[str, AskedQuantity] = {}
         for group in (*self._special, *self._groups):
             for names, target in group.single():
@@ -155,7 +189,7 @@ class Targets:
         """Vectors (one column) and matrices of quantities."""
         found: dict[str, QuantityTable] = {}
         for group in (*self._groups, *self._special):
-            found |= group.tables(self.single)
+            found |= group.tables(self._of_groups)
         return found
 
     @property

@@ -141,10 +141,10 @@ class AngularMomenta(QuantityGroup):
     def single(self) -> Iterator[NamedTarget]:
         if not self._is_known:
             return
-        told = {
+        told = dict.fromkeys(
             (x["letter"], x["point"].upper(), LOW.get(x["number"], x["number"]))
             for x in _NAMED.all(self.formulas)
-        }
+        )
         for letter, point, number in told:
             name = f"{letter}{point}{number}"
             if name in self.setting.ring.index or self._is_given(letter):

@@ -22,16 +22,18 @@ from freebody.expressions.polynomials.symbols import (
     symbols,
 )
 from freebody.expressions.polynomials.textbook_form import Layout
+from freebody.expressions.printed_names import sym
 from freebody.expressions.quantities.kinds import LOOP
 from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.model.number_names import catalogue
-from freebody.scalars.generators import waves_of
+from freebody.scalars.generators import generators_in, waves_of
 from freebody.scalars.trig import Trig, TrigRing
-from freebody_textbook.check.algebra.quotients import Value
+from freebody_textbook.check.algebra.quotients import Value, pair, slope
 from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
+from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier, multipliers
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
@@ -157,6 +159,27 @@ class RightEquations:
             slides = slides_of(symbols.model)
             return [symbols.element(float(k in slides)) for k in range(len(symbols.coordinates))]
         return list(Kinematics(symbols, symbols.model.frame().name).J["xy".index(load[-1])])
+
+    @cached_property
+    def rates(self) -> dict[str, Trig]:
+        """The rates of all that moves, of what only answers name too."""
+        ring = self.ring
+        pairs = [(x, x + RATE) for x in ring.names] + [(x + RATE, x + SECOND) for x in ring.names]
+        own = {x: ring[rate] for x, rate in pairs if {x, rate} <= ring.index.keys()}
+        return own | dict(self.symbols.rates)
+
+    def rate(self, x: Value) -> Value:
+        """The time derivative of a value; raises AnswerError where that is not known."""
+        for name in sorted(generators_in(*pair(x))):
+            changes = name in self._of_unknown_rate or atom(name).dots == 2
+            if (changes or is_multiplier(name)) and name not in self.rates:
+                raise AnswerError(f"nothing here tells how {sym(name)} changes in time")
+        return slope(x, lambda p: p.along(self.rates))
+
+    @cached_property
+    def _of_unknown_rate(self) -> frozenset[str]:
+        """The forces from outside."""
+        return frozenset(FORCES if self.is_free_body else self.loads)
 
     @property
     def joints(self) -> int:

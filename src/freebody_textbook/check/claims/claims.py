@@ -24,7 +24,7 @@ from freebody_textbook.check.numbers.written_numbers import taken_from
 from freebody_textbook.check.reading.answer_lines import AnswerLine, DocumentReader
 from freebody_textbook.check.reading.claim import Claim, refuse_circles
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.spelling.answer_text import AnswerError
+from freebody_textbook.check.spelling.answer_text import AnswerError, AnswerText
 from freebody_textbook.check.verdict import UnreadEquation
 from freebody_textbook.check.verdicts import singular_poses
 
@@ -59,7 +59,12 @@ def _names(
     )
     framed = "%frame" in formulas.places
     targets = Targets(
-        setting, bool(coefficients), notation.all_letters, framed=framed, formulas=formulas
+        setting,
+        bool(coefficients),
+        notation.all_letters,
+        framed=framed,
+        formulas=formulas,
+        dotted=words.dotted(AnswerText(document.formulas)),
     )
     vocabulary = Vocabulary(setting, targets.names, targets.alone)
     for name, value in setting.given.items():
@@ -98,8 +103,9 @@ def statements(
     reading = DocumentReader(document, vocabulary, targets.names)
     source = reading.source
     symbols = frozenset(vocabulary.symbols)
-    pending = set(_new_names(reading, vocabulary))
-    for name in pending:  # known as words; no line is read with one before it has its value
+    new = _new_names(reading, vocabulary)
+    pending = set(new)
+    for name in new:  # known as words; no line is read with one before it has its value
         vocabulary.define(name, setting.zero)
     lines = reading.lines()
     _refuse_none_or_too_many(lines, bool(reading.unread or poses))

@@ -167,9 +167,9 @@ class UnnamedEquations(FormulaReader):
         parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
         if any(x.is_derivative for x in parts):
             return False
-        inside = {
+        inside = dict.fromkeys(
             use.target for x in sides for use in uses(x, self.targets.single, self.vocabulary)
-        }
+        )
         kept = self.vocabulary
         try:
             self.replaced = {
@@ -178,7 +178,7 @@ class UnnamedEquations(FormulaReader):
             }
             self.vocabulary = kept.copy()
             for name, side in self.own_sides.items():
-                if inside.intersection(kept.uses[name]):
+                if not inside.keys().isdisjoint(kept.uses[name]):
                     self.define(name, self.parse(side), kept.uses[name])
             left, right = map(entries_of, map(self.parse, line))
             if len(left) != len(right):  # a vector may be equal to 0

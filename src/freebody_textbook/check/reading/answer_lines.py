@@ -178,7 +178,7 @@ class DocumentReader:
         of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
         left = _left_side(source, source.lexemes.between(*span))
         is_table = _TABLE.at(source.lexemes, left.stop) is not None
-        asked = (name for name in _names(source, left) if name in self.quantities)
+        asked = (name for name in words.words_in(source, left) if name in self.quantities)
         return any(is_table or name not in self.vocabulary.symbols for name in asked)
 
     # ------------------------------------------------------------ equations
@@ -248,7 +248,7 @@ class DocumentReader:
         if self.document.assigns:
             _, written = self._written(span)
             left = _left_side(written, range(len(written.lexemes)))
-            self.unread_names.update(_names(written, left))
+            self.unread_names.update(words.words_in(written, left))
         self.unread.append(
             UnreadEquation(first, source.where(first), text, reason.rstrip("."), asked)
         )
@@ -264,16 +264,6 @@ def _left_side(source: Source, within: range) -> range:
     """The lexemes in front of the first sign of equality in a stretch; none where there is none."""
     equals = next(_EQUALS.all(source.lexemes, within.start, within.stop), None)
     return range(within.start, equals.start if equals else within.start)
-
-
-def _names(source: Source, within: range) -> Iterator[str]:
-    """The plain spellings of the words in a stretch."""
-    k = within.start
-    while k < within.stop:
-        word = words.word_at(source, k)
-        if word is not None:
-            yield word.plain
-        k = max(word.at if word else 0, k + 1)
 
 
 def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:

@@ -10,18 +10,12 @@ from freebody.expressions.grammar.tables.characters import TOTAL
 from freebody.expressions.nodes import Expression, Matrix, Span
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
-from freebody_textbook.check.algebra.quotients import (
-    generator,
-    inverted,
-    negative,
-    pair,
-    plus,
-    times,
-)
+from freebody_textbook.check.algebra.quotients import Value, generator, inverted, slope, times
 from freebody_textbook.check.algebra.tables_in_formulas import worked_out
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.reading.claim import uses
 from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.spelling.answer_text import AnswerError
 
 _HIGHEST = 2
 """The order up to which derivatives are read."""
@@ -54,8 +48,8 @@ class DerivativeParser(Parser):
         names = self._variables(by)
         if not isinstance(of, Matrix) and len(names) == 1:
             total = first.text == TOTAL and names[0] in self.vocabulary.setting.symbols.rates
-            slope = self._along_motion if total else self._slope
-            return slope(of, names[0], span)
+            differentiated = self._along_motion if total else self._slope
+            return differentiated(of, names[0], span)
         slopes = self._slopes(of, names, span)
         return (
             slopes
@@ -73,10 +67,17 @@ class DerivativeParser(Parser):
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
         """The derivative of an expression without entries."""
-        value = self.reader.read(of)
-        rates = self.vocabulary.setting.symbols.rates
-        slope = value.along(rates) if by == "t" else value.derivative(by)
-        return Named(self.source[span], slope, is_derivative=True, span=span)
+        found = self._changed(self.reader.quotient(of), by, span)
+        return Named(self.source[span], found, is_derivative=True, span=span)
+
+    def _changed(self, x: Value, by: str, span: Span) -> Value:
+        """The derivative of a value by a variable, t for the time."""
+        if by == "t":
+            try:
+                return self.vocabulary.setting.rate(x)
+            except AnswerError as problem:
+                self.source.fail(problem.bare, span)
+        return slope(x, lambda p: p.derivative(by))
 
     def _along_motion(self, of: Expression, by: str, span: Span) -> Expression:
         """The derivative by a coordinate, all others following where the loops let one move freely,
@@ -87,10 +88,9 @@ class DerivativeParser(Parser):
         if len(setting.symbols.coordinates) - len(setting.system.loops.names) != 1:
             self.source.fail("several coordinates move freely: write ∂ or the rates", span)
         rates = setting.symbols.rates
-        above, below = pair(self.reader.quotient(of))
-        change = plus(times(above.along(rates), below), negative(times(above, below.along(rates))))
-        slope = times(change, inverted(times(times(below, below), rates[by])))
-        return Named(self.source[span], slope, is_derivative=True, span=span)
+        change = slope(self.reader.quotient(of), lambda p: p.along(rates))
+        found = times(change, inverted(rates[by]))
+        return Named(self.source[span], found, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:
         """The operand of a derivative: a bracket, another derivative or a name."""
@@ -117,7 +117,8 @@ class DerivativeParser(Parser):
     def derivative(self, token: Token) -> Expression:
         """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2)), diff(L, dtheta1)."""
         self.expect("open", "'('")
-        value = self.reader.read(self.expression())
+        start = self.token.start
+        value = self.reader.quotient(self.expression())
         order, by_time = 0, True
         while self.token.kind == "comma":
             self.take()
@@ -125,8 +126,7 @@ class DerivativeParser(Parser):
             by_time = by_time and by == "t"
             order += times
             for _ in range(times if order <= _HIGHEST else 0):
-                rates = self.vocabulary.setting.symbols.rates
-                value = value.along(rates) if by == "t" else value.derivative(by)
+                value = self._changed(value, by, self.since(start))
         span = (token.start, self.expect("close", "')'").end)
         if not 1 <= order <= _HIGHEST:
             self.source.fail("a derivative must be the first or second one", span)

@@ -125,7 +125,7 @@ def alike(setting: RightEquations, x: Trig, y: Trig) -> Value:
     )
     if votes.count(best) < _AGREEING:
         first, second = (parts(setting, side, setting.order.moving) for side in (x, y))
-        ratios = [over(first[k], second[k]) for k in first.keys() & second.keys()]
+        ratios = [over(first[k], second[k]) for k in first if k in second]
         for ratio in ratios:
             if sum(difference(ratio, other).is_zero for other in ratios) >= _AGREEING:
                 return times(y, ratio)
@@ -135,7 +135,7 @@ def alike(setting: RightEquations, x: Trig, y: Trig) -> Value:
 def _votes(setting: RightEquations, x: Trig, y: Trig) -> list[Fraction]:
     """The numbers that parts of x are times those of y."""
     first, second = parts(setting, x), parts(setting, y)
-    return [ratio for k in first.keys() & second.keys() for ratio in _ratio(first[k], second[k])]
+    return [ratio for k in first if k in second for ratio in _ratio(first[k], second[k])]
 
 
 def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:

@@ -124,7 +124,7 @@ class StateSampler:
         for name in self.setting.ring.names:
             if name not in values and function_of(name) != SIGN:
                 values[name] = np.full(count, chance.uniform(*_DRAWN))
-        fixed = {x for x in self.given if x not in self._names}
+        fixed = [x for x in self.given if x not in self._names]
         values |= {x: np.full(count, self.given[x]) for x in fixed}
         drawn = AdmissibleStates(values, np.full(count, k), np.arange(count))
         positions = self._positions(chance, drawn)

@@ -110,7 +110,9 @@ PATTERNS = {
     "subscript": "_ < @group | %name >",
     "symbol": "< %font { < %command | %latin{1,8} > } | %greek_command | %plain_letter >"
     " < @subscript | < ~%digit | ~%low_digit >{1,2} >?",
-    "typed": "%letter ~%letter{0,6} ~_? < ~%digit | ~%low_digit | ~P >{0,2}",
+    "typed": "%letter < ~%name | ~_ >{0,12} < ~@group >?",
+    "differentiable": "< @symbol | @typed >",
+    "within": "< ( %not_bracket{0,60} ) | %not_bracket >{1,120}",
     "aligning": "< \\notag | \\label | \\tag | eq >",
     "name_of_sympy": "%letter < ~%name | ~_ >{0,24}",
     "of_time": "( t )",

@@ -71,17 +71,21 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("!-%binding { of:< %command < @group | %command >? | %plain_letter > } index:@subscript",
      "$of $index"),
     # \\frac{d^2 \\theta_1}{dt^2}, \\frac{d}{dt} \\theta_1, d²θ1/dt².
-    ("%frac { @d @squared name:@symbol } @by_time", "\\ddot { $name }"),
-    ("%frac { @d name:@symbol } @by_time", "\\dot { $name }"),
+    ("%frac { @d @squared name:@differentiable } @by_time", "\\ddot { $name }"),
+    ("%frac { @d name:@differentiable } @by_time", "\\dot { $name }"),
+    ("%frac { @d ( of:@within ) } @by_time", "∂ / ∂ t ( $of )"),
     ("%frac { @d @squared } @by_time name:@symbol !< ~ %goes_on >", "\\ddot { $name }"),
     ("%frac { @d } @by_time name:@symbol !< ~ %goes_on >", "\\dot { $name }"),
-    ("%fresh d < ^ 2 | ² | 2 ~ &%letter > name:@typed / dt < ^? 2 | ² >? %ends", "d d $name"),
-    ("%fresh d name:@typed / dt < ^? 2 | ² >? %ends", "d $name"),
+    ("%fresh d < ^ 2 | ² | 2 ~ &%letter | ~d > name:@differentiable / dt < ^? 2 | ² > %ends",
+     "\\ddot { $name }"),
+    ("%fresh d ~d name:@typed / dt %ends !< ^ | ² >", "\\ddot { $name }"),
+    ("%fresh d name:@differentiable / dt %ends !< ^ | ² >", "\\dot { $name }"),
+    ("%fresh d ( of:@within ) / dt %ends !< ^ | ² >", "∂ / ∂ t ( $of )"),
     # Derivative(theta1(t), (t, 2)) = …, as SymPy prints it.
     ("%fresh < Derivative | diff > ( name:@name_of_sympy @of_time? ,"
-     " < t , < 2 | t > | ( t , 2 ) > ) &< &? = >", "d d $name"),
+     " < t , < 2 | t > | ( t , 2 ) > ) &< &? = >", "\\ddot { $name }"),
     ("%fresh < Derivative | diff > ( name:@name_of_sympy @of_time? , < t | ( t , 1 ) > ) &< &? = >",
-     "d $name"),
+     "\\dot { $name }"),
     # \\frac{\\partial L}{\\partial \\dot{\\theta}_1}.
     ("%frac { \\partial of:< @content{0,30} > } { \\partial by:< @content{1,40} > }",
      "∂ $of / ∂ $by"),
