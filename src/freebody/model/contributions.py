@@ -139,7 +139,11 @@ def _counted_laws(drive: Drive) -> tuple[str, ...]:
 
 
 def _scalars(drive: Drive) -> tuple[ActingLaw, ...]:
-    return kept(drive, "_scalars", every_law, lambda name: VALUES.quantity(getattr(drive, name)))
+    return kept(drive, "_scalars", _found_scalars, drive)
+
+
+def _found_scalars(drive: Drive) -> tuple[ActingLaw, ...]:
+    return every_law(lambda name: VALUES.quantity(getattr(drive, name)), drive.listed_laws)
 
 
 def drive_row(drive: Drive, names: tuple[str, ...]) -> Array:

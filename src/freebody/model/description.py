@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from freebody.errors import IncludedLine, ModelError, shown
-from freebody.lazy import Keeps
-from freebody.model.drives import LAWS, NUMBERS, LawNumber
+from freebody.lazy import Keeps, cached_property
+from freebody.model.drives import LAWS, NUMBERS, DriveLaw, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
 from freebody.model.mimics import Mimic
@@ -120,12 +120,16 @@ class Drive(_LawNumbers, Keeps):
         """The numbers without which the laws do not act, one a law."""
         return tuple(getattr(self, law.strength) for law in LAWS.values())
 
+    @cached_property
+    def listed_laws(self) -> list[DriveLaw]:
+        """The laws by which a joint is described: the usual ones, and all others that are
+        given."""
+        return [x for x in LAWS.values() if x.usual or _is_given(getattr(self, x.strength))]
+
     @property
     def listed(self) -> tuple[LawNumber, ...]:
-        """The numbers by which a joint is described: those of the usual laws, and of all others
-        that are given."""
-        laws = [x for x in LAWS.values() if x.usual or _is_given(getattr(self, x.strength))]
-        return tuple([number for law in laws for number in law.numbers])
+        """The numbers of these laws."""
+        return tuple([number for law in self.listed_laws for number in law.numbers])
 
     def fault(self) -> str | None:
         """Why no joint has this drive, or None; of a family, of the first member that has none."""

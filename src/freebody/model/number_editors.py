@@ -100,15 +100,17 @@ class PieceEntries:
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
         piece = get(model, self.path)
-        return {field: get(piece, (step,)) for field, step in self.steps.items()}
+        fields = self.steps if wanted is None else wanted
+        return {field: get(piece, (self.steps[field],)) for field in fields}
 
     def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
         return ((*self.path, self.steps[field]),)
 
     def write(self, model: Model, values: Fields) -> Model:
+        piece = get(model, self.path)
         for field, value in values.items():
-            model = put(model, (*self.path, self.steps[field]), value)
-        return model
+            piece = put(piece, (self.steps[field],), value)
+        return put(model, self.path, piece)
 
 
 @dataclass(frozen=True)

@@ -192,10 +192,15 @@ def _joint(
     if body.kind.nv != 1:
         return
     (turns,) = body.kind.angular
-    for number in joint.drive.listed:
-        place, name = (*path, "joint", "drive"), (joint.name, *number.place)
-        what, unit = f"{number.what} {of}", number.unit_of(turns)
-        yield _entry(place, number.name, name, "joint", unit, what, "drive")
+    place, listed = (*path, "joint", "drive"), joint.drive.listed
+    drive = PieceEntries(place, {number.name: number.name for number in listed})
+    for number in listed:
+        name, what = (joint.name, *number.place), f"{number.what} {of}"
+        unit = number.unit_of(turns)
+        yield (
+            ModelNumber(name, "joint", drive, number.name, unit, what, "drive"),
+            (*place, number.name),
+        )
     for attribute, unit in _LIMITS[turns].items():
         name, what = (joint.name, "limits", attribute), f"{attribute} limit {of}"
         yield _entry((*path, "joint", "limits"), attribute, name, "joint", unit, what, "limit")

@@ -4,6 +4,7 @@ arithmetic as in `contributions`, so to the last bit."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from itertools import chain, compress
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -16,8 +17,8 @@ from freebody.model.contributions import (
     linear_row,
     pose_part,
 )
-from freebody.model.drives import NUMBERS
-from freebody.model.drives.acting import USUAL, ActingLaw, counted, every_law
+from freebody.model.drives import DriveLaw
+from freebody.model.drives.acting import USUAL
 from freebody.model.inertia import in_shape
 from freebody.model.piece_paths import PiecePath
 from freebody.model.placement import Placement, Shift
@@ -193,29 +194,33 @@ class NumberRows:
     def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
         """Row of a drive's numbers; without slots in the structure where no drive of the model
         acts."""
-        names = counted_laws(drive)
-        slots = {
-            number.name: self._slot((*path, number.name), getattr(drive, number.name))
-            for number in drive.listed
-        }
-        self.positive.update(slot for name, slot in slots.items() if NUMBERS[name].refused)
-        kept, present = names or USUAL, at.stop > at.start
-        idle = dict.fromkeys(NUMBERS, 0.0)
+        laws, names, present = drive.listed_laws, counted_laws(drive), at.stop > at.start
+        own = [
+            [self._slot((*path, x.name), getattr(drive, x.name)) for x in law.numbers]
+            for law in laws
+        ]
+        for law, slots in zip(laws, own, strict=True):
+            self.positive.update(compress(slots, [x.refused is not None for x in law.numbers]))
+        strengths = [slots[0] for slots in own]
+        kept, usual = names or USUAL, sum(law.usual for law in laws)
+        each = [_scalars(law, s) for law, s in zip(laws, own, strict=True) if law.name in kept]
 
-        def found(values: SlotValues) -> tuple[ActingLaw, ...]:
-            return every_law((idle | {name: values[k] for name, k in slots.items()}).__getitem__)
+        def counting(values: SlotValues) -> tuple[bool, list[bool]]:
+            acting = [values[slot] != 0.0 for slot in strengths]
+            return True in acting, acting[usual:]
 
-        def row(laws: tuple[ActingLaw, ...]) -> tuple[float, ...]:
-            return tuple([scalar for x in laws if x.law.name in kept for scalar in x.p])
+        def row(values: SlotValues) -> tuple[float, ...]:
+            return tuple(chain.from_iterable([scalars(values) for scalars in each]))
+
+        counted = counting(self.values)
 
         def entries(values: SlotValues, _: list[Vector]) -> Any:
-            laws = found(values)
-            if tuple([x.law.name for x in counted(laws)]) != names:
+            if counting(values) != counted:
                 return None
-            return row(laws) if present else ()
+            return row(values) if present else ()
 
-        now = row(found(self.values))
-        return NumberRow(at, (RowPart(frozenset(slots.values()), entries, now),))
+        slots = frozenset(chain.from_iterable(own))
+        return NumberRow(at, (RowPart(slots, entries, row(self.values)),))
 
     def _gravity(self, start: int) -> NumberRow:
         model = self._model
@@ -233,3 +238,10 @@ class NumberRows:
 
         part = RowPart(frozenset((slot,)), entries, tuple(now.tolist()))
         return NumberRow(slice(start, start + len(now)), (part,))
+
+
+def _scalars(law: DriveLaw, slots: list[int]) -> TakeSlots:
+    """The scalars of a law, given the number in each slot."""
+    take = itemgetter(*slots) if len(slots) > 1 else lambda values: (values[slots[0]],)
+    scalars = law.scalars
+    return take if scalars is None else lambda values: scalars(*take(values))

@@ -63,7 +63,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "tau_inertial": (_EFFORT, "inertia of the bodies, M q̈ without rotors"),
         "tau_coriolis": (_EFFORT, "Coriolis and centrifugal part, C q̇"),
         "tau_gravity": (_EFFORT, "gravity part, g"),
-        "tau_friction": (_EFFORT, "friction, viscous and Coulomb"),
+        "tau_friction": (_EFFORT, "friction, of all its laws"),
         "tau_viscous": (_EFFORT, "viscous friction, which tau_friction includes"),
         "tau_springs": (_EFFORT, "springs"),
         "tau_rotors": (_EFFORT, "inertia of the rotors seen through their gears"),

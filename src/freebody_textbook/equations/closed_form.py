@@ -3,7 +3,7 @@ what its views show: the notes' (3.20)-(3.27) for any arm, or everything written
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, Protocol
@@ -17,7 +17,7 @@ from freebody.expressions.naming import motors
 from freebody.expressions.polynomials.arithmetic import inner
 from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.expressions.polynomials.textbook_form import InTextbookForm, Layout
-from freebody.expressions.printed_names import entry
+from freebody.expressions.printed_names import entry, sym
 from freebody.lazy import cached_property
 from freebody.model.drives import DriveLaw
 from freebody.model.tree import Tree, TreeBody
@@ -191,7 +191,24 @@ class Letters:
     terms: str = "vector"
     """One of `TERMS` of a notation; c and g are not asked where they are not written."""
 
+    def apart_from(self, names: Iterable[str]) -> Letters:
+        """The letters, others in the place of those whose entries one of these names is written
+        like."""
+        written = [x for x in map(sym, names) if isinstance(x, Symbol)]
+        counted = {x.letter for x in written if x.low and "".join(x.low).isdigit()}
+        alone = {x.letter for x in written if not x.low}
+        taken = {"M": counted, "c": counted, "g": counted}
+        if self.terms == "coefficients":  # the only one is written without a number
+            taken["c"] = counted | alone
+        own = {key: getattr(self, key) for key in taken}
+        for key, others in taken.items():
+            spare = (x for x in _SPARE if x not in others and x not in own.values())
+            own[key] = own[key] if own[key] not in others else next(spare)
+        return replace(self, **own)
 
+
+_SPARE = "ABDKUWYZ"
+"""Letters in the place of those that a model's parameters have."""
 NOTES, STANDARD = Letters("H", "h", "G", "coefficients"), Letters("M", "c", "g")
 """H_ij, h, G_i as in (3.20)-(3.27); or M_ij, c_i, g_i."""
 
@@ -210,6 +227,7 @@ def in_terms(terms: str) -> Letters:
 def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list[_Group]:
     """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M,
     velocity, gravity."""
+    names = names.apart_from(equations.symbols.ring.names)
     velocity = _TERMS[names.terms](equations, names)
     weights = [] if names.terms == "bias" else _entries(names.g, equations.g)
     torques = [
@@ -336,14 +354,12 @@ class _Coefficients:
     @cached_property
     def symbols(self) -> dict[Trig, Symbol]:
         """Symbol by which each Christoffel symbol is printed: h, h_k or h_ijk."""
-        n, count = len(self.equations.M), len(self.found)
+        n, count, h = len(self.equations.M), len(self.found), self.names.c
         if count == 1:
-            return {key: Symbol("h", "h") for key in self.found}
+            return {key: Symbol(h, h) for key in self.found}
         if count <= max(3, n):
-            return {key: entry("h", k) for k, key in enumerate(self.found, 1)}
-        return {
-            key: entry("h", *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()
-        }
+            return {key: entry(h, k) for k, key in enumerate(self.found, 1)}
+        return {key: entry(h, *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()}
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
         """Pairs of symbol and value of each coefficient."""

@@ -20,6 +20,8 @@ ARMS = {
     f'<joint type="slide" axis="1 0 1" ref="0.4"/>{BOX}</body></body>',
     "spring and damper": f'<body><joint axis="0 1 0" stiffness="7" springref="20" damping="0.3" '
     f'armature="0.2"/>{BOX}</body>',
+    "powers of spring and damper": f'<body><joint axis="0 1 0" stiffness="0 0 5" springref="20" '
+    f'ref="10" damping="0.3 0.4"/>{BOX}</body>',
     "ball": f'<body><joint type="ball" pos="0 0 0.1"/>{BOX}<body pos="0 0 1"><joint axis="1 0 0"/>'
     f"{BOX}</body></body>",
     "welded": f'<body><joint axis="0 1 0"/>{BOX}<body pos="1 0 0" euler="0 40 0">{BOX}</body>'
@@ -92,6 +94,19 @@ def test_friction_limits_and_actuators():
     at_rest = fb.inverse_dynamics(model, [0.2, 0.1], [1e-3, 0.0], [0.0, 0.0])
     back = fb.inverse_dynamics(model, [0.2, 0.1], [-1e-3, 0.0], [0.0, 0.0])
     assert (at_rest - back)[0] == pytest.approx(0.8, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "left_out"),
+    [
+        ('stiffness="7 3 5"', "the second power of its spring"),
+        ('damping="0.3 0.2 0.1"', "the third power of its damper"),
+    ],
+)
+def test_powers_that_are_no_law_are_named(given, left_out):
+    text = mjcf(f'<body><joint name="j" axis="0 1 0" {given}/>{BOX}</body>')
+    model = fb.load(text=text, format="mjcf")
+    assert f"text: joint 'j': {left_out} is left out." in [str(x) for x in model.notices]
 
 
 def test_gravity_and_what_is_left_out():

@@ -75,9 +75,15 @@ def spatial(seed: int, joints: int, named: bool) -> fb.Model:
     return with_values(fb.dh(rows, convention="standard", name=f"arm{seed}", physical="ignore"))
 
 
+CALLED_AS_ENTRIES = [
+    fb.Drive(stiffness=fb.Parameter("h", 3.0), viscous=fb.Parameter("H11", 0.7)),
+    fb.Drive(stiffness=fb.Parameter("G_1", 2.0), viscous=fb.Parameter("c1", 0.6)),
+]
+
 MODELS = {
     **{word: planar(word) for word in WORDS},
     "RRR with drives": planar("RRR", drives=DRIVES),
+    "called as entries": planar("RP", drives=CALLED_AS_ENTRIES),
     "PP at an angle": planar("PP", angles=[0.3, 0.4]),
     **{f"named {s}": spatial(s, 1 + s % 3, named=True) for s in range(6)},
     **{f"numbers {s}": spatial(s, 1 + s % 3, named=False) for s in range(6)},

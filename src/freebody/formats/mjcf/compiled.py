@@ -34,7 +34,7 @@ def compiled(model, mujoco):
 
     objects = mujoco.mjtObj
     m = model
-    dofs = m.jnt_dofadr
+    dofs, no_powers = m.jnt_dofadr, [[0.0, 0.0]] * m.njnt
     joints = rows(
         m.njnt,
         objects.mjOBJ_JOINT,
@@ -52,16 +52,12 @@ def compiled(model, mujoco):
         friction=m.dof_frictionloss[dofs],
         zero=m.qpos0[m.jnt_qposadr],
         rest=m.qpos_spring[m.jnt_qposadr],
+        # of the second and third power, since version 3.4
+        more_stiffness=getattr(m, "jnt_stiffnesspoly", no_powers),
+        more_damping=m.dof_dampingpoly[dofs] if hasattr(m, "dof_dampingpoly") else no_powers,
     )
-    # polynomials of springs and dampers, since version 3.4
-    curved = [getattr(m, key, None) for key in ("jnt_stiffnesspoly", "dof_dampingpoly")]
-    for i, joint in enumerate(joints):
+    for joint in joints:
         joint["type"] = KINDS[joint["type"]]
-        rows_of = (i, dofs[i])
-        joint["curved"] = any(
-            table is not None and bool(table[row].any())
-            for table, row in zip(curved, rows_of, strict=True)
-        )
     bodies = rows(
         m.nbody,
         objects.mjOBJ_BODY,

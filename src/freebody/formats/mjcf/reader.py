@@ -186,15 +186,25 @@ class _MjcfReader:
         given, name = self.given["joints"][index], self.joint_names[index]
         kind = _KINDS[given["type"]]
         if given["type"] in ("free", "ball"):
-            if given["damping"] or given["stiffness"] or given["friction"] or given["armature"]:
+            names = ("damping", "stiffness", "friction", "armature")
+            if any(map(given.get, names)) or any(
+                [*given["more_damping"], *given["more_stiffness"]]
+            ):
                 self.note(
                     f"joint {name!r}: damping, springs, friction loss and armature of a "
                     f"{given['type']} joint are left out."
                 )
             return Joint(name, kind, parent, child, where)
         axis, zero = np.array(given["axis"]), given["zero"]
-        if given["curved"]:
-            self.note(f"joint {name!r}: powers of its spring or damper are left out.")
+        (square, hardening), (quadratic, cube) = given["more_stiffness"], given["more_damping"]
+        # the first is no law here, since it pushes the same way on both sides of its rest
+        for what, number in (
+            ("the second power of its spring", square),
+            ("the third power of its damper", cube),
+            ("the second power of its damper, below 0,", min(quadratic, 0.0)),
+        ):
+            if number:
+                self.note(f"joint {name!r}: {what} is left out.")
         lower, upper = given["range"] if given["limited"] else (-INFINITE, INFINITE)
         # at qpos = ref the body is where the file draws it
         back = _about(axis, -zero) if kind == "revolute" else _moved(-zero * axis)
@@ -212,6 +222,9 @@ class _MjcfReader:
                 rotor=given["armature"],
                 stiffness=given["stiffness"],
                 rest=given["rest"] if given["stiffness"] else 0.0,
+                quadratic=max(quadratic, 0.0),
+                hardening=hardening,
+                hardening_rest=given["rest"] if hardening else 0.0,
             ),
             self.mimics.get(index),
             passive=bool(self.closed and self.effort and index not in self.driven),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,7 @@ USUAL = tuple(law.name for law in LAWS.values() if law.usual)
 """Names of the laws that are counted wherever any acts."""
 
 
-@dataclass(frozen=True)
-class ActingLaw:
+class ActingLaw(NamedTuple):
     """A law of a drive with its scalars."""
 
     law: DriveLaw
@@ -123,12 +122,14 @@ def _sum(terms: Iterable[Scalar]) -> Scalar:
     return 0.0 if total is None else total
 
 
-def every_law(read: Callable[[str], Scalar]) -> tuple[ActingLaw, ...]:
+def every_law(
+    read: Callable[[str], Scalar], among: Iterable[DriveLaw] = tuple(LAWS.values())
+) -> tuple[ActingLaw, ...]:
     """The usual laws and those that act, with their scalars, of numbers by name."""
     return tuple(
         [
             ActingLaw(law, law.scalars_of(read))
-            for law in LAWS.values()
+            for law in among
             if law.usual or _acts(read(law.strength))
         ]
     )
@@ -144,9 +145,9 @@ def counted(laws: Sequence[ActingLaw]) -> tuple[ActingLaw, ...]:
 
 
 def _acts(strength: Scalar) -> bool:
-    if isinstance(strength, np.ndarray):
-        return bool(strength.any())
-    return not (isinstance(strength, float) and strength == 0.0)
+    if isinstance(strength, float):  # most are
+        return strength != 0.0
+    return not isinstance(strength, np.ndarray) or bool(strength.any())
 
 
 def of_names(names: Sequence[str], scalars: Sequence[Scalar]) -> tuple[ActingLaw, ...]:

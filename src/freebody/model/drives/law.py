@@ -49,7 +49,7 @@ class LawNumber:
         """The words in tables of symbols."""
         return self.short or self.what
 
-    @property
+    @cached_property
     def place(self) -> tuple[str, str]:
         """Table of a file, and key in the table."""
         table, key = self.label.split(".")
@@ -62,7 +62,11 @@ class LawNumber:
 
     def unit_of(self, turns: bool) -> str:
         """The unit at a joint that turns, or slides."""
-        return self.unit.format(**_UNITS[turns])
+        return self._units[turns]
+
+    @cached_property
+    def _units(self) -> dict[bool, str]:
+        return {turns: self.unit.format(**units) for turns, units in _UNITS.items()}
 
 
 def at_least_zero(what: str) -> Callable[[float], str | None]:
