@@ -13,9 +13,7 @@ from typing import Any
 import numpy as np
 
 from freebody.expressions.expression import Symbol
-from freebody.expressions.grammar.atoms import atom
 from freebody.expressions.grammar.words import spelt
-from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.lazy import cached_property
 from freebody.scalars.generators import function_of
@@ -26,7 +24,12 @@ from freebody_textbook.check.asked.quantity import AskedQuantity, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.reading.vocabulary import Vocabulary
-from freebody_textbook.check.reasons.misreadings import GRAVITY, TIPS
+from freebody_textbook.check.reasons.misreadings import (
+    GRAVITY,
+    angle_of_cosine,
+    is_value,
+    slide_meant,
+)
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.relations.formula_values import rank
@@ -237,28 +240,21 @@ class PageNames:
         value = self.setting.symbols.model.parameters.get(g or "")
         if not g or value is None:
             return {}
-        decimals = {x: len(x.partition(".")[2]) for x in GRAVITY if "." in x}
-        return {x: [g] for x, count in decimals.items() if round(value, count) == float(x)}
+        return {x: [g] for x in GRAVITY if is_value(value, x)}
 
     @property
     def _slide(self) -> dict[str, ValueSum]:
         """x where the only slide is called otherwise."""
-        slides = [x for x in self.setting.symbols.coordinates if not self.setting.turns(x)]
-        if len(slides) != 1:
-            return {}
-        single, endings = self.targets.single, ("", RATE, SECOND)
-        return {x: [slides[0] + endings[single[x].kind.dots]] for x in sorted(TIPS) if x in single}
+        single = sorted(self.targets.single.items())
+        meant = {name: slide_meant(self.setting, name, target) for name, target in single}
+        return {name: [slide] for name, slide in meant.items() if slide}
 
     @property
     def _cosines(self) -> dict[str, ValueSum]:
         """C12 where it is a quantity's name."""
-        found: dict[str, ValueSum] = {}
-        for name in sorted(self.targets.single):
-            own = atom(name)
-            angle = [f"theta{k}" for k in own.figures]
-            if own.letter == "C" and angle and all(x in self.setting.ring.angles for x in angle):
-                found[name] = ["~cos", *angle]
-        return found
+        single = sorted(self.targets.single.items())
+        meant = {name: angle_of_cosine(self.setting, name, target) for name, target in single}
+        return {name: ["~cos", *angles] for name, angles in meant.items() if angles}
 
     @cached_property
     def _velocity_terms(self) -> dict[str, ValueSum]:
@@ -269,7 +265,8 @@ class PageNames:
         terms = {x.index[0]: x for x in single.values() if x.kind.is_velocity_term}
         levels = ((name, x) for name, x in single.items() if x.kind.up_to_a_constant)
         names = {name: x.index[0] for name, x in levels if x.index}
-        names |= {f"c{k}": k for k in terms if f"c{k}" in self.vocabulary.waves}
+        waves = ((f"{x.kind.letters[0]}{k}", k) for k, x in terms.items())
+        names |= {name: k for name, k in waves if name in self.vocabulary.waves}
         for name in sorted(names):
             target = terms.get(names[name])
             slots = target and (self._values.get(key_of(target)) or self._slots(target.compute()))

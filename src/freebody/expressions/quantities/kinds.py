@@ -77,6 +77,10 @@ class Kind:
     """Whether 0 is set against all of it, Φ = 0."""
     letters_of_ratios: tuple[str, ...] = ()
     """Letters of it that lines also give to ratios of their own."""
+    letters_of_cosines: tuple[str, ...] = ()
+    """Letters of it that others have for a cosine: C12."""
+    letters_of_slides: tuple[str, ...] = ()
+    """Letters of it that others have for the coordinate of a slide: x of a cart."""
     is_quotient: bool = False
     """Whether it is one by its nature."""
     takes_quotients: bool = False
@@ -158,11 +162,12 @@ MASS = Kind(
 CORIOLIS = Kind(
     "C", "entry {}, {} of the Coriolis matrix of Christoffel symbols", _of_rates,
     "coriolis", ("C",), ("C",), is_matrix=True, of="joints", tells="motion", by_rates=True,
+    letters_of_cosines=("C",),
 )  # fmt: skip
 VELOCITY = Kind(
     "c", "the velocity term of {joint}", _force,
     "velocity", ("c", "C", "v", "b"), ("velocity",), "v", of="joints",
-    shared=("b", "v"), tells="motion", is_velocity_term=True,
+    shared=("b", "v"), tells="motion", is_velocity_term=True, letters_of_cosines=("C",),
 )  # fmt: skip
 GRAVITY = Kind(
     "g", "the gravity term of {joint}", _force,
@@ -235,11 +240,17 @@ JACOBIAN = Kind(
 TWIST_JACOBIAN = Kind("J_s", is_matrix=True, of="joints")
 JACOBIAN_RATE = Kind("J_d", of="bodies")
 DETERMINANT = Kind("det", "the determinant of the tip's Jacobian", may_be_zero=True)
-TIP = Kind("tip", "a coordinate of the tip", units.LENGTH, of="bodies", has_legs=True)
-TIP_VELOCITY = Kind("tip_d", "a velocity of the tip", units.SPEED, of="bodies", dots=1)
-TIP_ACCELERATION = Kind(
-    "tip_dd", "an acceleration of the tip", units.ACCELERATION, of="bodies", dots=2
+TIP = Kind(
+    "tip", "a coordinate of the tip", units.LENGTH, of="bodies", has_legs=True,
+    letters_of_slides=("x",),
+)  # fmt: skip
+TIP_VELOCITY = Kind(
+    "tip_d", "a velocity of the tip", units.SPEED, of="bodies", dots=1, letters_of_slides=("x",)
 )
+TIP_ACCELERATION = Kind(
+    "tip_dd", "an acceleration of the tip", units.ACCELERATION, of="bodies", dots=2,
+    letters_of_slides=("x",),
+)  # fmt: skip
 TIP_TWIST = Kind("twist", "a velocity of the tip", of="bodies", dots=1)
 MASS_OF_BODY = Kind("m", unit=units.MASS)
 OF_BODY = Kind("of body", of="bodies", of_one_body=True, has_own_sense=True, may_be_still=True)

@@ -6,7 +6,9 @@ import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
-from freebody.expressions.grammar.atoms import atom, spellings
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.lexer import numbers
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.nodes import Expression, Negative, Number, Sum
 from freebody.expressions.polynomials.symbols import RATE, SECOND
@@ -34,8 +36,22 @@ class Misreading:
     """Another quantity that the answer is then about."""
 
 
-TIPS = frozenset(x for dots in range(3) for x in spellings("x", "", dots))
-"""Names of the tip's coordinate x and of its rates."""
+def angle_of_cosine(setting: RightEquations, name: str, target: AskedQuantity) -> tuple[str, ...]:
+    """The angles of which others mean the cosine by a quantity's name, C12; or none."""
+    own = atom(name)
+    angles = tuple(f"theta{k}" for k in own.figures)
+    meant = own.letter in target.kind.letters_of_cosines
+    return angles if meant and all(x in setting.ring.angles for x in angles) else ()
+
+
+def slide_meant(setting: RightEquations, name: str, target: AskedQuantity) -> str:
+    """The name of the only slide's coordinate, or rate, that others mean by a quantity's name, x of
+    a cart; or ""."""
+    own = atom(name)
+    slides = [x for x in setting.symbols.coordinates if not setting.turns(x)]
+    if len(slides) != 1 or own.index or own.letter not in target.kind.letters_of_slides:
+        return ""
+    return slides[0] + ("", RATE, SECOND)[target.kind.dots]
 
 
 def readings(
@@ -116,16 +132,25 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
     """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
     if not claim.target.kind.has_velocity_terms:
         return
-    names = sorted(targets.single, key=lambda name: (name[0] == "c", name[0] != "v"))
     terms: dict[str, str] = {}
-    for name in names:
-        if targets.single[name].kind.is_velocity_term:
-            terms.setdefault(str(targets.single[name].index[0]), name)
+    kinds = dict.fromkeys(x.kind for x in targets.single.values() if x.kind.is_velocity_term)
+    for kind in kinds:
+        # the letter that books have most, then others, last the one that may be a cosine
+        first, *others = kind.letters
+        order = (kind.usual, *(x for x in others if x != kind.usual), first)
+        named = [
+            (order.index(atom(name).letter), name, x)
+            for name, x in targets.single.items()
+            if x.kind is kind and atom(name).letter in order
+        ]
+        for _, name, target in sorted(named, key=lambda row: row[:2]):
+            terms.setdefault(str(target.index[0]), name)
+    letters = {kind.letters[0] for kind in kinds}
     found: dict[Expression, Expression] = {}
     for node in work.values:
         wave = atom(spelt(claim.source[node.span]))
         own = targets.single.get(node.name) if isinstance(node, Named) else None
-        k = wave.figures if wave.letter == "c" and isinstance(node, Wave) else ""
+        k = wave.figures if wave.letter in letters and isinstance(node, Wave) else ""
         k = str(own.index[0]) if own is not None and own.index and own.kind.up_to_a_constant else k
         if k in terms and isinstance(work.parents.get(node), Sum | Negative):
             name = terms[k]
@@ -134,7 +159,8 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
         written, new = claim.source[next(iter(found)).span], next(iter(found.values()))
         assert isinstance(new, Named)
         said = "the velocity term may be meant"
-        said = said if new.name[0] == "c" else f"write {new.name} for the velocity term"
+        if atom(new.name).letter not in letters:
+            said = f"write {new.name} for the velocity term"
         read = "a potential energy" if isinstance(next(iter(found)), Named) else "a cosine"
         text = f"‘{written}’ on the right is read as {read}; {said}."
         yield Misreading(found, text, f"‘{written}’ is read as the velocity term.")
@@ -148,16 +174,16 @@ def _cosines(
     for node in work.values:
         if not isinstance(node, Named) or node.name not in targets.single:
             continue
-        own = atom(node.name)
         if not any(c.isdigit() for c in claim.source[node.span]):  # of the matrix C
             continue
-        angle = tuple((f"theta{k}", 1) for k in own.figures) if own.letter == "C" else ()
-        if angle and all(x in setting.ring.angles for x, _ in angle):
-            found[node] = Wave("cos", angle, span=node.span)
+        angles = angle_of_cosine(setting, node.name, targets.single[node.name])
+        if angles:
+            found[node] = Wave("cos", tuple((x, 1) for x in angles), span=node.span)
     if found:
         node = next(iter(found))
         assert isinstance(node, Named)
-        written, right = claim.source[node.span], claim.source[node.span].replace("C", "c", 1)
+        written, letter = claim.source[node.span], atom(node.name).letter
+        right = written.replace(letter, letter.lower(), 1)
         title = targets.single[node.name].title
         text = f"‘{written}’ on the right is read as {title}; write {right} for the cosine."
         yield Misreading(found, text, f"‘{written}’ is read as a cosine.")
@@ -165,21 +191,30 @@ def _cosines(
 
 def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
     """x of a cart: it is read as the tip's."""
-    slides = [x for x in setting.symbols.coordinates if not setting.turns(x)]
-    if len(slides) != 1:
-        return
-    (slide,), found = slides, {}
+    found: dict[Expression, Expression] = {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
-        if target is not None and isinstance(node, Named) and node.name in TIPS:
-            name = slide + ("", RATE, SECOND)[target.kind.dots]
+        if target is None or not isinstance(node, Named):
+            continue
+        name = slide_meant(setting, node.name, target)
+        if name:
             found[node] = Named(name, setting.ring[name], span=node.span)
     if found:
+        (slide,) = (x for x in setting.symbols.coordinates if not setting.turns(x))
+        node = next(iter(found))
+        assert isinstance(node, Named)
+        x = atom(node.name).letter
         text = (
-            f"x is read as the tip's coordinate; for the slide write {slide}, "
-            f"or say names={{'x': '{slide}'}}."
+            f"{x} is read as the tip's coordinate; for the slide write {slide}, "
+            f"or say names={{'{x}': '{slide}'}}."
         )
-        yield Misreading(found, text, f"x is read as the slide's coordinate {slide}.")
+        yield Misreading(found, text, f"{x} is read as the slide's coordinate {slide}.")
+
+
+def is_value(value: float, written: str) -> bool:
+    """Whether a number with decimals is that value, as exactly as it is written."""
+    ((_, figures),) = numbers(Lexemes.of(written))
+    return figures.decimals > 0 and round(value, figures.decimals) == float(written)
 
 
 def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
@@ -197,7 +232,7 @@ def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator
     text = f"‘{written}’ must be the symbol {g}: its value is not known here."
     if value is None:
         yield Misreading({}, text, "")
-    elif "." in written and round(value, len(written.partition(".")[2])) == float(written):
+    elif is_value(value, written):
         yield Misreading(found, text, f"‘{written}’ is read as {g}.", False)
 
 
