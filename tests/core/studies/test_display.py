@@ -111,7 +111,7 @@ def test_long_tables_say_what_is_left_out():
 DISPLAYS = ("_repr_html_", "_repr_svg_", "_repr_latex_", "_repr_pretty_")
 PLAIN = {
     "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
-    "Members", "LawNumber",
+    "Members", "LawNumber", "DriveLaw",
     "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
     "DoubtKind",  # records with a sentence in them
     "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",
