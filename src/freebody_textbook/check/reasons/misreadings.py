@@ -128,24 +128,26 @@ def _kind(target: AskedQuantity) -> tuple[object, ...]:
     return target.kind, target.index, target.axis, target.words
 
 
+def _named_velocity_terms(targets: Targets) -> tuple[dict[str, str], set[str]]:
+    """By its joint the name of each velocity term: by the letter that books have most, then others,
+    last the one that may be a cosine; and those last letters."""
+    terms: dict[str, str] = {}
+    own = {name: x for name, x in targets.single.items() if x.kind.is_velocity_term}
+
+    def place(name: str) -> tuple[bool, bool, str]:
+        kind, letter = own[name].kind, atom(name).letter
+        return letter == kind.letters[0], letter != kind.usual, name
+
+    for name in sorted(own, key=place):
+        terms.setdefault(str(own[name].index[0]), name)
+    return terms, {x.kind.letters[0] for x in own.values()}
+
+
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
     """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
     if not claim.target.kind.has_velocity_terms:
         return
-    terms: dict[str, str] = {}
-    kinds = dict.fromkeys(x.kind for x in targets.single.values() if x.kind.is_velocity_term)
-    for kind in kinds:
-        # the letter that books have most, then others, last the one that may be a cosine
-        first, *others = kind.letters
-        order = (kind.usual, *(x for x in others if x != kind.usual), first)
-        named = [
-            (order.index(atom(name).letter), name, x)
-            for name, x in targets.single.items()
-            if x.kind is kind and atom(name).letter in order
-        ]
-        for _, name, target in sorted(named, key=lambda row: row[:2]):
-            terms.setdefault(str(target.index[0]), name)
-    letters = {kind.letters[0] for kind in kinds}
+    terms, letters = _named_velocity_terms(targets)
     found: dict[Expression, Expression] = {}
     for node in work.values:
         wave = atom(spelt(claim.source[node.span]))
