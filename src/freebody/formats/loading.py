@@ -88,6 +88,7 @@ def _xml(given: _Given) -> RobotDescription:
             root.line,
             f"the root element is <{root.tag}>, expected <mujoco> or <robot>.",
         )
+    _used(given.how, (), given.file)  # MuJoCo finds its files by itself
     on_disk = given.packages.folder is not None
     return mjcf.describe(given.file, on_disk, given.data, given.name)
 
@@ -135,7 +136,7 @@ def load(
     loop_tolerance: tuple[float, float] | None = None,
     package_path: Sequence[str | os.PathLike[str]] | str | os.PathLike[str] = (),
     xacro: Mapping[str, object] | None = None,
-    xacro_environment: Sequence[str] = (),
+    xacro_environment: Sequence[str] | str = (),
 ) -> Model:
     """A model from a .urdf, .xacro, .xml (MJCF), .sdf, .toml or .csv (DH table) file, from such
     text, or a bundled model by its name (see `models()`).
@@ -200,7 +201,11 @@ def load(
         Masses of a URDF that are missing, placeholders or implausible.
     """
     how = ReadingOptions(
-        snap_angles, convention, _paths(package_path), dict(xacro or {}), tuple(xacro_environment)
+        snap_angles,
+        convention,
+        _listed("package_path", package_path),
+        _arguments(xacro),
+        _listed("xacro_environment", xacro_environment),
     )
     if source is None:
         description = _text(text, format, how)
@@ -314,14 +319,23 @@ def _used(how: ReadingOptions, uses: tuple[str, ...], given: str) -> None:
             raise FreebodyError(f"load: {name}= is for {purpose}; leave it out for {given!r}.")
 
 
-def _paths(given: object) -> tuple[str, ...]:
-    """Folders as one path or several."""
+def _listed(option: str, given: object) -> tuple[str, ...]:
+    """One name or path, or several, as texts."""
     entries = (given,) if isinstance(given, str | os.PathLike) else given
     if not isinstance(entries, Sequence) or not all(
         isinstance(entry, str | os.PathLike) for entry in entries
     ):
-        raise FreebodyError("load: package_path= takes a folder or a list of folders.")
+        raise FreebodyError(f"load: {option}= takes one text or a list of texts.")
     return tuple(os.fspath(entry) for entry in entries)
+
+
+def _arguments(given: object) -> dict[str, object]:
+    """Values for a xacro file's arguments, by their names."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in given):
+        raise FreebodyError("load: xacro= takes values by their names, such as {'length': 0.5}.")
+    return dict(given)
 
 
 def _path(source: object) -> str:

@@ -342,7 +342,15 @@ class _SdfReader(Elements):
             outer = self.pose_of(link, element)
             ends.append(f"{element.name()}_{side}")
             self.mounts.append(Mount(ends[-1], link, _placement(_between(outer, at))))
-        axis = axes[0][0] if axes else ()
+        axis, tag = axes[0] if axes else ((), None)
+        lost = [
+            part for part in ("limit", "dynamics", "mimic") if tag is not None and tag.all(part)
+        ]
+        if lost:
+            told = listed([f"<{part}>" for part in lost])
+            self.notice(
+                "ignored", element, f"warning: {where} closes a loop, and its {told} is left out."
+            )
         self.loops.append(Loop(element.name(), kind, (ends[0], ends[1]), axis, line=element.line))
 
     def kind(self, element: XmlElement, where: str) -> tuple[str, str | None]:

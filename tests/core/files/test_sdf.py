@@ -149,6 +149,10 @@ def test_a_second_parent_closes_a_loop():
         {"a": 0.5, "b": -0.5, "c": 0.5}
     )
     assert fb.mobility(model, q).instantaneous == 1
+    rubbing = Y.replace("</axis>", "<dynamics><damping>1</damping></dynamics></axis>")
+    lossy = sdf(bars + pins.replace(f"0 0 0</pose>{Y}", f"0 0 0</pose>{rubbing}"))
+    told = [str(notice) for notice in fb.load(text=lossy, format="sdf").notices]
+    assert any("'d' closes a loop, and its <dynamics> is left out" in text for text in told)
 
 
 def test_limits_friction_springs_mimics_and_frames():

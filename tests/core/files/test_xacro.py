@@ -280,7 +280,10 @@ def test_variables_are_read_where_allowed(folder, monkeypatch):
     monkeypatch.setenv("ARM", "left")
     path = written(folder, '<link name="$(env ARM)"/>')
     assert "is not read" in refusal(path)
-    assert fb.load(path, xacro_environment=["ARM"], tip="left").nv == 0
+    for names in ("ARM", ["ARM"]):
+        assert fb.load(path, xacro_environment=names, tip="left").nv == 0
+    assert "xacro= takes values by their names" in refusal(path, xacro="n:=1")
+    assert "xacro_environment= takes one text" in refusal(path, xacro_environment=[1])
     path = written(folder, '<link name="$(optenv ARM right)"/>')
     assert fb.load(path, tip="right").nv == 0
 

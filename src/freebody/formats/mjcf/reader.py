@@ -12,6 +12,7 @@ import subprocess
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NoReturn
 
 import numpy as np
@@ -58,13 +59,15 @@ def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
         *([str(Path(file).absolute())] if on_disk else []),
     ]
     try:
-        done = subprocess.run(
-            command,
-            input=b"" if on_disk else data,
-            capture_output=True,
-            timeout=_SECONDS,
-            check=False,
-        )
+        with TemporaryDirectory() as folder:  # MuJoCo writes a log where it runs
+            done = subprocess.run(
+                command,
+                input=b"" if on_disk else data,
+                capture_output=True,
+                timeout=_SECONDS,
+                check=False,
+                cwd=folder,
+            )
     except subprocess.TimeoutExpired:
         raise FileError(file, None, f"MuJoCo took more than {_SECONDS} s to compile it.") from None
     try:
