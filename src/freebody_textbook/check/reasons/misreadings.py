@@ -129,8 +129,8 @@ def _kind(target: AskedQuantity) -> tuple[object, ...]:
 
 
 def _named_velocity_terms(targets: Targets) -> tuple[dict[str, str], set[str]]:
-    """By its joint the name of each velocity term: by the letter that books have most, then others,
-    last the one that may be a cosine; and those last letters."""
+    """The name of each velocity term, by its joint, with the letter that books have most, else
+    another, last the one that may be a cosine; and the letters that may be one."""
     terms: dict[str, str] = {}
     own = {name: x for name, x in targets.single.items() if x.kind.is_velocity_term}
 
