@@ -26,11 +26,14 @@ from freebody_textbook.check.states.admissible_states import AdmissibleStates, S
 from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
 from freebody_textbook.check.states.state_values import (
     MOST_BRANCHES,
+    AnyArray,
     Running,
+    choices,
     functions_of,
     of_several_values,
 )
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
+from freebody_textbook.check.verdicts.digits_at_states import unrounded
 from freebody_textbook.check.verdicts.verdict_sentences import (
     Wording,
     example_at,
@@ -128,13 +131,21 @@ class _AtStates:
     @property
     def is_in_numbers(self) -> bool:
         """Whether no symbol is written to which the model gives a value; gravity apart."""
+        return bool(self._known_symbols) and self._has_no_known_symbols
+
+    @cached_property
+    def _known_symbols(self) -> frozenset[str]:
+        """The symbols to which the model gives a value; gravity apart."""
         model = self.judge.setting.symbols.model
         given = {name for name, x in model.parameters.items() if x is not None}
+        return frozenset(given - {self.judge.setting.order.gravity})
+
+    @cached_property
+    def _has_no_known_symbols(self) -> bool:
+        """Whether none of these symbols is written."""
         named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
-        written = generators_in(*symbols)
-        given -= {self.judge.setting.order.gravity}
-        return bool(given) and not written & given
+        return self._known_symbols.isdisjoint(generators_in(*symbols))
 
     @property
     def is_quotient_in_numbers(self) -> bool:
@@ -206,6 +217,8 @@ class _AtStates:
             found = self._agreement(there)
             if note := self._note(found):
                 return right_verdict(self.claim, f"At {where}. {note}")
+        if note := self._note_on_digits(states):
+            return right_verdict(self.claim, note)
         if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
@@ -307,6 +320,25 @@ class _AtStates:
         if closed and found.is_in_one_assembly:
             return f"{ONE_ASSEMBLY} {compared}."
         return ""
+
+    def _note_on_digits(self, states: AdmissibleStates) -> str:
+        """A note on a claim in numbers that is right to the digits given; "" of another."""
+        if not self._has_no_known_symbols:
+            return ""
+        every, sought = choices(self._tree), self._sought(states)
+
+        def gap(tree: Expression, branch: int) -> AnyArray:
+            choice = dict(zip(of_several_values(tree), every[branch].values(), strict=True))
+            gap = states.at(tree, choice) - sought
+            return self._equal.reduced(gap, states).value
+
+        tree = unrounded(self._tree, self.claim.source, gap, states.count)
+        if tree is None:
+            return ""
+        other = replace(self, claim=replace(self.claim, node=tree, whole=None))
+        note = other._note(agreement(states, tree, sought, self._equal))
+        model = self.judge.setting.symbols.model.name
+        return note and f"In numbers, with the values of {model!r}, to the digits given. {note}"
 
     def _shares_a_posture(self, found: Agreement) -> bool:
         """Whether it is right, as it stands, somewhere where the answer's coordinates before are
