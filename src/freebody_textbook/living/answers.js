@@ -92,7 +92,8 @@ function entriesAt({x, y}, node, line, seconds) {
 const LARGEST = 1e5;
 // Entry by entry at how many of which states it is equal, null where it is not right: everywhere, or
 // where loops are closed and what nothing drives moves by itself, there on some branch of its
-// functions; energies up to a plain number and an energy, told by the states in other units.
+// functions, if the line is a posture; energies up to a plain number and an energy, told by the
+// states in other units.
 function compared(node, line) {
   const [found, ...others] = choices(node).map((seconds) => states().map((state) => ({...state, ...entriesAt(state, node, line, seconds)})));
   const some = found.filter(({set}) => set >= 0), any = found.filter(({set}) => set < 0);
@@ -112,7 +113,7 @@ function compared(node, line) {
     const saysNothing = any.length && !line.idle && largest(some) <= EQUAL * largest(any);
     if (any.length && any.every((one) => isEqual(one))) return {at: found.length, of: found.length};
     const at = some.filter((one) => isEqual(one)).length;
-    const isSomehow = (one) => isEqual(one) || others.some((all) => isEqual(all[found.indexOf(one)], all));
+    const isSomehow = (one) => isEqual(one) || (line.branches && others.some((all) => isEqual(all[found.indexOf(one)], all)));
     return at && !saysNothing && some.every(isSomehow) ? {at, of: some.length} : null;
   });
 }

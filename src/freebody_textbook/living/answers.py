@@ -89,6 +89,8 @@ class PageAnswers:
             found["bodies"] = 1
         if asked and asked[0].kind.up_to_a_constant:
             found["level"] = 1
+        if asked and asked[0].kind.has_branches:
+            found["branches"] = 1
         if asked and asked[0].idle:
             found["idle"] = 1
         if asked and asked[0].kind.is_drive:

@@ -56,6 +56,8 @@ class Kind:
     """Whether only its product with the rates is determined."""
     is_symmetric: bool = False
     """Whether entries i, j and j, i are always equal."""
+    has_branches: bool = False
+    """Whether a function's second value may give it, as the other posture that reaches a point."""
     has_own_sense: bool = False
     """Whether which of two senses it has is settled apart from quantities of other kinds."""
 
@@ -191,6 +193,7 @@ UNDRIVEN = Kind("0", "which nothing drives", _force, is_equation=True, has_veloc
 COORDINATE = Kind(
     "q", "one of the coordinates and their rates",
     tells="motion", holds_by_loops=True, is_coordinate=True, takes_quotients=True,
+    has_branches=True,
 )  # fmt: skip
 
 # ---------------------------------------------------------------- energies
@@ -280,16 +283,17 @@ LOOP_EQUATION = Kind("closed", holds_by_loops=True, is_equation=True)
 
 # ---------------------------------------------------------------- what lines themselves tell
 SOLVED = Kind(
-    "solved", "solved for it", holds_by_loops=True, takes_quotients=True, has_velocity_terms=True
-)
-POSTURE = Kind("posture", is_posture=True)
+    "solved", "solved for it", holds_by_loops=True, takes_quotients=True, has_velocity_terms=True,
+    has_branches=True,
+)  # fmt: skip
+POSTURE = Kind("posture", is_posture=True, has_branches=True)
 DERIVATIVE = Kind("derivative", "a derivative of the robot's quantities")
 PARAMETER = Kind("parameter", "which a formula gives", is_given=True)
 IDENTITY = Kind(
     "identity", _EQUATION, may_be_still=True, is_equation=True, takes_quotients=True,
-    has_velocity_terms=True,
+    has_velocity_terms=True, has_branches=True,
 )  # fmt: skip
-LONG_EQUATION = Kind("long", _EQUATION, holds_by_loops=True, is_long=True)
+LONG_EQUATION = Kind("long", _EQUATION, holds_by_loops=True, is_long=True, has_branches=True)
 """Kind of a closed chain's equation that is too long to be multiplied out: its sides are compared
 in numbers."""
 OWN = Kind("own")

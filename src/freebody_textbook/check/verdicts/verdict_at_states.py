@@ -18,7 +18,7 @@ from freebody_textbook.check.algebra.finite_field import without_values
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
-from freebody_textbook.check.numbers.units_of_symbols import in_other_units
+from freebody_textbook.check.numbers.units_of_symbols import in_other_units, unit_of
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.misconceptions import left_out
 from freebody_textbook.check.reasons.small_changes import Repair, SmallChanges
@@ -93,6 +93,22 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
             )
         return None
     return at_states.verdict(explain, bool(functions))
+
+
+def _symbols_of(tree: Expression) -> set[str]:
+    """The symbols with which a tree is written."""
+    named = (x.value for x in nodes(tree) if isinstance(x, Named))
+    return symbols_in(*(part for value in named for part in pair(value)))
+
+
+def _one_value(found: Agreement) -> str:
+    """Why an answer is wrong that only second values of its functions would make right."""
+    count, of = int(found.right.sum()), found.states.count
+    return (
+        f"As it stands it is right at {count} of {of} positions only. At the others a function "
+        "would need its second value, a root its other sign; but that is no choice between "
+        "postures."
+    )
 
 
 def _has_conditions(setting: RightEquations) -> bool:
@@ -221,6 +237,8 @@ class _AtStates:
             return right_verdict(self.claim, note)
         if self.judge.setting.system is not None and found.is_in_another_assembly:
             return self._wrong(found, (), (_OTHER_ASSEMBLY,))
+        if found.is_with_branches and not self._may_choose_branches:
+            return self._wrong(found, (), (_one_value(found),))
         if self.judge.free_body is not None and not by_functions:
             return None
         if explain and not by_functions and (cause := self._left_out(states)):
@@ -241,13 +259,26 @@ class _AtStates:
         told = f"Compared in numbers at {found.states.count} states, on every branch."
         return self._wrong(found, (mistake,) if mistake else (), (told,) if by_functions else ())
 
+    @property
+    def _may_choose_branches(self) -> bool:
+        """Whether its functions tell of positions, which several postures reach: they have no
+        masses or forces, and stand in an equation of positions or in definitions before."""
+        first, last = self._tree.span
+        parts = (self._tree,)
+        if not self.claim.target.kind.has_branches:
+            parts = of_several_values(self._tree)
+            if any(first <= x.argument.span[0] < last for x in parts):
+                return False
+        names = set[str]().union(*map(_symbols_of, parts))
+        units = (unit_of(self.judge.setting, {name: 1}) for name in names)
+        return not any(unit is not None and unit[0] for unit in units)
+
     def _left_out(self, states: AdmissibleStates) -> str:
         """A sentence on what may have been left out: where it is 0, the claim is right."""
         setting = self.judge.setting
         if self.claim.value.is_zero or not _has_conditions(setting):
             return ""
-        named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
-        written = symbols_in(*(part for value in named for part in pair(value)))
+        written = _symbols_of(self._tree)
         sampler = StateSampler(setting, acting=self.claim.target.acting)
         for text, names in left_out(setting):
             there = None
@@ -312,7 +343,7 @@ class _AtStates:
         if found.is_everywhere:
             plain = agreement(found.states, self._tree, self._sought(found.states))
             return f"{compared}." if plain.is_everywhere or self._equal.as_angles else LEVEL
-        if found.is_with_branches:
+        if found.is_with_branches and self._may_choose_branches:
             others = ", and ".join(dict.fromkeys(_OTHER_VALUES[x] for x in found.others))
             count = int(found.right.sum())
             stands = f"right as it stands at {count}, at the others on another branch"
