@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.expressions.nodes import Expression, nodes, replaced
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.nodes import Expression, Function, nodes, replaced
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.finite_field import without_values
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.finite_field import is_square, without_values
+from freebody_textbook.check.algebra.quotients import Value, generator, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
 from freebody_textbook.check.numbers.units_of_symbols import in_other_units, unit_of
@@ -235,10 +236,10 @@ class _AtStates:
                 return right_verdict(self.claim, f"At {where}. {note}")
         if note := self._note_on_digits(states):
             return right_verdict(self.claim, note)
-        if self.judge.setting.system is not None and found.is_in_another_assembly:
-            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if found.is_with_branches and not self._may_choose_branches:
             return self._wrong(found, (), (_one_value(found),))
+        if self.judge.setting.system is not None and found.is_in_another_assembly:
+            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
         if explain and not by_functions and (cause := self._left_out(states)):
@@ -269,9 +270,25 @@ class _AtStates:
             parts = of_several_values(self._tree)
             if any(first <= x.argument.span[0] < last for x in parts):
                 return False
+        if self._is_in_motion and any(map(self._is_root_of_square, of_several_values(self._tree))):
+            return False
         names = set[str]().union(*map(_symbols_of, parts))
         units = (unit_of(self.judge.setting, {name: 1}) for name in names)
         return not any(unit is not None and unit[0] for unit in units)
+
+    @property
+    def _is_in_motion(self) -> bool:
+        """Whether rates or accelerations are written, or the quantity is one."""
+        written = _symbols_of(self._tree) | generators_in(*pair(self.right))
+        return any(atom(name).dots for name in written)
+
+    def _is_root_of_square(self, node: Function) -> bool:
+        """Whether it is the root of a square of written symbols, whose sign these tell: √(1 − cos²)
+        is no posture's where the angle is known."""
+        named = (x.value for x in nodes(node.argument) if isinstance(x, Named))
+        if node.name != "sqrt" or functions_of(node.argument) or not all(map(_is_symbol, named)):
+            return False
+        return is_square(self.judge.setting.ring, node.argument)
 
     def _left_out(self, states: AdmissibleStates) -> str:
         """A sentence on what may have been left out: where it is 0, the claim is right."""
@@ -425,6 +442,11 @@ class _AtStates:
             return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
 
         return fits
+
+
+def _is_symbol(x: Value) -> bool:
+    """Whether it is a number or one of the ring's symbols, and not a quantity made of several."""
+    return isinstance(x, Trig) and (x.is_constant or generator(x) is not None)
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
