@@ -309,7 +309,7 @@ const INVERSE = {
 };
 const FUNCTIONS = {
   ...INVERSE, sin: through(Math.sin, Math.cos), cos: through(Math.cos, Math.sin),
-  tan: through(Math.tan, (v) => Math.cos(v) ** -2), sgn: through(Math.sign, () => 0),
+  tan: through(Math.tan, (v) => Math.cos(v) ** -2), sgn: through(Math.sign, () => 0), abs: through(Math.abs, () => 1),
 };
 
 // Functions of several values, with the second one by the first; more in one answer are not tried.

@@ -188,7 +188,10 @@ MASS_RATE = Kind("M_d", "entry {}, {} of the rate of the mass matrix", _of_rates
 MASS_DETERMINANT = Kind("det M", "the determinant of the mass matrix")
 INVERSE_ENTRY = Kind("inverse", "entry {}, {} of the inverse of {joint}", of="joints")
 ACTIVE = Kind("active", "the generalized active force of {joint}", _force, of="bodies")
-INERTIA_FORCE = Kind("inertia", "the generalized inertia force of {joint}", _force, of="bodies")
+INERTIA_FORCE = Kind(
+    "inertia", "the generalized inertia force of {joint}", _force, of="bodies",
+    has_velocity_terms=True,
+)  # fmt: skip
 UNDRIVEN = Kind("0", "which nothing drives", _force, is_equation=True, has_velocity_terms=True)
 COORDINATE = Kind(
     "q", "one of the coordinates and their rates",

@@ -26,6 +26,8 @@ from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.closed_chains.linear import Ratio
 
 PRIME = 2**61 - 1
+_POINTS_OF_SQUARE = 40
+"""Points at which a square is told from other trees."""
 
 SineAndCosine = tuple[int, int]
 """Sine and cosine of an angle, in the field."""
@@ -139,6 +141,13 @@ def random_point(ring: TrigRing, seed: int = 0) -> Point:
         scale = pow(1 + t * t, -1, PRIME)
         turns[name] = (2 * t * scale % PRIME, (1 - t * t) * scale % PRIME)
     return Point(values, turns)
+
+
+def is_square(ring: TrigRing, node: Expression) -> bool:
+    """Whether a tree without functions is a number times a square: it is a quadratic residue at all
+    random points then, or at none, of any other tree at half of them."""
+    values = (random_point(ring, k).at(node) for k in range(_POINTS_OF_SQUARE))
+    return len({pow(x, (PRIME - 1) // 2, PRIME) for x in values if x}) == 1
 
 
 def rational(value: int, largest: int = 1000) -> Fraction | None:

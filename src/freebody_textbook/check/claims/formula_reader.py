@@ -255,6 +255,7 @@ class FormulaReader:
         """The claim that a quantity has the value of a tree."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         if functions_of(node):  # compared in numbers
+            target = self.with_load(target)
             return Claim(label, target, node, target.compute(), self.source, used)
         value = self.quotient(node)
         asked = next((x for x in self.along_legs(target) if x.compute() == value), None)

@@ -85,9 +85,9 @@ class UnnamedEquations(FormulaReader):
     def _is_between(
         self, line: AnswerLine, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
     ) -> bool:
-        """Whether a line is one between quantities or vectors, and no equation of motion; of
-        several torques only with others, as in Ṫ + V̇ = τ1 θ̇1 + τ2 θ̇2."""
-        if len(torques) > 1 and asked > torques:
+        """Whether a line is one between quantities or vectors, as of several torques, and no
+        equation of motion."""
+        if len(torques) > 1:
             return True
         named = [token.text for token in line.names if self._is_vector(token)]
         vectors = self.setting.system is None and bool(named)

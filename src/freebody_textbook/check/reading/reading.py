@@ -219,6 +219,9 @@ class AnswerParser(DerivativeParser):
             return self._cross(token)
         if function in INVERSE_FUNCTIONS:
             return self._inverse_function(token, function)
+        if function == "abs":
+            self._must_open(token)
+            return Function(function, self.bracket(), span=self.since(token.start))
         exponent = self.exponent() if self.token.kind == "power" or self.is_operator("^") else 1
         if exponent == -1 and function in ("sin", "cos", "tan"):
             return self._inverse_function(token, f"arc{function}")
@@ -241,8 +244,7 @@ class AnswerParser(DerivativeParser):
         bare = ("fraction", "function", *["number", "name"] * (function == "sqrt"))
         if self.token.kind in bare and function != "atan2":  # \arctan\sqrt{x}, √2
             return Function(function, self.primary(), span=self.since(token.start))
-        if self.token.kind != "open":
-            self.fail_here(f"a bracket after {token.text}")
+        self._must_open(token)
         if function != "atan2":
             return Function(function, self.bracket(), span=self.since(token.start))
         first = self.take()
@@ -252,6 +254,11 @@ class AnswerParser(DerivativeParser):
         self.expect("close", "')'")
         arguments = Arguments((y, x), span=self.since(first.start))
         return Function(function, arguments, span=self.since(token.start))
+
+    def _must_open(self, function: Token) -> None:
+        """Refuse a function without a bracket."""
+        if self.token.kind != "open":
+            self.fail_here(f"a bracket after {function.text}")
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
         """sin, cos, tan or 1 over one of a sum of angles; of a half of one, or of arccos x, in

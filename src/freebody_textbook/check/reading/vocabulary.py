@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 FUNCTIONS = {
     "sin": "sin", "Sin": "sin", "SIN": "sin", "cos": "cos", "Cos": "cos", "COS": "cos",
     "tan": "tan", "Tan": "tan", **{x: x for x in RECIPROCALS}, "cosec": "csc",
-    "sgn": "sgn", "sign": "sgn",
+    "sgn": "sgn", "sign": "sgn", "abs": "abs", "Abs": "abs",
     "Derivative": "Derivative", "diff": "Derivative", "jacobian": "jacobian",
     "Matrix": "Matrix", "array": "Matrix",
     "cross": "cross",

@@ -116,12 +116,13 @@ def _arctan(x: Running) -> Running:
     return x.by(np.arctan(x.value), 1 / (1 + x.value**2))
 
 
-_WAVES: Mapping[str, Callable[[Running], Running]] = {
+_OF_ONE_VALUE: Mapping[str, Callable[[Running], Running]] = {
     "sin": lambda x: x.by(np.sin(x.value), np.cos(x.value)),
     "cos": lambda x: x.by(np.cos(x.value), np.sin(x.value)),
     "tan": lambda x: x.by(np.tan(x.value), 1 / np.cos(x.value) ** 2),
+    "abs": lambda x: x.by(np.abs(x.value), 1.0),
 }
-"""Functions of one value, of what is no whole multiple of an angle."""
+"""Functions of one value; sines and cosines of what is no whole multiple of an angle."""
 _HALF_TURN = Running(np.pi, np.pi)
 _FUNCTIONS: Mapping[str, tuple[Callable[[Running], Running], Callable[[Running], Running]]] = {
     "sqrt": (_principal_sqrt, lambda y: -y),
@@ -236,8 +237,8 @@ class StateValues:
                 y, x = at(node.argument)
                 value, far = np.arctan2(y.value, x.value), np.hypot(x.value, y.value)
                 return Running(value, (x.size + y.size) / far + np.abs(value))
-            if node.name in _WAVES:
-                return _WAVES[node.name](at(node.argument))
+            if node.name in _OF_ONE_VALUE:
+                return _OF_ONE_VALUE[node.name](at(node.argument))
             first, second = _FUNCTIONS[node.name]
             found = first(at(node.argument))
             return second(found) if choice.get(node, 0) else found

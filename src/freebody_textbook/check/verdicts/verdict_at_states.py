@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.expressions.nodes import Expression, nodes, replaced
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.nodes import Expression, Function, nodes, replaced
 from freebody.lazy import cached_property
 from freebody.scalars.generators import generators_in, symbols_in
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named
-from freebody_textbook.check.algebra.finite_field import without_values
-from freebody_textbook.check.algebra.quotients import Value, pair
+from freebody_textbook.check.algebra.finite_field import is_square, without_values
+from freebody_textbook.check.algebra.quotients import Value, generator, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.numbers.states import in_words
 from freebody_textbook.check.numbers.units_of_symbols import in_other_units, unit_of
@@ -26,11 +27,14 @@ from freebody_textbook.check.states.admissible_states import AdmissibleStates, S
 from freebody_textbook.check.states.agreement import Agreement, Equal, agreement, few, is_drowned
 from freebody_textbook.check.states.state_values import (
     MOST_BRANCHES,
+    AnyArray,
     Running,
+    choices,
     functions_of,
     of_several_values,
 )
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
+from freebody_textbook.check.verdicts.digits_at_states import unrounded
 from freebody_textbook.check.verdicts.verdict_sentences import (
     Wording,
     example_at,
@@ -144,13 +148,21 @@ class _AtStates:
     @property
     def is_in_numbers(self) -> bool:
         """Whether no symbol is written to which the model gives a value; gravity apart."""
+        return bool(self._known_symbols) and self._has_no_known_symbols
+
+    @cached_property
+    def _known_symbols(self) -> frozenset[str]:
+        """The symbols to which the model gives a value; gravity apart."""
         model = self.judge.setting.symbols.model
         given = {name for name, x in model.parameters.items() if x is not None}
+        return frozenset(given - {self.judge.setting.order.gravity})
+
+    @cached_property
+    def _has_no_known_symbols(self) -> bool:
+        """Whether none of these symbols is written."""
         named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
-        written = generators_in(*symbols)
-        given -= {self.judge.setting.order.gravity}
-        return bool(given) and not written & given
+        return self._known_symbols.isdisjoint(generators_in(*symbols))
 
     @property
     def is_quotient_in_numbers(self) -> bool:
@@ -222,10 +234,12 @@ class _AtStates:
             found = self._agreement(there)
             if note := self._note(found):
                 return right_verdict(self.claim, f"At {where}. {note}")
-        if self.judge.setting.system is not None and found.is_in_another_assembly:
-            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
+        if note := self._note_on_digits(states):
+            return right_verdict(self.claim, note)
         if found.is_with_branches and not self._may_choose_branches:
             return self._wrong(found, (), (_one_value(found),))
+        if self.judge.setting.system is not None and found.is_in_another_assembly:
+            return self._wrong(found, (), (_OTHER_ASSEMBLY,))
         if self.judge.free_body is not None and not by_functions:
             return None
         if explain and not by_functions and (cause := self._left_out(states)):
@@ -256,9 +270,25 @@ class _AtStates:
             parts = of_several_values(self._tree)
             if any(first <= x.argument.span[0] < last for x in parts):
                 return False
+        if self._is_in_motion and any(map(self._is_root_of_square, of_several_values(self._tree))):
+            return False
         names = set[str]().union(*map(_symbols_of, parts))
         units = (unit_of(self.judge.setting, {name: 1}) for name in names)
         return not any(unit is not None and unit[0] for unit in units)
+
+    @property
+    def _is_in_motion(self) -> bool:
+        """Whether rates or accelerations are written, or the quantity is one."""
+        written = _symbols_of(self._tree) | generators_in(*pair(self.right))
+        return any(atom(name).dots for name in written)
+
+    def _is_root_of_square(self, node: Function) -> bool:
+        """Whether it is the root of a square of written symbols, whose sign these tell: √(1 − cos²)
+        is no posture's where the angle is known."""
+        named = (x.value for x in nodes(node.argument) if isinstance(x, Named))
+        if node.name != "sqrt" or functions_of(node.argument) or not all(map(_is_symbol, named)):
+            return False
+        return is_square(self.judge.setting.ring, node.argument)
 
     def _left_out(self, states: AdmissibleStates) -> str:
         """A sentence on what may have been left out: where it is 0, the claim is right."""
@@ -339,6 +369,25 @@ class _AtStates:
             return f"{ONE_ASSEMBLY} {compared}."
         return ""
 
+    def _note_on_digits(self, states: AdmissibleStates) -> str:
+        """A note on a claim in numbers that is right to the digits given; "" of another."""
+        if not self._has_no_known_symbols:
+            return ""
+        every, sought = choices(self._tree), self._sought(states)
+
+        def gap(tree: Expression, branch: int) -> AnyArray:
+            choice = dict(zip(of_several_values(tree), every[branch].values(), strict=True))
+            gap = states.at(tree, choice) - sought
+            return self._equal.reduced(gap, states).value
+
+        tree = unrounded(self._tree, self.claim.source, gap, states.count)
+        if tree is None:
+            return ""
+        other = replace(self, claim=replace(self.claim, node=tree, whole=None))
+        note = other._note(agreement(states, tree, sought, self._equal))
+        model = self.judge.setting.symbols.model.name
+        return note and f"In numbers, with the values of {model!r}, to the digits given. {note}"
+
     def _shares_a_posture(self, found: Agreement) -> bool:
         """Whether it is right, as it stands, somewhere where the answer's coordinates before are
         too."""
@@ -393,6 +442,11 @@ class _AtStates:
             return bool(self._note(agreement(states, tree, self._sought(states), self._equal)))
 
         return fits
+
+
+def _is_symbol(x: Value) -> bool:
+    """Whether it is a number or one of the ring's symbols, and not a quantity made of several."""
+    return isinstance(x, Trig) and (x.is_constant or generator(x) is not None)
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:

@@ -11,6 +11,12 @@ LABEL = "label"
 """Said of a spelling where what is left out belongs to no label."""
 
 SPELLINGS: tuple[tuple[str, ...], ...] = (
+    # \\boxed{…} around an equation, and an equals sign with something over it.
+    ("\\boxed { of:< @content{1,60} > }", "$of", LABEL),
+    ("%over_equality { %not_brace{1,12} } { = }", "="),
+    # np.cos, sp.diff, and th1.diff(t), th1.diff(t, 2), L.diff(th1) of SymPy.
+    ("%fresh < np | numpy | sp | sympy | sm | math > ~. &~%latin", ""),
+    ("%fresh name:@name_of_sympy @of_time? ~. ~diff ~(", "d i f f ( $name ,"),
     # ± in front of a function of two values: each is looked at.
     ("< ± | \\pm > &< %digit{0,2} %times? < @two_valued | √ > >", "+"),
     ("√", "\\sqrt"),
@@ -104,6 +110,8 @@ SPELLINGS: tuple[tuple[str, ...], ...] = (
     ("%fresh < \\det | det > (? J < ~_? {? letter:%chain_letter }? >? )? &< &? < = | %last > >",
      "d e t J $letter"),
     ("%fresh < \\det | det > (? letter:%matrix_letter )? &< &? < = | %last > >", "d e t $letter"),
+    # |x|.
+    ("%bar of:< %not_bar{1,60} > %bar", "a b s ( $of )"),
     # Kane's F_1*, F₁*, F^*_1: a number follows where * multiplies.
     ("%fresh name:@force_number < @asterisk | ~* &< = | + | %last | %minus < %apart | %last > > >",
      "$name '"),
