@@ -20,7 +20,6 @@ from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,
@@ -29,7 +28,7 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.torques import TorqueInput, drive_of
+from freebody.motion.simulation.run import Simulation, TorqueInput, drive_of
 from freebody.trees.special_joints import all_driven
 
 if TYPE_CHECKING:

@@ -13,16 +13,16 @@ from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, sticking_friction
 from freebody.motion.simulation.arguments import (
     TOLERANCE,
-    Progress,
-    Simulation,
+    all_wrenches,
+    breakpoints_of,
     contacts_of,
+    forces_of,
     has_friction,
-    paced,
     require_counts,
     require_friction,
     require_sizes,
-    simulation_of,
     times_of,
+    torque_of,
 )
 from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
@@ -34,16 +34,16 @@ from freebody.motion.simulation.results import (
     dataset,
     recorded,
 )
+from freebody.motion.simulation.run import (
+    CompiledTorque,
+    Progress,
+    Simulation,
+    TorqueArgument,
+    paced,
+    simulation_of,
+)
 from freebody.motion.simulation.side_by_side import side_by_side
 from freebody.motion.simulation.step_kernels import STEP_METHODS
-from freebody.motion.simulation.torques import (
-    CompiledTorque,
-    TorqueArgument,
-    all_wrenches,
-    breakpoints_of,
-    forces_of,
-    torque_of,
-)
 from freebody.motion.simulation.unending import MOST
 from freebody.targets import result_memory
 from freebody.trees.public_calls import FrameWrenchTable, JointVector
