@@ -6,12 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-from freebody.errors import UnknownNameError
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.first_kind import FirstKind
 from freebody_textbook.closed_chains.statics import LoopStatics
 from freebody_textbook.derivation import Meaning, Step
-from freebody_textbook.methods.setting import Setting
 
 LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
 """Names of the components of the force on the tip."""
@@ -80,13 +78,3 @@ class Method:
     at_rest: bool = False
     finds_torques: bool = True
     absolute: bool = False
-
-    def __call__(self, setting: Setting, **chosen: str) -> Worked:
-        """The derivation of a setting; an option that is not chosen has its default."""
-        own = {option.name: option for option in self.options}
-        for name, value in chosen.items():
-            if value not in own[name].choices:
-                raise UnknownNameError(name, value, self.name, own[name].choices)
-        return self.work_out(
-            setting, **{name: option.choices[0] for name, option in own.items()} | chosen
-        )
