@@ -212,7 +212,7 @@ class Replay(Titled):
     """Decimal logarithm of the factor by which the linearised dynamics amplify an error over the
     whole motion."""
     friction_width: float
-    """Rate (rad/s, m/s) over which Coulomb friction is smoothed, c tanh(q̇ / width), in torque and
+    """Rate (rad/s, m/s) over which dry friction is smoothed, c tanh(q̇ / width), in torque and
     model; 0: none."""
     text: str
     """Sentences on what happened, and what the drift comes from."""

@@ -55,8 +55,8 @@ def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
 def inverse_dynamics_derivatives(
     model: Model, q: JointVector, qd: JointVector, qdd: JointVector
 ) -> tuple[Array, Array, Array]:
-    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant),
-    springs, rotors included.
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (the sign of
+    what is dry being constant), springs, rotors included.
 
     q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the
     tangent space: along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.

@@ -168,9 +168,9 @@ def energy_regressor(model: Model, q: JointVector, qd: JointVector) -> Array:
 
 def inertial_parameters(model: Model) -> dict[str, Any]:
     """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its
-    joint's origin, in its axes (plane: m, hx, hy, I); then of each joint with a drive viscous,
-    coulomb, rotor (J gear²), stiffness, stiffness_rest, and those of other laws that act. Of a
-    family arrays where members differ."""
+    joint's origin, in its axes (plane: m, hx, hy, I); then of each joint with a drive the
+    numbers of the laws that act there by their names, such as viscous, rotor (J gear²) and
+    stiffness. Of a family arrays where members differ."""
     require_model("inertial_parameters", model)
     values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(model.tree))
     return dict(zip(parameter_names(model), values, strict=True))

@@ -84,7 +84,7 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
         )
     if not has_friction(model):
         raise FreebodyError(
-            f"simulate: friction_width= is of {_DRY.what}, and no joint of {model.name!r} has "
+            f"simulate: friction_width= is of dry friction, and no joint of {model.name!r} has "
             f"any: leave it out, or give a joint some (model.with_drive(joint, {_DRY.name}=…))."
         )
 

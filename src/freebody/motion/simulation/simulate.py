@@ -120,7 +120,7 @@ def simulate(
         a hundredth of it (of Radau and BDF, which damp errors, as much), the absolute one a
         hundredth of that.
     friction
-        "smooth": Coulomb friction acts as c tanh(q̇ / friction_width) (c q̇ / √(q̇² + width²) in
+        "smooth": dry friction acts as c tanh(q̇ / friction_width) (c q̇ / √(q̇² + width²) in
         "implicit"), so that a joint at rest creeps instead of sticking. "dry": as c sign(q̇), and a
         joint that comes to rest stays there as long as at most c is needed to hold it. Dry friction
         and stops need an open chain and the method "auto", "rk4" or "semi-implicit": steps end at
@@ -283,7 +283,7 @@ def _used(model: Model, run: Simulation, chosen: str, friction: str) -> dict[str
     return {
         "method": chosen,
         **({"tolerance": run.tolerance} if chosen not in STEP_METHODS else {}),
-        "coulomb_friction": words.format(width=run.width) if has_friction(model) else "none",
+        "dry_friction": words.format(width=run.width) if has_friction(model) else "none",
         "friction_width": run.width,
         **({"stops": "at the limits, rebound with the fraction restitution="} if stops else {}),
     }

@@ -162,7 +162,7 @@ def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
         return (
             "The motion itself asks for no such steps: a function that jumps, or that returns "
             "something else at each call, does. breakpoints= says where it jumps, sample_time= "
-            "that it is called now and then, friction='dry' is Coulomb friction."
+            "that it is called now and then, friction='dry' is friction that sticks."
         )
     return "The motion may pass a state without finite acceleration, or be stiff."
 
