@@ -38,7 +38,7 @@ class LimitUse:
 
     @property
     def exceeded(self) -> bool:
-        """Whether it is beyond the limit; on it is within."""
+        """Whether the value is beyond the limit; a value on the limit is within."""
         return self.fraction > 1.0 + CLOSE
 
     @property

@@ -75,7 +75,8 @@ def precedence(node: Expression) -> int:
 
 
 def is_call(node: Expression) -> bool:
-    """Whether it is a function or its power, whose argument may stand without brackets."""
+    """Whether an expression is a function or its power, whose argument may stand without
+    brackets."""
     return isinstance(node, Function) or (
         isinstance(node, Power) and isinstance(node.base, Function)
     )

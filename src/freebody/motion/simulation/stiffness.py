@@ -59,7 +59,7 @@ class StiffnessWatch:
     done: bool = False
 
     def steps(self, method: str) -> bool:
-        """Whether it is time to look, after one more step of a method."""
+        """Whether stiffness is looked for now, after one more step of a method."""
         if self.done or method not in EXPLICIT:
             return False
         self.count += 1

@@ -64,7 +64,7 @@ class Host:
 
     @property
     def x86(self) -> bool:
-        """Whether this is a 64-bit x86."""
+        """Whether the host is a 64-bit x86."""
         return self.triple.startswith(("x86_64", "amd64"))
 
     def machine(self, width: int | None = None, real: Real = DOUBLE) -> Machine:

@@ -58,7 +58,7 @@ class AdmissibleStates(StateValues):
 
     @property
     def is_home(self) -> AnyArray:
-        """Which states are on the branch of the home."""
+        """Flags of the states on the branch of the home."""
         return self.branch == 0
 
     def with_any(self, coordinates: Collection[str]) -> AdmissibleStates:
