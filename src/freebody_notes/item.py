@@ -69,7 +69,7 @@ class Item:
 
     @property
     def chapter(self) -> int:
-        """1 to 6."""
+        """The number of the chapter, 1 to 6."""
         return int(self.section[0])
 
     @property

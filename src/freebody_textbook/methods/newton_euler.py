@@ -390,7 +390,7 @@ def _loaded(s: Setting, i: int) -> bool:
 
 
 def _subtree(s: Setting, i: int) -> list[int]:
-    """Body i and all that hangs on it."""
+    """Indices of body i and of all bodies that hang on it."""
     return [i, *(k for child in s.tree.children(i) for k in _subtree(s, child))]
 
 

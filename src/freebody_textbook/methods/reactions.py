@@ -31,7 +31,7 @@ class SolvedReactions:
 
     @property
     def n(self) -> dict[int, Vector]:
-        """Moments about the joints."""
+        """Moments of the reactions about the joints."""
         return {i: n for i, (_, n) in self._found.items()}
 
     @cached_property

@@ -206,7 +206,7 @@ class Setting:
 
     @property
     def weighs(self) -> bool:
-        """Whether there is gravity."""
+        """Whether gravity acts."""
         return any(not (isinstance(x, float) and x == 0.0) for x in self.tree.gravity)
 
     # ------------------------------------------------------------ the tip

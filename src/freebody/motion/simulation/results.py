@@ -108,7 +108,7 @@ class States:
 
     @cached_property
     def qdd(self) -> Array:
-        """Accelerations (R, ..., nv)."""
+        """Accelerations (R, ..., nv) under all that acts."""
         run = self.run
         axes = len(run.lanes.shape) + 2  # all: times come first, what is common to motions last
         loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in run.wrenches.items()}

@@ -180,7 +180,8 @@ _LOADING, _OF_CODE = 16 * 2**20, 64
 
 @cache
 def library() -> Any:
-    """LLVM's. Raises OutOfMemoryError."""
+    """LLVM's binding, loaded on first use; raises OutOfMemoryError where there is no room for
+    it."""
     _require_room(_LIBRARY, "to load its library")
     import llvmlite.binding as llvm
 

@@ -178,7 +178,7 @@ class RightEquations:
 
     @cached_property
     def _of_unknown_rate(self) -> frozenset[str]:
-        """The forces from outside."""
+        """Names of the forces from outside, of whose rates nothing is known."""
         return frozenset(FORCES if self.is_free_body else self.loads)
 
     @property

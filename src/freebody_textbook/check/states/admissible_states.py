@@ -138,7 +138,7 @@ class StateSampler:
 
     # ------------------------------------------------------------ what is drawn
     def _parameters(self, chance: np.random.Generator) -> dict[str, float]:
-        """Values of the parameters."""
+        """Values of the robot's parameters at the states."""
         found = {}
         for name, x in self.setting.symbols.model.parameters.items():
             varied = chance.uniform(1 - _VARIED, 1 + _VARIED)
