@@ -1,10 +1,10 @@
-"""The arguments of `simulate`, checked: sizes, times and contacts; torques, forces and wrenches as
-they are given, constants, tables over its times, Python functions, and laws that `fb.compile`
-compiled."""
+"""The arguments of `simulate`, checked: sizes, names, times and contacts; torques, forces and
+wrenches as they are given, constants, tables over its times, Python functions, and laws that
+`fb.compile` compiled."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,12 +23,14 @@ from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.inputs import INPUTS
 from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import ColumnKernel, KernelList
+from freebody.kernels.options import several
 from freebody.labels import is_labelled, row_times
 from freebody.model.drives import LAWS
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import FINEST
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
+from freebody.motion.simulation.results import RECORDED
 from freebody.motion.simulation.run import (
     CompiledTorque,
     TorqueArgument,
@@ -92,6 +94,20 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 def has_friction(model: Model) -> bool:
     """Whether the friction of a drive of the model depends on the sign of a rate."""
     return smooth_friction(model)[1].acts
+
+
+def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
+    """Names of the quantities that are wanted; None: all that the model has."""
+    known = [name for name, quantity in RECORDED.items() if model.loops or not quantity.loops]
+    if names is None:
+        return tuple(known)
+    listed = several("simulate", "record=", names)
+    for name in listed:
+        if name not in known:
+            raise UnknownNameError("quantity", name, "record=", known)
+    if not listed or len(set(listed)) < len(listed):
+        raise FreebodyError("simulate: record= names at least one quantity, and each once.")
+    return listed
 
 
 def times_of(t: ArrayLike) -> Array:

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import several
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
@@ -193,20 +192,6 @@ RECORDED = {
     ),
 }
 """The quantities of a result by their names."""
-
-
-def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
-    """Names of the quantities that are wanted; None: all that the model has."""
-    known = [name for name, quantity in RECORDED.items() if model.loops or not quantity.loops]
-    if names is None:
-        return tuple(known)
-    listed = several("simulate", "record=", names)
-    for name in listed:
-        if name not in known:
-            raise UnknownNameError("quantity", name, "record=", known)
-    if not listed or len(set(listed)) < len(listed):
-        raise FreebodyError("simulate: record= names at least one quantity, and each once.")
-    return listed
 
 
 def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:

@@ -18,6 +18,7 @@ from freebody.motion.simulation.arguments import (
     contacts_of,
     forces_of,
     has_friction,
+    recorded,
     require_counts,
     require_friction,
     require_sizes,
@@ -32,7 +33,6 @@ from freebody.motion.simulation.results import (
     SimulationInterrupted,
     SimulationStopped,
     dataset,
-    recorded,
 )
 from freebody.motion.simulation.run import (
     CompiledTorque,
