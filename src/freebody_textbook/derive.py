@@ -14,13 +14,12 @@ from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
 from freebody.model.model import Model
 from freebody_textbook.closed_chains.first_kind import multipliers
-from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
+from freebody_textbook.derivation import Comparison, Derivation, Method, Step, written_in
 from freebody_textbook.drawings.illustrate import drawings, living_parts
 from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, freed
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.method import LOADS, Method
 from freebody_textbook.methods.overview import overview, without_repeated_legs
-from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.setting import LOADS, Setting
 from freebody_textbook.methods.whole_bodies import (
     sentences_on_whole_bodies,
     symbols_of_bodies,
