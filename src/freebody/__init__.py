@@ -60,6 +60,7 @@ _PLACES = {
         "inverse_dynamics_second_derivatives",
         "forward_dynamics_derivatives",
         "mass_matrix",
+        "mass_matrix_inverse",
         "coriolis_matrix",
         "bias",
         "gravity_torque",
@@ -67,6 +68,7 @@ _PLACES = {
         "kinetic_energy",
         "potential_energy",
         "momentum",
+        "centroidal_momentum_matrix",
     ),
     "freebody.any_chain.dynamics": (
         "inverse_dynamics",
@@ -76,10 +78,10 @@ _PLACES = {
     ),
     "freebody.any_chain.reactions": ("reactions",),
     "freebody.trees.operational_space": (
-        "mass_matrix_inverse",
         "operational_space_inertia",
         "operational_space_bias",
-        "centroidal_momentum_matrix",
+    ),
+    "freebody.trees.regressors": (
         "regressor",
         "energy_regressor",
         "inertial_parameters",
@@ -159,6 +161,7 @@ _QUICK = tuple(
         "any_chain.dynamics",
         "trees.dynamics",
         "trees.operational_space",
+        "trees.regressors",
         "trees.controllers",
         "trees.states",
         "inverse.rates",

@@ -215,5 +215,5 @@ def exercises() -> tuple[Exercise, ...]:
 
 
 def solution(exercise: Exercise) -> Markup:
-    """The solution as HTML."""
+    """The solution of an exercise as HTML."""
     return Markup(SOLUTIONS[exercise.id]())

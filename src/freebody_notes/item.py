@@ -69,12 +69,12 @@ class Item:
 
     @property
     def chapter(self) -> int:
-        """1 to 6."""
+        """The number of the chapter, 1 to 6."""
         return int(self.section[0])
 
     @property
     def number(self) -> str:
-        """How the notes call it: equation (3.22), figure 1.2, or its section."""
+        """The number by which the notes call it: equation (3.22), figure 1.2, or its section."""
         kind, _, rest = self.id.partition("-")
         if kind == "eq":
             return f"equation ({rest})"
@@ -93,7 +93,7 @@ class Item:
 
     @property
     def is_figure(self) -> bool:
-        """Whether it is a figure, and no equation or sentence."""
+        """Whether the item is a figure, and no equation or sentence."""
         return self.id.startswith("fig-")
 
 

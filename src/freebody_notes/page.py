@@ -68,12 +68,12 @@ class Card:
 
     @property
     def item(self) -> Item:
-        """The item."""
+        """The item of the notes that the card shows."""
         return self.finding.item
 
     @property
     def verdict(self) -> str:
-        """Words for the verdict."""
+        """Words for the verdict on the item."""
         return WORDS[self.finding.verdict]
 
 

@@ -14,13 +14,12 @@ from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
 from freebody.model.model import Model
 from freebody_textbook.closed_chains.first_kind import multipliers
-from freebody_textbook.derivation import Comparison, Derivation, Step, written_in
+from freebody_textbook.derivation import Comparison, Derivation, Method, Step, written_in
 from freebody_textbook.drawings.illustrate import drawings, living_parts
 from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, freed
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.method import LOADS, Method
 from freebody_textbook.methods.overview import overview, without_repeated_legs
-from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.setting import LOADS, Setting
 from freebody_textbook.methods.whole_bodies import (
     sentences_on_whole_bodies,
     symbols_of_bodies,
@@ -78,29 +77,20 @@ def derive(
     the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
-    _require_options(record, load, options)
+    chosen = _options(record, load, options)
     _require_served(record, model)
     if load is None:
         load = record.at_rest and _has_moving_tip(model)
-    names = LOADS[model.dim] if load else ()
-    extra = (*names, *multipliers(model), *velocity_names(model))
-    style, caller = notation_of(notation, parameters), f"derive {record.name!r}"
+    style = notation_of(notation, parameters)
     model = freed(model, style.parameters)
-    made = symbols_of_bodies(caller, model, extra, euler=True)
-    _require_angles(record, style, model)
-    angles = angles_of(caller, style, made.model)
-    if style.parameters or any(angles):
-        formulas = as_terms(formulas_of(caller, made, style.parameters))
-        made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
-    lettering = lettering_of(style, made.model, made.coordinates)
-    setting = Setting(made, names, record.at_rest, lettering)
-    worked = record(setting, **options)
+    setting = _setting(record, model, LOADS[model.dim] if load else (), style)
+    worked = record.work_out(setting, **chosen)
     given, glossary = overview(setting, record, worked)
     given = " ".join(
         [
             given,
-            *sentences_on_whole_bodies(model, made, not worked.robot),
-            *formulas_in_words(made, setting.layout),
+            *sentences_on_whole_bodies(model, setting.symbols, not worked.robot),
+            *formulas_in_words(setting.symbols, setting.layout),
         ]
     )
     derivation = Derivation(
@@ -116,7 +106,22 @@ def derive(
         draw=drawings,
         enliven=living_parts,
     )
-    return written_in(lettering, derivation)
+    return written_in(setting.letters, derivation)
+
+
+def _setting(record: Method, model: Model, load: tuple[str, ...], style: BookNotation) -> Setting:
+    """The model over polynomials, with what a method and a notation ask for; load: names of the
+    components of the force on the tip."""
+    extra = (*load, *multipliers(model), *velocity_names(model))
+    caller = f"derive {record.name!r}"
+    made = symbols_of_bodies(caller, model, extra, euler=True)
+    _require_angles(record, style, model)
+    angles = angles_of(caller, style, made.model)
+    if style.parameters or any(angles):  # formulas are read in the symbols of the model without
+        formulas = as_terms(formulas_of(caller, made, style.parameters))
+        made = symbols_of_bodies(caller, model, extra, True, formulas, *angles)
+    lettering = lettering_of(style, made.model, made.coordinates)
+    return Setting(made, load, record.at_rest, lettering)
 
 
 def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
@@ -172,8 +177,9 @@ def _require_served(method: Method, model: Model) -> None:
     )
 
 
-def _require_options(method: Method, load: bool | None, options: Mapping[str, Any]) -> None:
-    """Refuse what the method would not use."""
+def _options(method: Method, load: bool | None, options: Mapping[str, Any]) -> dict[str, str]:
+    """The method's options, one that is not chosen with its default; refuses what the method would
+    not use."""
     own = [option.name for option in method.options]
     for name in options:
         owners = [m.name for m in METHODS.values() if name in (option.name for option in m.options)]
@@ -187,6 +193,11 @@ def _require_options(method: Method, load: bool | None, options: Mapping[str, An
             )
     if load and not method.finds_torques:
         raise FreebodyError(f"derive {method.name!r}: forces do not occur in it; leave load out.")
+    found = {option.name: option.choices[0] for option in method.options} | dict(options)
+    for option in method.options:
+        if found[option.name] not in option.choices:
+            raise UnknownNameError(option.name, found[option.name], method.name, option.choices)
+    return found
 
 
 def _require_angles(method: Method, notation: BookNotation, model: Model) -> None:

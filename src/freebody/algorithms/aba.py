@@ -99,7 +99,7 @@ def _less(inertia: Matrix, U: Vector, inverse: Scalar) -> Matrix:
 
 
 def _size_angular(space: AnySpace) -> int:
-    """Number of angular entries."""
+    """The number of angular entries of a motion."""
     return len(space.zero_angular)
 
 

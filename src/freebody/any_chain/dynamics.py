@@ -49,7 +49,7 @@ def _by_chain(
 
 
 def _closed_inverse(model: Model, *arguments: Any) -> Array:
-    from freebody.loops.drive_torques import inverse_dynamics
+    from freebody.loops.forces import inverse_dynamics
 
     return inverse_dynamics(model, *arguments)
 
@@ -61,7 +61,7 @@ def _closed_forward(model: Model, *arguments: Any) -> Array:
 
 
 def _closed_static(model: Model, *arguments: Any) -> Array:
-    from freebody.loops.drive_torques import static_torque
+    from freebody.loops.forces import static_torque
 
     return static_torque(model, *arguments)
 

@@ -15,18 +15,8 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.accelerations import definite_accelerations
-from freebody.loops.drive_torques import motion_torques
-from freebody.loops.equations import branches, scaled_jacobian
-from freebody.loops.independent_equations import partition_of_loops
-from freebody.loops.scaled_equations import (
-    RANK,
-    every_jacobian,
-    length,
-    mechanism,
-    null_space,
-    rate_scale,
-    row_scale,
-)
+from freebody.loops.forces import loop_multipliers, motion_torques
+from freebody.loops.scaled_equations import length
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
@@ -38,10 +28,6 @@ from freebody.trees.public_calls import (
 )
 from freebody.trees.special_joints import refuse_passive
 from freebody.values import ByValue
-
-_ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
-_DETERMINED = 1e-7
-"""Part of a wrench, relative to the largest, that undetermined multipliers may add."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -217,92 +203,21 @@ def _found(
 
     q, _, qdd = motion
     multipliers = np.zeros((*q.shape[:-1], 0))
-    determined = np.ones((*q.shape[:-1], *_shape(model)), dtype=bool)
+    determined = None
     if model.loops:
         opened = fetch(model.opened, ("inverse_dynamics",), Option(wrench_frames=frames))
         needed = opened(*motion, *loads)
-        multipliers, determined = _multipliers(
+        multipliers, determined = loop_multipliers(
             first_member(model), q, tau + forces - needed, reference
         )
     world = wrenches_in("world")
+    if determined is None:
+        determined = np.ones(world.shape, dtype=bool)
     left = balance(model, *motion, world, dict(zip(frames, loads, strict=True)))
     chosen = world if reference == "world" else wrenches_in(reference)
     force, moment = (float(np.abs(x).max(initial=0.0)) for x in (left.force, left.moment))
     miss = max(force, moment / length(first_member(model))) / (left.largest_force or 1.0)
     return Reactions(model.reaction_names, chosen, determined, multipliers, qdd, tau, miss)
-
-
-def _shape(model: Model) -> tuple[int, int]:
-    """Shape of the wrenches of one sample."""
-    return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
-
-
-def _multipliers(
-    model: Model, q: Array, force: Array, reference: str
-) -> tuple[Array, NDArray[np.bool_]]:
-    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need;
-    which components of the wrenches they determine (..., k, six)."""
-    batch, chosen = q.shape[:-1], partition_of_loops(model)
-    determined = np.ones((*batch, *_shape(model)), dtype=bool)
-    if chosen is None:
-        multipliers = np.zeros((*batch, mechanism(model).constraints))
-        with_care = np.ones(batch, dtype=bool)
-    else:
-        multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
-        with_care = np.asarray(np.isnan(multipliers).any(axis=-1))
-        if len(chosen.rows) < mechanism(model).constraints:
-            change = fetch(
-                model, ("loose_wrenches",), Option(reference=reference, partition=chosen)
-            )(q)
-            determined = _undisturbed(
-                model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED)
-            )
-    for taken, part in branches(model, q, with_care):
-        for index in np.argwhere(part):
-            at = tuple(index)
-            multipliers[at], determined[at] = _careful_multipliers(
-                taken, q[at], force[at], reference
-            )
-    return multipliers, determined
-
-
-def _careful_multipliers(
-    model: Model, q: Array, force: Array, reference: str
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Multipliers of one sample and the components that they determine, whatever the rank."""
-    rows = row_scale(model)
-    A = scaled_jacobian(model, q)
-    multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
-    combinations = rows[:, None] * null_space(A, RANK)[1]
-    if not combinations.shape[1]:
-        return multipliers, np.ones(_shape(model), dtype=bool)
-    kernel = fetch(model, ("closed_wrenches",), Option(reference=reference))
-    still = np.zeros(model.nv)
-    rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
-    change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
-    doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
-    return multipliers, _undisturbed(model, change, np.array(doubt))
-
-
-def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
-    """(..., k, six): which components of the wrenches combinations of multipliers that no motion
-    feels leave alone.
-
-    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what
-    is nothing.
-    """
-    size = change.copy()
-    size[..., model.dim :] /= length(model)  # forces and moments compare
-    largest = size.max(axis=(-2, -1), initial=1e-300)
-    return size < (doubt * largest)[..., None, None]
-
-
-def _doubt(counting: Array, every: Array) -> float:
-    """Doubt that rounding in the model's numbers adds to a wrench that is determined, relative to
-    what is not: equations (m, nv) that do not count against the least of those that do."""
-    s = np.linalg.svd(counting, compute_uv=False)
-    least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
-    return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ def simulate(
     ] = None,
     friction: Annotated[
         Literal["smooth", "dry"],
-        typer.Option(help="Coulomb friction about rest: smooth creeps, dry sticks."),
+        typer.Option(help="Dry friction about rest: smooth creeps, dry sticks."),
     ] = "smooth",
     restitution: Annotated[
         float | None,

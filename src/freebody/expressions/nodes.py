@@ -71,7 +71,7 @@ class Expression:
         return f"<{type(self).__name__} {self}>"
 
     def latex(self) -> str:
-        """LaTeX, without dollar signs."""
+        """The expression as LaTeX, without dollar signs."""
         return STYLES["latex"](self)
 
     def mathml(self) -> str:

@@ -40,7 +40,7 @@ class Condition(Titled):
         return _joined([str(e) for e in self.solutions or (self.equation,)])
 
     def latex(self) -> str:
-        """LaTeX, without dollar signs."""
+        """The condition as LaTeX, without dollar signs."""
         rows = [e.latex() for e in self.solutions or (self.equation,)]
         return r" \quad\text{or}\quad ".join(rows)
 

@@ -62,8 +62,6 @@ class BodyLoads:
     """The name of the body's mass."""
     inertial_force: Array
     """Mass times acceleration, m a_c (dim,)."""
-    inertial_moment: Array
-    """Rate of the angular momentum about the centre of mass."""
     force_residual: float
     """|Σ F - m a_c| (N), rounding included."""
     moment_residual: float
@@ -92,10 +90,10 @@ def body_loads(
     found, cleared = [], _without_noise([load for _, load in acting], extent([pose]))
     for body in pose.bodies:
         at = [k for k, (on, _) in enumerate(acting) if on == body.index]
-        rates = _rates(model, body, recursion)
-        balance = _residuals(body, [acting[k][1] for k in at], *rates)
+        force, spun = _rates(model, body, recursion)
+        balance = _residuals(body, [acting[k][1] for k in at], force, spun)
         loads = tuple(_named(names, cleared[k]) for k in at)
-        found.append(BodyLoads(body, loads, label(names.mass(body.number)), *rates, *balance))
+        found.append(BodyLoads(body, loads, label(names.mass(body.number)), force, *balance))
     return tuple(found)
 
 

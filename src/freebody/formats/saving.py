@@ -107,13 +107,10 @@ class _TomlWriter:
         taken = {joint.name for joint in self.joints}
         return [
             *(self.link(frame) for frame in self.links),
+            *(_joint(joint, frames[joint.parent].placement) for joint in self.joints),
+            *(_fixed(frame, frames[frame.parent], taken) for frame in fixed),
             *(
-                _joint(joint, frames[joint.parent].placement, self.model.dim)
-                for joint in self.joints
-            ),
-            *(_fixed(frame, frames[frame.parent], taken, self.model.dim) for frame in fixed),
-            *(
-                _mounted(frame, frames[frame.parent], self.model.dim)
+                _mounted(frame, frames[frame.parent])
                 for frame in self.model.frames
                 if frame.mounted
             ),
@@ -128,7 +125,7 @@ class _TomlWriter:
             entries.update(_mass(part.inertia))
             own = _behind(frame.placement, part.placement)
             if own.steps:
-                entries["inertia_frame"] = _inline(_place(own, self.model.dim))
+                entries["inertia_frame"] = _inline(_place(own))
         return _section("link", entries)
 
     def payload(self, part: Attached) -> str:
@@ -138,14 +135,14 @@ class _TomlWriter:
         )
 
 
-def _joint(joint: Joint, parent: Placement, dim: int) -> str:
+def _joint(joint: Joint, parent: Placement) -> str:
     entries = {
         "name": _text(joint.name),
         "kind": _text(joint.kind),
         "parent": _text(joint.parent),
         "child": _text(joint.child),
     }
-    entries.update(_place(_behind(parent, joint.placement), dim))
+    entries.update(_place(_behind(parent, joint.placement)))
     if KINDS[joint.kind].needs_axis:
         entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
     for number, value in zip(KINDS[joint.kind].numbers, joint.numbers, strict=True):
@@ -206,18 +203,18 @@ for _number in (number for law in LAWS.values() if law.usual for number in law.n
     _NOTHING.setdefault(_number.place[0], {})[_number.place[1]] = repr(_number.default)
 
 
-def _fixed(frame: Frame, parent: Frame, taken: set[str], dim: int) -> str:
+def _fixed(frame: Frame, parent: Frame, taken: set[str]) -> str:
     name = f"{frame.name}_joint"
     while name in taken:
         name += "_"
     taken.add(name)
     entries = {"name": name, "kind": "fixed", "parent": parent.name, "child": frame.name}
-    place = _place(_behind(parent.placement, frame.placement), dim)
+    place = _place(_behind(parent.placement, frame.placement))
     return _section("joint", {key: _text(value) for key, value in entries.items()} | place)
 
 
-def _mounted(frame: Frame, parent: Frame, dim: int) -> str:
-    place = _place(_behind(parent.placement, frame.placement), dim)
+def _mounted(frame: Frame, parent: Frame) -> str:
+    place = _place(_behind(parent.placement, frame.placement))
     return _section("frame", {"name": _text(frame.name), "parent": _text(parent.name), **place})
 
 
@@ -232,7 +229,7 @@ def _behind(outer: Placement, whole: Placement) -> Placement:
     return Placement(whole.steps[len(outer.steps) :])
 
 
-def _place(placement: Placement, dim: int) -> dict[str, str]:
+def _place(placement: Placement) -> dict[str, str]:
     """A shift and a rotation where that is all; else the list of steps."""
     match placement.steps:
         case ():

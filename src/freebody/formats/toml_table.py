@@ -274,7 +274,7 @@ class TomlTable:
 
 
 def _label(at: KeyPath) -> str:
-    """inertia[2] for ("inertia", 2)."""
+    """A key path as messages write it: inertia[2] for ("inertia", 2)."""
     return "".join(
         f"[{part}]" if isinstance(part, int) else f".{part}" for part in at
     ).removeprefix(".")

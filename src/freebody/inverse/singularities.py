@@ -28,7 +28,7 @@ SHORT = 20_000
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Singularities(Titled):
-    """Where the counted rows of a frame's Jacobian lose rank.
+    """The poses at which the counted rows of a frame's Jacobian lose rank.
 
     rows: their names. notes: which rows and why, and what could not be done in closed form.
     """

@@ -228,8 +228,8 @@ def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:
 
 
 def gaps(model: Model, phi: Array) -> Array:
-    """How far each loop is open (..., loops), from scaled Φ (..., m): metres and sines together,
-    the latter times the length."""
+    """The distance by which each loop is open (..., loops), from scaled Φ (..., m): metres and
+    sines together, the latter times the length."""
     size = phi * length(model)
     of_row = np.array(loop_of_row(model))
     parts = [np.linalg.norm(size[..., of_row == i], axis=-1) for i in range(len(model.loops))]

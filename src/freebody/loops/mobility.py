@@ -55,7 +55,7 @@ class Mobility(InWords, ByValue):
 
     @property
     def singular(self) -> bool:
-        """Whether this position has more freedom at once than the mechanism in general."""
+        """Whether the mechanism has more freedom at this position than in general."""
         return self.instantaneous > self.generic
 
     @property

@@ -64,7 +64,7 @@ _SLACK = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Redundancy:
-    """Which combinations of the loop equations count."""
+    """The combinations of the loop equations that count."""
 
     rank: int | None
     """The number of combinations that count; None where all equations hold together, to rounding in

@@ -59,7 +59,8 @@ def mechanism(model: Model) -> Tree:
 
 
 class _Places(Pieces):
-    """Where everything is, and no more: what a tree without masses and drives is made of."""
+    """A reader that tells where everything is, and no more: what a tree without masses and drives
+    is made of."""
 
     def pose(self, placement: Placement) -> Pose:
         return pose_part(placement, self.space.dim).pose

@@ -315,7 +315,7 @@ def joined(parts: Sequence[Array]) -> Array:
 
 
 def is_exactly(x: Scalar, *exact: float) -> bool:
-    """Whether it is one of these numbers, and no array of a family."""
+    """Whether a scalar is one of some exact numbers, and no array of a family."""
     return (type(x) is float or isinstance(x, (float, int))) and x in exact
 
 

@@ -111,8 +111,7 @@ class Drive(_LawNumbers, Keeps):
     """Forces along a joint of one coordinate besides the motor's: the numbers of all laws
     (`model.drives`), 0 where a law does not act; names of symbols may be given.
 
-    Friction: viscous d q̇ + coulomb sign(q̇). Rotor: inertia J seen through a gear as J gear².
-    Spring: stiffness (q - rest).
+    Among them viscous and dry friction; a rotor, whose inertia J a gear shows as J gear²; a spring.
     """
 
     @property

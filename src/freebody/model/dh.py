@@ -16,6 +16,7 @@ import numpy as np
 from freebody.errors import FileError, ModelError, UnknownNameError, shown
 from freebody.model.build import Policy, build_model
 from freebody.model.description import Drive, Joint, Limits, Link, Mount, RobotDescription
+from freebody.model.drives import LAWS
 from freebody.model.families import NamedNumber
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
@@ -29,6 +30,8 @@ KEYS = (
     *("joint", "name", "theta", "d", "a", "alpha", "m", "com", "I"),
     *("rotor", "gear", "friction", "limits", "passive"),
 )
+_FRICTION = tuple(law.strength for law in LAWS.values() if law.usual and law.feature == "friction")
+"""Numbers of the usual laws of friction: the viscous one, then the dry one."""
 
 
 def dh(
@@ -47,9 +50,9 @@ def dh(
         A mapping for each joint, with the keys joint ("R" by default, or "P"), theta, d (constants;
         the joint variable's one is its offset), a, alpha (m, rad), m (kg), com (3) and I (6: ixx,
         ixy, ixz, iyy, iyz, izz, or 3×3; about the com), both in DH frame i of the convention, rotor
-        (kg m²) and gear, friction (viscous, (viscous, coulomb), or numbers by their names in
-        `Drive`), limits (lower, upper) or Limits, passive (True: the joint has no drive), name. A
-        name instead of a number is a parameter.
+        (kg m²) and gear, friction (viscous, viscous and dry as a pair, or numbers by their names
+        in `Drive`), limits (lower, upper) or Limits, passive (True: the joint has no drive), name.
+        A name instead of a number is a parameter.
     convention
         "standard" or "modified".
     gravity
@@ -194,12 +197,13 @@ def _drive(row: Mapping[str, Any], where: str) -> Drive:
     friction = row.get("friction", 0.0)
     if not isinstance(friction, tuple | list | Mapping):
         friction = (friction, 0.0)
-    if len(friction) != 2 and not isinstance(friction, Mapping):
-        raise ModelError(
-            f"{where}: friction must be viscous, or (viscous, coulomb); got {friction!r}."
-        )
     if not isinstance(friction, Mapping):
-        friction = dict(zip(("viscous", "coulomb"), friction, strict=True))
+        if len(friction) != 2:
+            raise ModelError(
+                f"{where}: friction must be {_FRICTION[0]}, or ({', '.join(_FRICTION)}); got "
+                f"{friction!r}."
+            )
+        friction = dict(zip(_FRICTION, friction, strict=True))
     given = {**friction, "rotor": row.get("rotor", 0.0), "gear": row.get("gear", 1.0)}
     return Drive(
         **{

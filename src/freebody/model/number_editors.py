@@ -40,7 +40,7 @@ class Editor(Protocol):
 
     @property
     def first(self) -> bool:
-        """Whether it writes at paths that others may move, and so goes before them."""
+        """Whether the editor writes at paths that others may move, and so goes before them."""
         ...
 
     @property

@@ -44,7 +44,7 @@ class PiecewisePolynomial(Titled, ByValue):
 
     def resting(self) -> PiecewisePolynomial:
         """The curve with functions that do not move but for rounding made constant: a joint at rest
-        whose rate is 1e-15 would feel the whole Coulomb friction."""
+        whose rate is 1e-15 would feel the whole dry friction."""
         lengths = np.diff(self.breaks)[:, None]
         starts = self.coefficients[-1]
         way = np.zeros_like(starts)

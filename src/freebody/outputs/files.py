@@ -100,7 +100,7 @@ def stem(name: str) -> str:
 
 
 def _is_stream(target: Path) -> bool:
-    """Whether it is a pipe or a terminal; raises OSError for a folder and for other devices."""
+    """Whether a path is a pipe or a terminal; raises OSError for a folder and for other devices."""
     try:
         mode = os.stat(target).st_mode
     except (FileNotFoundError, NotADirectoryError):

@@ -321,5 +321,5 @@ def _either(a: Scalar, b: Scalar) -> Scalar:
 
 
 def _is(x: Scalar, number: float) -> bool:
-    """Whether it is that number, by structure."""
+    """Whether a scalar is a given number by structure."""
     return isinstance(x, float) and x == number

@@ -11,7 +11,7 @@ from freebody.any_chain.dynamics import forward_dynamics
 from freebody.any_chain.reactions import balance
 from freebody.arrays import Array
 from freebody.errors import SingularError
-from freebody.loops import drive_torques as closed
+from freebody.loops import forces as closed
 from freebody.loops.assembly import assemble
 from freebody.loops.equations import gaps, scaled_residual
 from freebody.loops.rates import loop_velocity

@@ -76,7 +76,7 @@ def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, 
 
 
 def motion(study: Study) -> Iterator[CaptionedDrawing]:
-    """Positions, rates, accelerations."""
+    """Plots of positions, rates and accelerations over time."""
     yield from _overlays(study, "q", "Position", "")
     yield from _overlays(study, "qd", "Speed", "/s")
     yield from _overlays(study, "qdd", "Acceleration", "/s²")

@@ -15,8 +15,8 @@ from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
 from freebody.arrays import Array
 from freebody.figures.skeleton import mass_and_centre
-from freebody.loops import drive_torques as closed
-from freebody.loops.drive_torques import drive_torques
+from freebody.loops import forces as closed
+from freebody.loops.forces import drive_torques
 from freebody.model.bodies import Body
 from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model

@@ -16,7 +16,7 @@ from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.files.tables import MotionTable
 from freebody.motion.motion import Motion
-from freebody.motion.simulation.arguments import Progress
+from freebody.motion.simulation.run import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity

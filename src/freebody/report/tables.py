@@ -37,7 +37,8 @@ class PrintedNumber:
 
     @property
     def over(self) -> bool:
-        """Whether it is beyond the limit; on it is within, as for the verdict."""
+        """Whether the number is beyond its limit; one on the limit is within, as for the
+        verdict."""
         return self.bar is not None and self.bar > 1.0 + CLOSE
 
     @property

@@ -4,7 +4,7 @@ exactly.
 Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, and each torque is
 
     τ(k) = a k² + b k + c,   a = M q̈ + C q̇ + rotors,   b = viscous friction,
-                             c = gravity + springs + Coulomb friction,
+                             c = gravity + springs + dry friction,
 
 a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories",
 with friction added). Of closed chains too: what the drives feel of each part depends on the

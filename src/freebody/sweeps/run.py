@@ -26,7 +26,7 @@ from freebody.targets import KernelError
 from freebody.targets.threads import cpus
 
 if TYPE_CHECKING:
-    from freebody.motion.simulation.arguments import Progress
+    from freebody.motion.simulation.run import Progress
 
 _WORTH = 0.5
 """Seconds of work that are worth sending to a worker."""

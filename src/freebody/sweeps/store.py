@@ -207,7 +207,8 @@ class SweepStore:
 
     @contextmanager
     def _disk_errors(self) -> Iterator[None]:
-        """A disk that is full or cannot be written to: what is done stays, and is gone on with."""
+        """A context that refuses a disk that is full or cannot be written to; what is done stays,
+        and a later run goes on with it."""
         try:
             yield
         except OSError as failure:

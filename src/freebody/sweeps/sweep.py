@@ -36,7 +36,7 @@ from freebody.targets.target import target_named
 if TYPE_CHECKING:
     import xarray as xr
 
-    from freebody.motion.simulation.arguments import Progress
+    from freebody.motion.simulation.run import Progress
 
 _TILE = 1 << 18
 """Numbers of one output that are computed at once: they stay in a processor's cache."""

@@ -93,7 +93,7 @@ def plainly(value: Any) -> Any:
 
 
 def _plain(value: Any) -> bool:
-    """Whether it is an array, or lists of numbers, and nothing that carries names."""
+    """Whether a value is an array, or lists of numbers, and nothing that carries names."""
     kind = type(value)
     return kind in _PLAIN or (kind in (list, tuple) and all(map(_plain, value)))
 

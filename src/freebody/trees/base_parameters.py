@@ -15,7 +15,7 @@ from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
-from freebody.trees.operational_space import inertial_parameters
+from freebody.trees.regressors import inertial_parameters
 from freebody.trees.states import generic_state
 from freebody.values import ByValue
 

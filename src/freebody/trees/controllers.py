@@ -88,7 +88,7 @@ def computed_torque(
     """Computed torque M (q̈_ref + kd ė + kp e) + c + g + friction + springs, so that ë + kd ė + kp
     e = 0.
 
-    e = q_ref ⊖ q (`fb.difference(model, q, q_ref)`), ė = qd_ref - qd. Coulomb friction is
+    e = q_ref ⊖ q (`fb.difference(model, q, q_ref)`), ė = qd_ref - qd. Dry friction is
     compensated with the sign of q̇. As a kernel: `fb.kernel(model, "computed_torque")`.
 
     Parameters

@@ -8,12 +8,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebody.algorithms.kinematics import NO_CENTRE
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import require_square
+from freebody.model.geometry import fact
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.model.tree import about_origin
+from freebody.spatial import of_dimension
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import (
@@ -55,8 +59,8 @@ def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
 def inverse_dynamics_derivatives(
     model: Model, q: JointVector, qd: JointVector, qdd: JointVector
 ) -> tuple[Array, Array, Array]:
-    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (Coulomb's is constant),
-    springs, rotors included.
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (the sign of
+    what is dry being constant), springs, rotors included.
 
     q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the
     tangent space: along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
@@ -104,6 +108,12 @@ def _forward_derivatives(
 def mass_matrix(model: Model, q: JointVector) -> Array:
     """M (..., nv, nv), rotors included, by composite bodies. q: (..., nq)."""
     return evaluate("mass_matrix", model, (q,))
+
+
+def mass_matrix_inverse(model: Model, q: JointVector) -> Array:
+    """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no
+    inertia."""
+    return evaluate("mass_matrix_inverse", model, (q,), None, None, where_all_move_mass)
 
 
 def coriolis_matrix(model: Model, q: JointVector, qd: JointVector) -> Array:
@@ -214,3 +224,32 @@ def _momentum_about(
 
 def _about(model: Model, _: str) -> Option:
     return Option(point=True)
+
+
+def centroidal_momentum_matrix(model: Model, q: JointVector) -> Array:
+    """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then
+    angular, world axes.
+
+    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a
+    mass. Source: Orin, Goswami, Lee 2013.
+    """
+    return evaluate(
+        "centroidal_momentum_matrix", model, (q,), None, None, _centroidal_momentum_matrix
+    )
+
+
+def _centroidal_momentum_matrix(
+    function: str, model: Model, inputs: tuple[JointVector, ...], *_: None
+) -> Array:
+    require_model(function, model)
+    if not _moves_mass(model):
+        raise SingularError(NO_CENTRE.format("no link that moves"))
+    return careful(function, model, inputs)
+
+
+@fact
+def _moves_mass(model: Model) -> bool:
+    """Whether what moves has a centre of mass."""
+    space = of_dimension(model.dim)
+    total = sum(about_origin(space, body.masses)[0] for body in model.tree.bodies)
+    return bool(np.all(total != 0.0))

@@ -27,8 +27,8 @@ def linearize(
     q: (..., nq); qd, tau: (..., nv). A: (..., 2 nv, 2 nv). B: (..., 2 nv, m), a column for each of
     the m driven coordinates (`model.driven_names`). step (s): instead x(t + step) = A x(t) + B u(t)
     with u held over it, by the matrix exponential. δq is `fb.difference(model, q, q + δq)`, rad
-    and m; with spherical and free joints the state must be at rest. Coulomb friction is constant.
-    Raises FreebodyError, SingularError, PassiveJointError.
+    and m; with spherical and free joints the state must be at rest. The sign of dry friction is
+    constant. Raises FreebodyError, SingularError, PassiveJointError.
     """
     model.require_tree("linearize")
     rates = finite_vector("linearize", model, "qd", qd)

@@ -1,37 +1,23 @@
-"""Quantities for control and identification: operational space, the centre of mass, linear
-parameters."""
+"""Operational space: inertia and bias of a frame's motion (Khatib 1987)."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.kinematics import NO_CENTRE
-from freebody.algorithms.regressor import parameter_values
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import motion_rows, require_few_rows
-from freebody.model.geometry import fact
-from freebody.model.inertial_parameters import parameter_names
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.model.tree import about_origin
-from freebody.spatial import of_dimension
 from freebody.trees.closer_looks import looking_closer
-from freebody.trees.dynamics import bias, mass_matrix, where_all_move_mass
+from freebody.trees.dynamics import bias, mass_matrix
 from freebody.trees.kinematics import jacobian, jacobian_dot
-from freebody.trees.public_calls import JointVector, careful, evaluate, refuse_overflow
-from freebody.trees.special_joints import refuse_massless, refuse_passive
-
-
-def mass_matrix_inverse(model: Model, q: JointVector) -> Array:
-    """M⁻¹ (..., nv, nv). q: (..., nq). Raises SingularError naming the joint that moves no
-    inertia."""
-    return evaluate("mass_matrix_inverse", model, (q,), None, None, where_all_move_mass)
+from freebody.trees.public_calls import JointVector, evaluate, refuse_overflow
+from freebody.trees.special_joints import refuse_massless
 
 
 def operational_space_inertia(
@@ -124,67 +110,3 @@ _INERTIA = looking_closer(partial(_inertia, "operational_space_inertia"))
 _BIAS = looking_closer(_bias)
 _DEPENDENT = 1e-10
 """Smallest singular value, relative to the largest, of rows that depend on one another."""
-
-
-def centroidal_momentum_matrix(model: Model, q: JointVector) -> Array:
-    """A (..., 6, nv): A q̇ is the momentum about the centre of mass of what moves, linear then
-    angular, world axes.
-
-    (..., 3, nv) in the plane. q: (..., nq). Raises SingularError where nothing that moves has a
-    mass. Source: Orin, Goswami, Lee 2013.
-    """
-    return evaluate(
-        "centroidal_momentum_matrix", model, (q,), None, None, _centroidal_momentum_matrix
-    )
-
-
-def _centroidal_momentum_matrix(
-    function: str, model: Model, inputs: tuple[JointVector, ...], *_: None
-) -> Array:
-    require_model(function, model)
-    if not _moves_mass(model):
-        raise SingularError(NO_CENTRE.format("no link that moves"))
-    return careful(function, model, inputs)
-
-
-@fact
-def _moves_mass(model: Model) -> bool:
-    """Whether what moves has a centre of mass."""
-    space = of_dimension(model.dim)
-    total = sum(about_origin(space, body.masses)[0] for body in model.tree.bodies)
-    return bool(np.all(total != 0.0))
-
-
-def regressor(model: Model, q: JointVector, qd: JointVector, qdd: JointVector) -> Array:
-    """Y (..., nv, p) with tau = Y π, π = `fb.inertial_parameters(model)`, in its order."""
-    return evaluate("regressor", model, (q, qd, qdd))
-
-
-def energy_regressor(model: Model, q: JointVector, qd: JointVector) -> Array:
-    """(..., 2, p): kinetic and potential energy (without the constants of springs and of links
-    fixed to the base) as linear functions of π."""
-    return evaluate("energy_regressor", model, (q, qd))
-
-
-def inertial_parameters(model: Model) -> dict[str, Any]:
-    """π by name: of each body m, hx, hy, hz (first moment), Ixx, Ixy, Ixz, Iyy, Iyz, Izz about its
-    joint's origin, in its axes (plane: m, hx, hy, I); then of each joint with a drive viscous,
-    coulomb, rotor (J gear²), stiffness, stiffness_rest, and those of other laws that act. Of a
-    family arrays where members differ."""
-    require_model("inertial_parameters", model)
-    values = (x if isinstance(x, np.ndarray) else float(x) for x in parameter_values(model.tree))
-    return dict(zip(parameter_names(model), values, strict=True))
-
-
-def forward_dynamics_parameter_derivatives(
-    model: Model, q: JointVector, qd: JointVector, tau: JointVector
-) -> Array:
-    """∂q̈/∂π (..., nv, p) = -M⁻¹ Y, π in the order of `fb.inertial_parameters`; the regressor Y is
-    ∂tau/∂π.
-
-    Raises as `forward_dynamics_derivatives` does.
-    """
-    name = "forward_dynamics_parameter_derivatives"
-    if isinstance(model, Model) and model.passive:
-        refuse_passive(name, model, tau)
-    return evaluate(name, model, (q, qd, tau), None, None, where_all_move_mass)

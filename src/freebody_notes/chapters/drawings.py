@@ -99,7 +99,7 @@ def speeds(p: Panel):
 
 
 def velocity_labels(form: str) -> Outcome:
-    """Which arrow stands at the centre of mass of the outer link."""
+    """Whether the arrow of a form's velocity stands at the centre of mass of the outer link."""
     p = Panel(notes_figure("3.2"))
     label = re.findall(r"v_c(\d)", form)[-1]
     same = np.allclose(p.start(f"v_{{c{label}}}", 0), p.start("C_2", 0))

@@ -61,7 +61,7 @@ def recovered(printed: str, angle: int) -> tuple[int, int]:
 
 
 def elbow(printed: str) -> Outcome:
-    """θ₂ from the tip."""
+    """Outcome of a formula for θ₂ from the position of the tip."""
     hits, count = recovered(printed, 1)
     arm, q, tip = poses(1)
     both = fb.inverse_kinematics(arm, tip[0])

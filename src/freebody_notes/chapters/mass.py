@@ -24,7 +24,7 @@ def particles():
 
 
 def particles_about_com():
-    """The same with the origin moved to G."""
+    """Moments of inertia of particles with the origin moved to their centre of mass G."""
     seen = particles()
     return seen | {"r": seen["rho_i"], "r_i": seen["rho_i"], "r_G": (0.0, 0.0)}
 

@@ -29,7 +29,7 @@ def thrown_body(omega=1.3, alpha=-2.1):
 
 
 def pushed_along():
-    """The same without turning."""
+    """A thrown body that does not turn."""
     return thrown_body(omega=0.0, alpha=0.0)
 
 

@@ -59,8 +59,8 @@ def upright():
 
 
 def frames(form: str) -> Outcome:
-    """Words leave it open which of the two conventions is meant; a form is held against the
-    modified one."""
+    """Outcome of a form of Denavit-Hartenberg frames, held against the modified convention: words
+    leave it open which of the two is meant."""
     row = {"a": 0.4, "alpha": 0.7, "d": 0.1, "theta": 0.0}
     theta = 0.6
     poses = {

@@ -25,7 +25,7 @@ def closed_form():
 
 
 def as_defined():
-    """Only what (3.22)–(3.27) define."""
+    """The quantities that (3.22)–(3.27) define, and no others."""
     free = closed_form()
     known = (
         "M",

@@ -68,7 +68,7 @@ def _nothing(x: Any) -> bool:
 
 
 def _terms(x: Any) -> int:
-    """How many terms a value has."""
+    """The number of terms of a value."""
     if isinstance(x, tuple):
         return sum(map(_terms, x))
     return len(x) if isinstance(x, Trig) else 1

@@ -32,11 +32,11 @@ class Panel:
     figure: Figure
 
     def start(self, name: str, panel: int | None = None) -> Array:
-        """Where an element begins or stands."""
+        """The point at which an element begins or stands."""
         return np.asarray(places(self.figure.named(name, panel))[0])
 
     def end(self, name: str, panel: int | None = None) -> Array:
-        """Where an arrow or a line ends."""
+        """The point at which an arrow or a line ends."""
         element = self.figure.named(name, panel)
         assert isinstance(element, Arrow | Line)
         return np.asarray(places(element)[-1])

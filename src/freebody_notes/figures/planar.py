@@ -23,7 +23,7 @@ from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, t
 
 
 def _single(before: str, n: str) -> str:
-    """Chapters 1 and 2 call a reaction by the joint's number alone."""
+    """A reaction's name as chapters 1 and 2 write it: the joint's number alone."""
     return n
 
 
@@ -188,6 +188,6 @@ def fixed_axis(q: JointVector = (0.7,), force: JointVector = (8.0, 30.0)) -> Fig
 
 
 def _together(title: str, *drawings: Drawing) -> Figure:
-    """Drawings to one scale."""
+    """The drawings brought to one scale."""
     to_one_scale(drawings)
     return Figure(title, drawings)

@@ -51,7 +51,7 @@ def quadrotor(
 
 
 def zxz(angles: Sequence[float]) -> Array:
-    """Rz(a) Rx(b) Rz(c) (6.8)."""
+    """The rotation Rz(a) Rx(b) Rz(c) (6.8)."""
 
     def turned(k: int, angle: float) -> Array:
         c, s = math.cos(angle), math.sin(angle)

@@ -15,8 +15,7 @@ from freebody.errors import FreebodyError
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
-    from freebody_textbook.derivation import Derivation
-    from freebody_textbook.methods.method import Method, MethodOption
+    from freebody_textbook.derivation import Derivation, Method, MethodOption
 
 EXAMPLE = "Example: freebody derive 2R --method lagrange"
 _CHOSEN = "freebody.derive"

@@ -36,7 +36,7 @@ from freebody_textbook.living.drawn_bodies import PageFigure
 from freebody_textbook.living.living import living
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, thrusts_of
-from freebody_textbook.methods.method import LOADS
+from freebody_textbook.methods.setting import LOADS
 from freebody_textbook.methods.whole_bodies import are_free
 from freebody_textbook.render.documents import LivingParts
 

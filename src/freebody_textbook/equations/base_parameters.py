@@ -208,7 +208,7 @@ class BaseEquations(ClosedForm):
 
     @cached_property
     def M(self) -> list[list[Trig]]:
-        """Mass matrix, rotors included."""
+        """The mass matrix, rotors included."""
         return [
             [x.derivative(name + SECOND) for name in self.symbols.coordinates]
             for x in self._inertial

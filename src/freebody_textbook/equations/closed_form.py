@@ -39,7 +39,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def M(self) -> list[list[Trig]]:
-        """Mass matrix, rotors included."""
+        """The mass matrix, rotors included."""
         s = self.symbols
         rows = [s.of_angles([s.element(x) for x in row]) for row in crba(s.tree, s.q)]
         return [list(row) for row in zip(*map(s.of_angles, zip(*rows, strict=True)), strict=True)]

@@ -16,10 +16,10 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.quantity_reader import QuantityReader, exact_sin_cos
 from freebody.scalars.expr import Expr
+from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
 from freebody_textbook.methods.body_values import BodyValues
 from freebody_textbook.methods.energies import Energies
-from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 
 

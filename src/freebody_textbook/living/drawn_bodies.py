@@ -16,8 +16,7 @@ from freebody.spatial import add, product, times
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.methods.method import LOADS
-from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.setting import LOADS, Setting
 
 FEW = 4
 """Bodies up to which all are drawn alone."""

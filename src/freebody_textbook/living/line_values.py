@@ -282,7 +282,7 @@ def body_of(name: str) -> str:
 
 
 def _of_vector(name: str) -> str:
-    """The number of the body whose vector it is, "" of anything else."""
+    """The number of the body to which a symbol belongs as a vector, "" for anything else."""
     own = atom(name)
     if not own.is_figures or own.primes or len(own.figures) > 2 or own.letter not in _VECTORS:
         return ""

@@ -36,9 +36,8 @@ from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
 from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.method import LOADS
-from freebody_textbook.methods.reactions import SolvedReactions
-from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.body_by_body import SolvedReactions
+from freebody_textbook.methods.setting import LOADS, Setting
 from freebody_textbook.methods.whole_bodies import are_free
 from freebody_textbook.relations.formula_values import rank, typical
 from freebody_textbook.relations.quantities import Quantities, branches

@@ -75,7 +75,7 @@ def panel(
 
 
 def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
-    """How names are typed: the first of each group."""
+    """Examples of how names are typed, the first of each group."""
     first = {x["group"]: letters.symbol(sym_of(x["name"])).name for x in reversed(inputs)}
     names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
     return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"

@@ -1,5 +1,6 @@
 """Ways to the equations of motion, one file each, and their table."""
 
+from freebody_textbook.derivation import Method
 from freebody_textbook.methods import (
     first_kind,
     kane,
@@ -9,7 +10,6 @@ from freebody_textbook.methods import (
     recursive,
     statics,
 )
-from freebody_textbook.methods.method import Method
 
 METHODS: dict[str, Method] = {
     module.METHOD.name: module.METHOD

@@ -22,13 +22,12 @@ from freebody.model.placement import AxisRotation, Rotate
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates, Constraint
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Step, Worked
 from freebody_textbook.methods import glossary
+from freebody_textbook.methods.body_by_body import drive_part
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import Loops, block_system, dotted
 from freebody_textbook.methods.energies import HALF
-from freebody_textbook.methods.method import Worked
-from freebody_textbook.methods.reactions import drive_part
 from freebody_textbook.methods.setting import LONGEST, Setting
 from freebody_textbook.methods.step_reasons import Efforts
 

@@ -97,7 +97,7 @@ class BodyQuantity:
 
     @property
     def has_axes_of_body(self) -> bool:
-        """Whether it is a vector in space with the axes of body n."""
+        """Whether the quantity is a vector in space with the axes of body n."""
         told = self.own_axes and 3 in self.spaces and self.framed is not None
         return told and not self.is_scalar and not self.matrix
 

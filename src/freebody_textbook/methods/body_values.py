@@ -8,7 +8,7 @@ from freebody.algorithms.kinematics import BodyMotions
 from freebody.algorithms.rnea import Recursion
 from freebody.scalars.trig import Trig
 from freebody.spatial import Matrix, Vector, add, neg, scale, times
-from freebody_textbook.methods.reactions import SolvedReactions
+from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 
 

@@ -141,8 +141,8 @@ class Loops:
 
     @cached_property
     def is_notes_robot(self) -> bool:
-        """Whether this is the five-bar as section 2.3 writes it: a point that slides freely, on two
-        rods."""
+        """Whether the mechanism is the five-bar as section 2.3 of the notes writes it: a point that
+        slides freely, on two rods."""
         s = self.s
         names = set(s.symbols.coordinates)
         lengths = {"b", "l1", "l2", "l3", "l4"}

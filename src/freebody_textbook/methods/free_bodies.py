@@ -16,7 +16,7 @@ from freebody.expressions.printed_names import sym, vec
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, each_parameter
-from freebody_textbook.derivation import Meaning
+from freebody_textbook.derivation import Meaning, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.free_body_steps import (
     PLACES,
@@ -25,7 +25,6 @@ from freebody_textbook.methods.free_body_steps import (
     part_with_mass,
     thrusts_of,
 )
-from freebody_textbook.methods.method import Worked
 from freebody_textbook.methods.setting import Setting
 
 

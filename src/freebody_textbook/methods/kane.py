@@ -18,11 +18,10 @@ from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.printed_names import sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, scale
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary, step_reasons
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, joints, motion
 

@@ -16,12 +16,11 @@ from freebody.expressions.singularities import Determinant, jacobian_determinant
 from freebody.lazy import cached_property
 from freebody_textbook.closed_chains.input_output import ClosedInputOutput
 from freebody_textbook.closed_chains.linear import product, ratio
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.glossary import METER
-from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
 
 _SOUGHT = (

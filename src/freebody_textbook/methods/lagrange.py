@@ -5,27 +5,30 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 from freebody.algorithms.kinematics import BodyMotions, outward
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, eq
+from freebody.expressions.nodes import Symbol, Words
 from freebody.expressions.polynomials.symbols import RATE
-from freebody.expressions.printed_names import sym
+from freebody.expressions.printed_names import component, sym, vec
 from freebody.scalars.trig import Trig
-from freebody_textbook.derivation import Meaning, Step
+from freebody.spatial import dot
+from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary, step_reasons
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.energies import (
-    Energies,
-    kinetic_step,
-    potential_step,
-    squared_speeds,
-    virtual_work,
-)
-from freebody_textbook.methods.method import Method, Worked
+from freebody_textbook.methods.energies import HALF, Energies, virtual_work
+from freebody_textbook.methods.lengths_and_directions import cosine, directed, sine
 from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.shared_steps import measured
 from freebody_textbook.methods.terms import KINETIC, POTENTIAL, TIME, TermSources
+
+_FEW = 6
+"""Terms of a v² up to which it is put in."""
+_PAIRS = 3
+"""Pairs of parts of a velocity up to which their products are written down."""
 
 
 def work_out(setting: Setting) -> Worked:
@@ -73,9 +76,9 @@ def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
     steps = [_positions(s), _angular_velocities(s, moving), _velocities(s)]
     return energies, [
         *steps,
-        *squared_speeds(s),
-        kinetic_step(s, energies),
-        potential_step(s, energies),
+        *_squared_speeds(s),
+        _kinetic(s, energies),
+        _potential(s, energies),
         _lagrangian(s, energies),
     ]
 
@@ -158,6 +161,143 @@ def _velocities(s: Setting) -> Step:
         tuple(lines),
         numbers,
         figure="velocities",
+    )
+
+
+def _squared_speeds(s: Setting) -> list[Step]:
+    """v_ci² of each body: its components squared and added up, then shortened; none where they are
+    too long to read, or nothing moves."""
+    lines, mixed = [], False
+    for i in s.weighted if s.planar or not s.tree.loops else ():
+        value = _speed_squared(s, i)
+        if value is None:
+            continue
+        spelt = _spelt(s, i) if s.planar else None
+        mixed |= spelt is not None
+        lines.append(ex.eq(_square(s, i), *([] if spelt is None else [spelt]), value))
+    if not lines:
+        return []
+    reason = "The squares of the components added up"
+    if s.planar and any(map(s.turns, s.order)):
+        reason += "; by sin² + cos² = 1 a part's own angle drops out of its square"
+    reason += "."
+    if mixed:
+        reason += (
+            " Of two parts that turn by different angles two products of sines and cosines are "
+            "left, which add up to the cosine or the sine of the difference of the angles. Such a "
+            "line has first these products, then their sum."
+        )
+    return [Step("Squares of the velocities", reason, tuple(lines))]
+
+
+def _speed_squared(s: Setting, i: int) -> Expression | None:
+    """v_c² of body i; none where it is too long to read, or 0."""
+    v = s.centre_velocity(i)
+    value = s.show_moved(dot(v, v))
+    return None if value == ex.ZERO or isinstance(value, Words) else value
+
+
+def _square(s: Setting, i: int) -> Expression:
+    """v² of body i's centre of mass, in the plane by the components."""
+    name = s.name("vc", i)
+    if not s.planar or not isinstance(name, Symbol):
+        return ex.power(name, 2)
+    return ex.add(*(ex.power(component(name, axis), 2) for axis in "xy"))
+
+
+def _spelt(s: Setting, i: int) -> Expression | None:
+    """The square of a sum of parts, products of sines and cosines left as they come; none where
+    there are no such products, or too many to read."""
+    parts = directed(s.layout, [s.symbols.element(x) for x in s.centre_velocity(i)])
+    pairs = list(combinations(parts, 2))
+    if len(pairs) > _PAIRS or not any(one.angle and other.angle for one, other in pairs):
+        return None
+    terms = [s.show_moved(part.square) for part in parts]
+    for one, other in pairs:
+        for own, theirs, sign, function in (
+            (one.along, other.along, 1, cosine),
+            (one.across, other.across, 1, cosine),
+            (one.across, other.along, 1, sine),
+            (one.along, other.across, -1, sine),
+        ):
+            if not (own.is_zero or theirs.is_zero):
+                speeds = s.show_moved(own), s.show_moved(theirs)
+                terms.append(ex.mul(2 * sign, *speeds, function(one, other)))
+    return ex.add(*terms)
+
+
+def _kinetic(s: Setting, energies: Energies) -> Step:
+    """Step: the kinetic energy of each body, ½ m v² + ½ I ω²."""
+    lines: list[Equation] = []
+    for i in s.weighted:
+        v, w = s.name("vc", i), s.angular_name("omega", i)
+        inertia = s.inertia_name(i)
+        spin = ex.mul(inertia, ex.power(w, 2)) if s.planar else ex.dot(w, ex.mul(inertia, w))
+        turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, spin)
+        lines += measured(s, i, True)
+        rule = ex.add(ex.mul(HALF, s.mass_name(i), ex.power(v, 2)), turning)
+        line = s.with_value(f"T{s.numbers[i]}", rule, energies.kinetic(i))
+        lines.append(_with_squares(s, i, energies, line))
+    if energies.has_rotors:
+        lines.append(eq("T_r", s.show(energies.rotors)))
+    reason = (
+        "The kinetic energy of a body is that of its mass moving with the centre of mass, plus "
+        "that of its rotation about the centre of mass"
+    )
+    rotors = "; the motors' rotors add T_r" if energies.has_rotors else ""
+    numbers = {"RR": ("5.3", "5.11", "5.13", "5.17", "5.19")}.get(s.cited, ("5.3",))
+    return Step("Kinetic energies", f"{reason}{rotors}.", tuple(lines), numbers)
+
+
+def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equation:
+    """T of a body of the plane with v² and ω² put in between, where these are sums."""
+    v, w = _speed_squared(s, i), s.angular(energies.moving.w[i])
+    many = isinstance(v, ex.Sum) and len(v.terms) > _FEW
+    if not s.planar or v is None or many or not any(isinstance(x, ex.Sum) for x in (v, w)):
+        return line
+    turning = ex.ZERO if s.is_point(i) else ex.mul(HALF, s.inertia_name(i), ex.power(w, 2))
+    put_in = ex.add(ex.mul(HALF, s.mass_name(i), v), turning)
+    return eq(*line.sides[:2], put_in, *line.sides[2:])
+
+
+def _potential(s: Setting, energies: Energies) -> Step:
+    """Step: the potential energy of weights, and of springs where there are any."""
+    lines = [eq("V0", s.show(energies.resting))] if energies.has_resting else []
+    for i in s.weighted if s.weighs else ():
+        n = s.numbers[i]
+        rule = ex.neg(s.mass_times(i, ex.dot(vec("g"), s.name("rc", i))))
+        lines.append(s.with_value(f"V{n}", rule, energies.potential(i)))
+    if energies.has_springs:
+        lines.append(eq("V_s", s.show(energies.springs)))
+    parts = (
+        ["that of a weight is mass times gravity times height above the base's origin"]
+        if s.weighs
+        else []
+    )
+    parts += (
+        ["that of what is fixed to the base, V_0, is the same at all times"]
+        if energies.has_resting
+        else []
+    )
+    parts += (
+        ["that of a spring is half its stiffness times the square of its deflection"]
+        if energies.has_springs
+        else []
+    )
+    words = (
+        "Potential energy: " + "; ".join(parts)
+        if parts
+        else "Without gravity and springs there is no potential energy"
+    )
+    numbers = (
+        ("5.4", *({"RR": ("5.12", "5.14", "5.18", "5.20")}.get(s.cited, ()))) if s.weighs else ()
+    )
+    words += ". (The notes' (5.14) is misprinted; (5.20) is right.)" if "5.14" in numbers else "."
+    return Step(
+        "Potential energies",
+        words,
+        tuple(lines),
+        (*numbers, *(["5.5"] if energies.has_springs else [])),
     )
 
 

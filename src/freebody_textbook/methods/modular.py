@@ -213,7 +213,7 @@ class ModularSetting(Setting):
         return self._runs[gravity]
 
     def recursion(self, gravity: str) -> Recursion:
-        """Each vector by those before."""
+        """The recursion of a robot, each of its vectors over the components of those before it."""
         return self._run(gravity)[0]
 
     def field_name(self, i: int) -> Expression:

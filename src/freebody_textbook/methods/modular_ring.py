@@ -31,7 +31,8 @@ _OF_LOOP = ("loop.f", "loop.n")
 
 
 def is_ring(s: Setting, forces: Iterable[Trig]) -> bool:
-    """Whether it is such a chain, and its equations are too long to read."""
+    """Whether a robot is one serial chain closed by a loop from its last body to the ground, and
+    its equations are too long to read."""
     if s.planar or s.load or len(s.tree.loops) != 1:
         return False
     ends = Loops(s).ends(s.tree.loops[0])

@@ -17,9 +17,9 @@ from freebody.expressions.printed_names import entry, sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
 from freebody_textbook.closed_chains.linear import product, solved
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.methods import free_bodies, glossary, recursive
-from freebody_textbook.methods.body_by_body import FreeBodies, angles_between_arms
+from freebody_textbook.methods.body_by_body import FreeBodies, SolvedReactions, angles_between_arms
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.ending import ending
@@ -31,8 +31,6 @@ from freebody_textbook.methods.loop_forces import (
     needs_of,
     without_links,
 )
-from freebody_textbook.methods.method import Method, MethodOption, Worked
-from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, motion, shared_motors
 from freebody_textbook.methods.step_reasons import Efforts
@@ -390,7 +388,7 @@ def _loaded(s: Setting, i: int) -> bool:
 
 
 def _subtree(s: Setting, i: int) -> list[int]:
-    """Body i and all that hangs on it."""
+    """Indices of body i and of all bodies that hang on it."""
     return [i, *(k for child in s.tree.children(i) for k in _subtree(s, child))]
 
 

@@ -15,9 +15,8 @@ from freebody.expressions.typesetting.literal import literal
 from freebody.model.gravity import axis_of
 from freebody.model.parameters import Parameter, each_parameter
 from freebody.model.single_joints import is_taken_apart
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods.glossary import glossary
-from freebody_textbook.methods.method import Method, Worked
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import following
 from freebody_textbook.methods.step_reasons import ABSOLUTE, Efforts

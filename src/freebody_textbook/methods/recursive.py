@@ -11,13 +11,12 @@ from freebody.expressions.expression import Equation, Expression, Symbol, eq
 from freebody.expressions.nodes import Words
 from freebody.expressions.printed_names import sym, vec
 from freebody.scalars.trig import Trig
-from freebody_textbook.derivation import Meaning, Step
+from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.methods import glossary, step_reasons
+from freebody_textbook.methods.body_by_body import drive_part
 from freebody_textbook.methods.body_quantities import meanings
 from freebody_textbook.methods.ending import ending
-from freebody_textbook.methods.method import Method, MethodOption, Worked
 from freebody_textbook.methods.modular import ModularSetting, last_step
-from freebody_textbook.methods.reactions import drive_part
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, shared_motors
 from freebody_textbook.methods.step_reasons import coriolis, gyroscopic, working_part

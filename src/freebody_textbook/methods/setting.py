@@ -37,6 +37,8 @@ from freebody_textbook.closed_chains.absolute import links_of
 from freebody_textbook.equations.equations import Equations
 from freebody_textbook.methods.lengths_and_directions import by_lengths
 
+LOADS = {2: ("fx", "fy"), 3: ("fx", "fy", "fz")}
+"""Names of the components of the force on the tip."""
 MOST = 200
 """Terms that will not fit whatever their form."""
 LONGEST = 160
@@ -206,7 +208,7 @@ class Setting:
 
     @property
     def weighs(self) -> bool:
-        """Whether there is gravity."""
+        """Whether gravity acts."""
         return any(not (isinstance(x, float) and x == 0.0) for x in self.tree.gravity)
 
     # ------------------------------------------------------------ the tip

@@ -23,9 +23,8 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector
 from freebody_textbook.methods.body_quantities import values_of
 from freebody_textbook.methods.body_values import RecursionValues
-from freebody_textbook.methods.method import LOADS
 from freebody_textbook.methods.recursive import GRAVITIES
-from freebody_textbook.methods.setting import Setting
+from freebody_textbook.methods.setting import LOADS, Setting
 from freebody_textbook.methods.whole_bodies import symbols_of_bodies
 
 ValuesByName = dict[str, Any]

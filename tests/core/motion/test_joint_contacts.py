@@ -51,7 +51,7 @@ def test_a_block_slides_up_an_incline_stops_at_the_exact_time_and_sticks_or_slid
         assert run.q.values[3, 0] == pytest.approx(top - 0.5 * back * (1.0 - stop) ** 2, abs=1e-12)
         assert run.qdd.values[[0, 3], 0] == pytest.approx([-pull - rub, -back], abs=1e-12)
         assert (run.qd.values[3, 0] == 0.0) == (rub > pull)
-    assert run.attrs["coulomb_friction"] == "c sign(q̇), sticking at rest"
+    assert run.attrs["dry_friction"] == "c sign(q̇), sticking at rest"
 
 
 def test_a_pendulum_loses_what_friction_takes_of_each_half_swing_and_comes_to_rest():

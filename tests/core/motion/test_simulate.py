@@ -66,7 +66,7 @@ def test_energy_stays_without_friction_and_torque():
     energy = found["kinetic_energy"] + found["potential_energy"]
     assert float(np.ptp(energy.values)) < 1e-9 * float(found["kinetic_energy"].max())
     assert found.attrs["method"] == "DOP853"
-    assert found.attrs["coulomb_friction"] == "none"
+    assert found.attrs["dry_friction"] == "none"
     assert all("units" in found[name].attrs for name in found.data_vars)
     assert found.sizes == {"time": 31, "position": 3, "coordinate": 3}
 
@@ -122,7 +122,7 @@ def test_stiff_friction_is_integrated_implicitly_and_sticks():
     model = pendulum(coulomb=20.0)  # more than gravity can move
     found = fb.simulate(model, [0.0], [0.0], [0, 1.0])
     assert found.attrs["method"] == "Radau"
-    assert found.attrs["coulomb_friction"] == "c tanh(q̇ / 0.001)"
+    assert found.attrs["dry_friction"] == "c tanh(q̇ / 0.001)"
     creep = float(found["q"][-1, 0])
     assert -1e-3 < creep < 0  # below the stated width
     with pytest.warns(fb.FreebodyWarning, match="the motion is stiff"):

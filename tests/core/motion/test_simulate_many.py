@@ -312,8 +312,8 @@ def test_coulomb_friction_is_smooth_in_all_methods():
     ]
     np.testing.assert_allclose(found[1].q, found[0].q, atol=1e-8)
     np.testing.assert_allclose(found[2].q, found[0].q, atol=2e-3)  # another smooth function
-    assert found[1].attrs["coulomb_friction"] == "c tanh(q̇ / 0.05)"
-    assert found[2].attrs["coulomb_friction"] == "c q̇ / √(q̇² + 0.05²)"
+    assert found[1].attrs["dry_friction"] == "c tanh(q̇ / 0.05)"
+    assert found[2].attrs["dry_friction"] == "c q̇ / √(q̇² + 0.05²)"
 
 
 @pytest.mark.parametrize(

@@ -97,7 +97,7 @@ RUBBING = ARM.with_drive("joint1", coulomb=1.0)
         (ARM, {"step": 1e-9, "torque": lambda t, q, v: 0 * v}, "are the most where Python makes"),
         (ARM, {"step": 1e-13}, r"1e\+13 steps in this run; 1e\+12 are the most\."),
         (ARM, {"every": 11}, "every is 11, beyond the 11 times of t"),
-        (ARM, {"friction_width": 0.1}, "is of Coulomb friction, and no joint of 'RR' has any"),
+        (ARM, {"friction_width": 0.1}, "is of dry friction, and no joint of 'RR' has any"),
         (RUBBING, {"friction_width": 0.1, "friction": "dry"}, "dry friction has no width"),
         (ARM, {"restitution": 0.5}, "is of stops at the limits of joints, and no joint of 'RR'"),
     ],

@@ -15,9 +15,9 @@ from freebody_textbook.closed_chains.loops import LoopEquations
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.derive import compare
 from freebody_textbook.methods.absolute_coordinates import BackToJoints
+from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.cut_loops import Loops
 from freebody_textbook.methods.loop_forces import LoopReactions
-from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from support.printed_values import evaluate
 from support.robots import Joint, Link, Mount, Robot, loaded, shift, turn

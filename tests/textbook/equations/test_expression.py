@@ -144,6 +144,24 @@ def test_print(expression: ex.Expression, text: str, latex: str) -> None:
     ET.fromstring(expression.mathml())
 
 
+@pytest.mark.parametrize(
+    ("formula", "text", "latex"),
+    [
+        ("log(x*y)*sqrt(x)", "log(xy) √x", r"\log(x y)\,\sqrt{x}"),
+        ("sin(cos(y)^2*sin(y))", "sin(cos² y sin y)", r"\sin(\cos^2 y\,\sin y)"),
+        ("sin(cos(x))", "sin(cos x)", r"\sin(\cos x)"),
+        ("sin(2*x)*cos(y)", "cos y sin 2x", r"\cos y\,\sin 2 x"),
+        ("sqrt(x + y)", "√(x + y)", r"\sqrt{x + y}"),
+        ("x*sqrt(x*y)", "x √(x y)", r"x \sqrt{x y}"),
+    ],
+)
+def test_arguments_end_where_they_seem_to(formula: str, text: str, latex: str) -> None:
+    (expression,) = fb.vector_function([formula], ["x", "y"]).expressions
+    assert (str(expression), expression.latex()) == (text, latex)
+    root = ET.fromstring(expression.mathml())
+    assert bool(root.findall(".//{*}msqrt")) == ("sqrt" in formula)
+
+
 def test_building() -> None:
     assert add() == expr(0)
     assert add("a", 0, add("b", "c")) == add("a", "b", "c")

@@ -11,8 +11,8 @@ import pytest
 
 import freebody as fb
 from freebody_textbook import methods
+from freebody_textbook.derivation import Method
 from freebody_textbook.methods import METHODS
-from freebody_textbook.methods.method import Method
 from support.command import run
 from support.sources import SOURCES, place
 from support.symbolic import spatial_arm

@@ -130,7 +130,7 @@ class Kind:
 
     @property
     def is_energy(self) -> bool:
-        """Whether it is told in joules."""
+        """Whether quantities of this kind are measured in joules."""
         return self.unit == units.ENERGY
 
 

@@ -101,6 +101,7 @@ LATEX = Typesetter(
         transposed="^{\\mathsf{T}}",
         inverse_transposed="^{-\\mathsf{T}}",
         norm="\\left|{}\\right|",
+        root="\\sqrt{{{}}}",
         fraction="\\frac{{{}}}{{{}}}",
         operand="\\left({}\\right)",
         width=width_of,

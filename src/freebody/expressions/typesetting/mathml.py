@@ -138,6 +138,7 @@ MATHML = Typesetter(
         applied='{}<mo rspace=".17em">\u2061</mo>{}',
         bracketed=f"{{}}{_APPLY}{_OPEN}{{}}{_CLOSE}",
         norm="<mrow><mo>|</mo>{}<mo>|</mo></mrow>",
+        root="<msqrt>{}</msqrt>",
         fraction="<mfrac><mrow>{}</mrow><mrow>{}</mrow></mfrac>",
         operand="<mrow><mo>(</mo>{}<mo>)</mo></mrow>",
         matrix=(

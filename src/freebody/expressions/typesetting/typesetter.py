@@ -75,10 +75,25 @@ def precedence(node: Expression) -> int:
 
 
 def is_call(node: Expression) -> bool:
-    """Whether it is a function or its power, whose argument may stand without brackets."""
+    """Whether an expression is a function or its power, whose argument may stand without
+    brackets."""
     return isinstance(node, Function) or (
         isinstance(node, Power) and isinstance(node.base, Function)
     )
+
+
+def _called(node: Expression) -> Function:
+    """The function of a call, see `is_call`."""
+    function = node.base if isinstance(node, Power) else node
+    assert isinstance(function, Function)
+    return function
+
+
+def _has_factors(argument: Expression) -> bool:
+    """Whether a factor behind an argument without brackets reads as another factor of it."""
+    if isinstance(argument, Product):
+        return sum(not isinstance(factor, Number) for factor in argument.factors) > 1
+    return isinstance(argument, Quotient | Cross | Dot)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,6 +153,7 @@ class Notation:
     bracketed: str = "{}({})"
     """A function with its argument, and with brackets around that."""
     norm: str = "|{}|"
+    root: str = "√{}"
     fraction: str = "{}/{}"
     bar: bool = True
     """Whether a fraction has a bar as wide as both, so that nothing in it needs brackets or is
@@ -218,26 +234,38 @@ class Typesetter:
         factor, after = node.factors[k], node.factors[k + 1 : k + 2]
         if isinstance(factor, Number):
             return self(factor, ATOM if factor.value < 0 else EQUATION)
-        before = self.notation.brackets_before_factors and after and not is_call(after[0])
-        if before and is_call(factor):
-            return self._call(factor, True)
+        if after and is_call(factor):
+            before = self.notation.brackets_before_factors and not is_call(after[0])
+            if before or _has_factors(_called(factor).argument):
+                return self._call(factor, True)
         return self(factor, CALL if isinstance(factor, Cross | Dot | Product) else PRODUCT)
 
     def _call(self, node: Expression, bracket: bool = False) -> str:
         """Set a function, or a power of one."""
-        n, function = self.notation, node.base if isinstance(node, Power) else node
-        assert isinstance(function, Function)
+        n, function = self.notation, _called(node)
         argument = function.argument
         if function.name == "norm" and function is node:
             return n.norm.format(self.whole(argument))
+        if function.name == "sqrt":
+            return self._root(node, argument)
         name = n.function(function.name)
         if isinstance(node, Power):
             name = n.raised.format(name, n.exponent(node.exponent))
         if isinstance(argument, Arguments):
             return n.bracketed.format(name, self(argument))
-        bracket = bracket or precedence(argument) < PRODUCT or function.name == "sgn"
+        nested = any(isinstance(x, Function) for x in nodes(argument))
+        bracket = bracket or nested or precedence(argument) < PRODUCT or function.name == "sgn"
         form = n.bracketed if bracket else n.applied
-        return form.format(name, n.tight(self.whole(argument)))
+        inner = self.whole(argument)
+        return form.format(name, inner if nested else n.tight(inner))
+
+    def _root(self, node: Expression, argument: Expression) -> str:
+        """Set the square root of an argument, or a power of that."""
+        n = self.notation
+        root = n.root.format(self.whole(argument, EQUATION if n.bar else ATOM))
+        if not isinstance(node, Power):
+            return root
+        return n.raised.format(n.brackets.format(root), n.exponent(node.exponent))
 
     def _power(self, node: Power) -> str:
         n, base = self.notation, node.base

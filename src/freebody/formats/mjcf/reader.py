@@ -235,7 +235,7 @@ class _MjcfReader:
 
     @property
     def closed(self) -> bool:
-        """Whether equalities close loops."""
+        """Whether the file's equalities close loops."""
         kinds = ("connect", "weld")
         return any(x["type"] in kinds and x["active"] for x in self.given["equalities"])
 

@@ -139,8 +139,8 @@ class ClosedFormArm:
         return target
 
     def serves(self, target: Array) -> bool:
-        """Whether it fits these targets too: a partial orientation must be a turn about the arm's
-        own axis."""
+        """Whether the closed form fits given targets too: a partial orientation must be a turn
+        about the arm's own axis."""
         recipe = self.branches.recipe
         if not isinstance(recipe, Across) or self.task.turns or not self.task.angular:
             return True

@@ -263,8 +263,8 @@ class _Nearest:
         return q, miss, far
 
     def _vertex(self, tried: Array) -> Array:
-        """Where the parabola through the squares of three distances has its vertex (N, branches,
-        1)."""
+        """The place of the vertex of the parabola through the squares of three distances (N,
+        branches, 1)."""
         _, _, far = self._own(tried)
         with np.errstate(invalid="ignore", divide="ignore"):
             a, b, c = np.moveaxis(far * far, -1, 0)

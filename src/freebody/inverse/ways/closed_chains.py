@@ -126,7 +126,7 @@ class _Held:
 
     @cached_property
     def rest(self) -> Array:
-        """Where coordinates start, and next to which they are wrapped (nq,)."""
+        """The positions (nq,) from which coordinates start, and next to which they are wrapped."""
         return self.problem.reference
 
     def descend(

@@ -62,8 +62,8 @@ class Follow:
     def descended(
         self, solver: NumericalSolver, q: Array, target: Array, rows: np.ndarray
     ) -> Array:
-        """Where the numerical solver leads from starts q (M, nq); `rows` tells the target of each
-        start."""
+        """The positions to which the numerical solver leads from starts q (M, nq); `rows` tells the
+        target of each start."""
         task, k = solver.task, len(solver.task.linear)
         goal, iterations = 1e-3 * EXACT, 100
         if self.kernel is not None:
@@ -129,7 +129,8 @@ def farther(known: NearbyForm, differs: float) -> NearbyForm:
 
 
 def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array) -> float:
-    """How far (rad, arm lengths) poses T (…) at q (…) are from those of the form's arm."""
+    """The largest difference (rad, arm lengths) of poses T (…) at q (…) from those of the form's
+    arm."""
     chain = form.chain
     x = chain.positions(q)
     points = [np.broadcast_to(v, (*x.shape[:-1], 3)) for v in (chain.p, *chain.R.T)]
@@ -299,7 +300,7 @@ def followed(
 
 
 def _merged(q: Array) -> np.ndarray:
-    """Which solutions (N, k) are another one before them."""
+    """Flags of the solutions (N, k) that repeat another one before them."""
     way = q[:, :, None] - q[:, None]
     with np.errstate(invalid="ignore"):
         near = np.abs(way).max(axis=-1) < APART

@@ -1,4 +1,5 @@
-"""Torques, accelerations, wrenches of joints, and the matrices of the equations of motion."""
+"""Torques, accelerations, wrenches of joints and loops and how well they balance, and the matrices
+of the equations of motion."""
 
 from __future__ import annotations
 
@@ -6,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.algorithms import kinematics
 from freebody.algorithms.aba import aba
 from freebody.algorithms.coriolis import coriolis_matrix, coriolis_product
 from freebody.algorithms.crba import (
@@ -24,21 +26,33 @@ from freebody.algorithms.loop_checks import (
     solution_margins,
     sure,
 )
-from freebody.algorithms.loop_constraints import constrained_motion, independence
+from freebody.algorithms.loop_constraints import (
+    constrained_motion,
+    independence,
+    loop_loads,
+    loop_wrenches,
+)
+from freebody.algorithms.loop_forces import loose_recursions
+from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
 from freebody.arrays import Array
+from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Fetch,
     Formula,
     Option,
+    Output,
     at_driven_joints,
     external,
     one,
+    partition_of,
+    seeded,
     still,
 )
 from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
 from freebody.model.tree import Tree
+from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub
 
 
@@ -109,6 +123,51 @@ def _wrenches(
     )
 
 
+def _every_wrench(
+    tree: Tree,
+    o: Option,
+    q: Vector,
+    qd: Vector,
+    qdd: Vector,
+    multipliers: Vector,
+    wrenches: Any = (),
+) -> tuple[Any, ...]:
+    """Wrenches of every joint, then of every loop."""
+    loads = external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
+    recursion = rnea(tree, q, qd, qdd, loads)
+    return (
+        [
+            *joint_wrenches(tree, recursion, o.reference),
+            *loop_wrenches(tree, q, multipliers, o.reference),
+        ],
+    )
+
+
+def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
+    """Wrenches of every joint and loop by each combination of multipliers that no motion feels."""
+    return (
+        [
+            [
+                *joint_wrenches(tree, recursion, o.reference),
+                *loop_wrenches(tree, q, multipliers, o.reference),
+            ]
+            for multipliers, recursion in loose_recursions(tree, q, partition_of(o))
+        ],
+    )
+
+
+def _balance(
+    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, reactions: Any, wrenches: Any = ()
+) -> tuple[Any, ...]:
+    """Poses and their derivatives come from the positions' alone, by jets in time."""
+    rates = kinematics.position_rates(tree, q, qd)
+    second = kinematics.position_rates(tree, seeded(q, rates), seeded(qd, qdd))
+    jets = tuple(Jet(*x) for x in zip(q, rates, (slopes(x, 1)[0] for x in second), strict=True))
+    world = kinematics.world_poses(tree, kinematics.joint_poses(tree, jets))
+    moving = [Moving(*parts(pose)) for pose in world]
+    return balance(tree, moving, reactions, tuple(zip(o.wrench_frames, wrenches, strict=True)))
+
+
 def mass_by_columns(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
@@ -134,6 +193,9 @@ def _coriolis_by_columns(
     q, qd = given
     return (fetch("coriolis_product")(q, qd, np.eye(n), threads=threads),)
 
+
+_WRENCH = "force, then moment (N, N m)"
+_AXES = ("child",)
 
 FORMULAS = {
     "inverse_dynamics": Formula(
@@ -212,10 +274,40 @@ FORMULAS = {
     ),
     "joint_wrenches": Formula(
         ("q", "qd", "qdd", "wrenches"),
-        one("W", ("nj", "six"), "wrench of each joint on its body: force, then moment (N, N m)"),
+        one("W", ("nj", "six"), f"wrench of each joint on its body: {_WRENCH}"),
         _wrenches,
-        axes=("child",),
+        axes=_AXES,
         chains="open",
+        touches=INERTIAL,
+    ),
+    "closed_wrenches": Formula(
+        ("q", "qd", "qdd", "multipliers", "wrenches"),
+        one("W", ("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}"),
+        _every_wrench,
+        axes=_AXES,
+        touches=INERTIAL,
+    ),
+    "loose_wrenches": Formula(
+        ("q",),
+        one(
+            "W",
+            ("loose", "reactions", "six"),
+            f"wrenches that balance among themselves, of each joint and loop: {_WRENCH}",
+        ),
+        _loose_wrenches,
+        axes=_AXES,
+        chains="closed",
+        settled="loops",
+        touches=(),
+    ),
+    "balance": Formula(
+        ("q", "qd", "qdd", "reactions", "wrenches"),
+        {
+            "force": Output(("nj", "dim"), "force that the balance of each body lacks (N)"),
+            "moment": Output(("nj", "angular"), "moment that the balance of each body lacks (N m)"),
+            "largest": Output((2,), "largest force and moment in any balance (N, N m)"),
+        },
+        _balance,
         touches=INERTIAL,
     ),
 }

@@ -1,5 +1,5 @@
-"""Loop equations, what they do to the motion, and the wrenches in joints and loops of closed
-chains."""
+"""Loop equations, the rates and accelerations that they allow, and what they do to the motion and
+to the drives."""
 
 from __future__ import annotations
 
@@ -14,13 +14,9 @@ from freebody.algorithms.loop_constraints import (
     constraint_bias,
     constraint_jacobian,
     constraint_rate,
-    loop_loads,
-    loop_wrenches,
 )
-from freebody.algorithms.loop_forces import drive_torques, loop_multipliers, loose_recursions
+from freebody.algorithms.loop_forces import drive_torques, loop_multipliers
 from freebody.algorithms.loop_rates import led, nearest
-from freebody.algorithms.newton_euler_residuals import Moving, balance
-from freebody.algorithms.rnea import joint_wrenches, rnea
 from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Formula,
@@ -31,9 +27,7 @@ from freebody.kernels.formulas.record import (
     partition_of,
     seeded,
 )
-from freebody.model.doubts import INERTIAL
 from freebody.model.tree import Tree
-from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub, times
 
 
@@ -71,54 +65,6 @@ def _jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any,
     )
     return (tuple(slopes(value, 1)[0] for value in second),)
 
-
-def _wrenches(
-    tree: Tree,
-    o: Option,
-    q: Vector,
-    qd: Vector,
-    qdd: Vector,
-    multipliers: Vector,
-    wrenches: Any = (),
-) -> tuple[Any, ...]:
-    """Wrenches of every joint, then of every loop."""
-    loads = external(tree, o, q, wrenches) + loop_loads(tree, q, multipliers)
-    recursion = rnea(tree, q, qd, qdd, loads)
-    return (
-        [
-            *joint_wrenches(tree, recursion, o.reference),
-            *loop_wrenches(tree, q, multipliers, o.reference),
-        ],
-    )
-
-
-def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    """Wrenches of every joint and loop by each combination of multipliers that no motion feels."""
-    return (
-        [
-            [
-                *joint_wrenches(tree, recursion, o.reference),
-                *loop_wrenches(tree, q, multipliers, o.reference),
-            ]
-            for multipliers, recursion in loose_recursions(tree, q, partition_of(o))
-        ],
-    )
-
-
-def _balance(
-    tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, reactions: Any, wrenches: Any = ()
-) -> tuple[Any, ...]:
-    """Poses and their derivatives come from the positions' alone, by jets in time."""
-    rates = kinematics.position_rates(tree, q, qd)
-    second = kinematics.position_rates(tree, seeded(q, rates), seeded(qd, qdd))
-    jets = tuple(Jet(*x) for x in zip(q, rates, (slopes(x, 1)[0] for x in second), strict=True))
-    world = kinematics.world_poses(tree, kinematics.joint_poses(tree, jets))
-    moving = [Moving(*parts(pose)) for pose in world]
-    return balance(tree, moving, reactions, tuple(zip(o.wrench_frames, wrenches, strict=True)))
-
-
-_WRENCH = "force, then moment (N, N m)"
-_AXES = ("child",)
 
 _by_loops = partial(Formula, chains="closed", settled="loops", touches=())
 _geometric = partial(Formula, touches=())
@@ -193,32 +139,5 @@ FORMULAS = {
         ("q", "x"),
         one("multipliers", ("constraints",), "one for each loop equation (N, N m)"),
         lambda t, o, q, x: (loop_multipliers(t, q, x, partition_of(o)),),
-    ),
-    "closed_wrenches": Formula(
-        ("q", "qd", "qdd", "multipliers", "wrenches"),
-        one("W", ("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}"),
-        _wrenches,
-        axes=_AXES,
-        touches=INERTIAL,
-    ),
-    "loose_wrenches": _by_loops(
-        ("q",),
-        one(
-            "W",
-            ("loose", "reactions", "six"),
-            f"wrenches that balance among themselves, of each joint and loop: {_WRENCH}",
-        ),
-        _loose_wrenches,
-        axes=_AXES,
-    ),
-    "balance": Formula(
-        ("q", "qd", "qdd", "reactions", "wrenches"),
-        {
-            "force": Output(("nj", "dim"), "force that the balance of each body lacks (N)"),
-            "moment": Output(("nj", "angular"), "moment that the balance of each body lacks (N m)"),
-            "largest": Output((2,), "largest force and moment in any balance (N, N m)"),
-        },
-        _balance,
-        touches=INERTIAL,
     ),
 }

@@ -52,12 +52,12 @@ def is_turning(tree: Tree, crossing: Crossing) -> bool:
 
 
 def coordinate(tree: Tree, crossing: Crossing) -> int:
-    """Which coordinate a joint on the way is, as an index in q."""
+    """The index in q of the coordinate of a joint on the way."""
     return tree.bodies[crossing[0]].coordinates.q[0]
 
 
 def coordinates(tree: Tree, crossings: Iterable[Crossing]) -> set[int]:
-    """Which coordinates several joints on the way are, as indices in q."""
+    """The indices in q of the coordinates of several joints on the way."""
     return {coordinate(tree, crossing) for crossing in crossings}
 
 

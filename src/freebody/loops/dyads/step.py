@@ -51,12 +51,12 @@ class ConstructionStep(ABC):
         """q (N, K, nq) of each solution, NaN where there is none."""
 
     def anywhere(self, at: Posture) -> NDArray[np.bool_]:
-        """Where pins lie on one another (N, K), so that any angle does and no solution is singled
-        out."""
+        """Flags (N, K) of the postures in which pins lie on one another, so that any angle does and
+        no solution is singled out."""
         return np.zeros(at.q.shape[:-1], dtype=bool)
 
     def label(self, at: Posture) -> Array | None:
-        """Which solution a posture is: a positive or a negative number (N, K)."""
+        """The solution that a posture is: a positive or a negative number (N, K)."""
         del at
         return None
 

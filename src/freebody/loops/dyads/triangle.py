@@ -51,8 +51,8 @@ class Triangle(ConstructionStep):
 
     @property
     def _elbow(self) -> int:
-        """Which pin moves: 1 and 2 the joints, 0 the cut; the other two are where the rest of the
-        robot holds them."""
+        """The number of the pin that moves: 1 and 2 the joints, 0 the cut; the other two are where
+        the rest of the robot holds them."""
         signs = tuple(sign for _, sign in self.crossings)
         return 2 if signs == (1.0, 1.0) else 1 if signs == (-1.0, -1.0) else 0
 

@@ -49,7 +49,7 @@ class TwoCircles(ConstructionStep):
         return str(a), str(b), np.abs(one - two), np.abs(r - t), r + t
 
     def _gaps(self, at: Posture) -> list[Complex]:
-        """How the carried end lies from the centre of each circle."""
+        """The vectors of the carried end from the centre of each circle."""
         return [
             sign * (at.point(c.ends[1]) - at.point(c.ends[0]))
             for c, sign in zip(self.chains, self.signs, strict=True)

@@ -1,4 +1,4 @@
-"""Offset: a constant torque, as of a motor whose current is not 0 at rest. With Coulomb friction it
+"""Offset: a constant torque, as of a motor whose current is not 0 at rest. With dry friction c it
 makes that different in the two directions: c + o forward, c - o back."""
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""Stribeck friction: besides Coulomb's, l exp(-(q̇/v)²) sign(q̇), which is l at rest and gone at a
-few times the speed v (Armstrong-Hélouvry, Dupont, Canudas de Wit 1994)."""
+"""Stribeck friction: besides dry friction that is the same at all speeds, l exp(-(q̇/v)²) sign(q̇),
+which is l at rest and gone at a few times the speed v (Armstrong-Hélouvry, Dupont, Canudas de Wit
+1994)."""
 
 from __future__ import annotations
 

@@ -146,21 +146,23 @@ class JointKind(ABC):
 
     @property
     def turns(self) -> bool:
-        """Whether all that it does is turn about one axis."""
+        """Whether all that a joint of this kind does is turn about one axis."""
         return self.motion is not None and self.motion.turns and not self.motion.slides
 
     @property
     def slides(self) -> bool:
-        """Whether all that it does is slide along one axis."""
+        """Whether all that a joint of this kind does is slide along one axis."""
         return self.motion is not None and self.motion.slides and not self.motion.turns
 
     @property
     def composed(self) -> bool:
-        """Whether it is several joints of one coordinate each, without mass between."""
+        """Whether a joint of this kind is several joints of one coordinate each, without mass
+        between."""
         return self.nv > 1 and self.quaternion is None
 
     def frees(self, dim: int) -> bool:
-        """Whether it leaves a body all its motion in a space of so many dimensions."""
+        """Whether a joint of this kind leaves a body all its motion in a space of so many
+        dimensions."""
         return self.nv == (6 if dim == 3 else 3)
 
     def axis_size(self, dim: int) -> int:

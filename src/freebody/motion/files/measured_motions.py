@@ -173,7 +173,7 @@ def rested(
     """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of
     its kind, is at rest; where its rate was `given` (nv,), only what is rounding is rest.
 
-    A rate of 1e-14, such as differentiation leaves, would feel the whole Coulomb friction. Where
+    A rate of 1e-14, such as differentiation leaves, would feel the whole dry friction. Where
     nothing moves, what the rounding of the positions leaves is rest, and in a coordinate that rests
     all along no acceleration either. Of a closed chain all coordinates are at rest, or none is.
     """

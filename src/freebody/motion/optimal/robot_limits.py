@@ -22,7 +22,7 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.formulas.record import at_driven_joints, external, partition_of
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.lazy import cached_property
-from freebody.loops.drive_torques import drive_torques
+from freebody.loops.forces import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.motion.optimal.geometric_path import PathSamples

@@ -76,7 +76,7 @@ def time_optimal(
         the others; torques are those of the drives.
     velocity, acceleration, torque : one number or (nv,); rad/s, rad/s², N m; m/s, m/s², N
         Limits. The model's own apply too (zero means not given, see `Limits`). Torques contain
-        friction (viscous, Coulomb), rotors, springs and the payload.
+        friction (viscous, dry), rotors, springs and the payload.
     wrenches
         Constant ones by frame, world axes.
     points
@@ -244,7 +244,7 @@ class _Quickest(NamedTuple):
 def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
     """Repeated where viscous friction asks for it, then where limits are exceeded between the
     points, unless stricter ones leave nothing; each path as if it were alone."""
-    before = _first_guess(problem, labels)
+    before = _first_guess(problem)
     profile = quickest_profile(problem.strict(before))
     stuck = without_motion(problem, profile)
     if stuck.any():
@@ -280,7 +280,7 @@ def _quickest(x: Array, reached: LimitsReached) -> _Quickest:
     return _Quickest(x, reached.share.max(axis=0), reached.speed.max(axis=0))
 
 
-def _first_guess(problem: PathProblem, labels: list[str]) -> Array:
+def _first_guess(problem: PathProblem) -> Array:
     """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any.
 
     A tangent lies above the friction, by more than the drives have where it is taken at twice the

@@ -70,6 +70,6 @@ def planned(
     """The motion along a curve of the positions over time."""
     t = sample_times(function, curve.breaks, step)
     q, qd, qdd = curve(t), curve.derivative()(t), curve.derivative(2)(t)
-    qd[np.abs(qd) <= _ROUNDED * np.abs(qd).max()] = 0.0  # else rest would feel Coulomb friction
+    qd[np.abs(qd) <= _ROUNDED * np.abs(qd).max()] = 0.0  # else rest would feel dry friction
     notices = limits.allowed.notices
     return Motion(t, q, qd, qdd, words, layout(model), notices, pieces=curve)

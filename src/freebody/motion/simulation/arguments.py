@@ -1,76 +1,54 @@
-"""A simulation as data: its arguments, checked, and its progress."""
+"""The arguments of `simulate`, checked: sizes, names, times and contacts; torques, forces and
+wrenches as they are given, constants, tables over its times, Python functions, and laws that
+`fb.compile` compiled."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebody.arrays import Array, above_zero, as_floats, is_count, refuse_not_finite
-from freebody.errors import FreebodyError, UnknownNameError, shown, warn
-from freebody.labels import is_labelled
-from freebody.loops.equations import taken_at
+from freebody.arrays import (
+    Array,
+    above_zero,
+    as_floats,
+    check_core,
+    is_count,
+    refuse_not_finite,
+)
+from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
+from freebody.kernels.formulas import FORMULAS
+from freebody.kernels.formulas.inputs import INPUTS
+from freebody.kernels.inputs import InputKernel
+from freebody.kernels.lookup import ColumnKernel, KernelList
+from freebody.kernels.options import several
+from freebody.labels import is_labelled, row_times
 from freebody.model.drives import LAWS
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import FINEST
 from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
-from freebody.motion.simulation.lanes import MotionLanes
-from freebody.motion.simulation.torques import (
+from freebody.motion.simulation.results import RECORDED
+from freebody.motion.simulation.run import (
     CompiledTorque,
+    TorqueArgument,
+    TorqueFunction,
     TorqueInput,
-    warn_of_tables,
 )
-from freebody.trees.public_calls import JointVector, vector
-
-if TYPE_CHECKING:
-    pass
+from freebody.motion.simulation.step_kernels import STATE
+from freebody.outputs.number_text import compared
+from freebody.program import Argument, Program
+from freebody.targets import Kernel
+from freebody.trees.controllers import not_negative
+from freebody.trees.public_calls import FrameWrenchTable, JointVector, vector, wrenches_by_frame
+from freebody.trees.special_joints import all_driven, refuse_passive
 
 TOLERANCE = 1e-10
 _FRICTION = ("smooth", "dry")
 _DRY = next(law.numbers[0] for law in LAWS.values() if law.signed)
-_EVERY = 0.05  # s
-Progress = Callable[[str, float], None]
-"""A function that is called with a text and the part that is done (0 to 1)."""
-
-
-@dataclass(frozen=True, eq=False)
-class Simulation:
-    """The arguments of `simulate`, as arrays of the right shapes.
-
-    q (..., nq), qd (..., nv), wrenches by frame (..., T or 1, six), contacts (..., nv): their
-    leading axes and the model's family broadcast to `lanes`. torque, and forces besides: tables
-    (..., T or 1, nv), Python functions, or compiled. contacts: dry friction, which the model then
-    is without, and stops.
-    """
-
-    model: Model
-    q: Array
-    qd: Array
-    t: Array
-    torque: TorqueInput
-    forces: TorqueInput | None
-    wrenches: Mapping[str, Array]
-    lanes: MotionLanes
-    contacts: JointContacts | None
-    tolerance: float
-    width: float
-    max_step: float
-    step: float | None
-    breakpoints: Array
-    sample_time: float | None
-    every: int
-    threads: int | None
-    tell: Callable[[float], None]
-
-    @property
-    def duration(self) -> float:
-        """Duration of the simulation, s."""
-        return float(self.t[-1] - self.t[0])
+_SAME_TIME = 1e-9  # of the duration: how far the label of a row may be from its time
 
 
 def require_counts(**given: Any) -> None:
@@ -108,7 +86,7 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
         )
     if not has_friction(model):
         raise FreebodyError(
-            f"simulate: friction_width= is of {_DRY.what}, and no joint of {model.name!r} has "
+            f"simulate: friction_width= is of dry friction, and no joint of {model.name!r} has "
             f"any: leave it out, or give a joint some (model.with_drive(joint, {_DRY.name}=…))."
         )
 
@@ -116,6 +94,20 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 def has_friction(model: Model) -> bool:
     """Whether the friction of a drive of the model depends on the sign of a rate."""
     return smooth_friction(model)[1].acts
+
+
+def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
+    """Names of the quantities that are wanted; None: all that the model has."""
+    known = [name for name, quantity in RECORDED.items() if model.loops or not quantity.loops]
+    if names is None:
+        return tuple(known)
+    listed = several("simulate", "record=", names)
+    for name in listed:
+        if name not in known:
+            raise UnknownNameError("quantity", name, "record=", known)
+    if not listed or len(set(listed)) < len(listed):
+        raise FreebodyError("simulate: record= names at least one quantity, and each once.")
+    return listed
 
 
 def times_of(t: ArrayLike) -> Array:
@@ -163,76 +155,209 @@ def contacts_of(
     return contacts
 
 
-def simulation_of(
+def torque_of(
     model: Model,
-    state: tuple[JointVector, JointVector],
     t: Array,
-    torque: TorqueInput,
+    torque: TorqueArgument,
+    inputs: Mapping[str, Any] | None,
+    breakpoints: Array,
+    sample_time: float | None,
     forces: TorqueInput | None,
-    wrenches: Mapping[str, tuple[str, Array]],
-    **others: Any,
-) -> Simulation:
-    """The simulation of checked arguments; t (T,), and wrenches by frame with their names."""
-    q, qd = (
-        vector("simulate", model, name, value)
-        for name, value in zip(("q", "qd"), state, strict=True)
-    )
-    for name, array in (("q", q), ("qd", qd)):
-        refuse_not_finite("simulate", name, array, 1)
-    if model.loops:
-        model = taken_at(model, q)
-    warn_of_tables(t, wrenches, q)
-    batches = {"q": q.shape[:-1], "qd": qd.shape[:-1]}
-    batches |= {name: w.shape[:-2] for name, w in wrenches.values()}
-    for name, table in (("torque", torque), ("forces", forces)):
-        if isinstance(table, np.ndarray):
-            batches[name] = table.shape[:-2]
-            if table.shape[:-1] == (len(t),) == batches["q"]:
-                _warn_of_shared_table(name, table)
-    if isinstance(torque, CompiledTorque):
-        batches |= torque.batches
-    if model.family:
-        batches["model.family"] = model.family
-    contacts = others["contacts"]
-    if contacts is not None:
-        batches["restitution"] = contacts.restitution.shape[:-1]
-    loads, lanes = {frame: w for frame, (_, w) in wrenches.items()}, MotionLanes(_shape(batches))
-    return Simulation(model, q, qd, t, torque, forces, loads, lanes, **others)
-
-
-def _warn_of_shared_table(name: str, table: Array) -> None:
-    """Say that a table (T, nv) for T motions is one over time, the same for all of them."""
-    times, nv = table.shape
-    one = "one torque" if name == "torque" else "one row"
-    warn(
-        f"simulate: {name} {table.shape} is taken as a table over the {times} times, the "
-        f"same for all motions; {one} for each is {(times, 1, nv)}, a table "
-        f"{(1, *table.shape)} says the same as this without a warning.",
-    )
-
-
-def _shape(batches: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
-    """The batch shape of all arguments together, by their names."""
-    try:
-        return np.broadcast_shapes(*batches.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {batch}" for name, batch in batches.items())
+) -> TorqueInput:
+    """The torque that `simulate` was given, checked; forces: those that act besides."""
+    if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
-            f"simulate: the batch shapes do not broadcast together: {shapes}."
-        ) from None
+            "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
+            "own variables. Leave it out."
+        )
+    found: TorqueInput = np.zeros((1, model.nv))
+    if torque is not None:
+        found = _given(model, t, torque, "torque", inputs)
+    breaks = len(breakpoints) and not callable(forces)
+    for name, present in (("breakpoints", breaks), ("sample_time", sample_time is not None)):
+        if present and not callable(found):
+            raise FreebodyError(
+                f"simulate: {name}= applies only to a torque that is a function f(t, q, qd); a "
+                f"table is integrated from row to row. Leave it out."
+            )
+    return found
 
 
-def paced(progress: Progress | None, text: str) -> Callable[[float], None]:
-    """A function of the part that is done, quick to call often; of None one that does nothing."""
-    if progress is None:
-        return lambda done: None
-    last = -float("inf")
+def forces_of(model: Model, t: Array, forces: TorqueArgument) -> TorqueInput | None:
+    """The forces that `simulate` was given, checked, which may act at passive joints; None for
+    none."""
+    return None if forces is None else _given(all_driven(model), t, forces, "forces")
 
-    def tell(done: float) -> None:
-        nonlocal last
-        now = time.monotonic()
-        if now - last >= _EVERY:
-            last = now
-            progress(text, min(1.0, done))
 
-    return tell
+def breakpoints_of(
+    given: ArrayLike, sample_time: float | None, forces: TorqueInput | None
+) -> Array:
+    """The times at which a function of torques or forces has jumps or bends."""
+    times = as_floats("simulate", "breakpoints", given)
+    if times.ndim != 1:
+        raise FreebodyError(
+            f"simulate: breakpoints has shape {times.shape}, expected a list of times."
+        )
+    refuse_not_finite("simulate", "breakpoints", times, 0)
+    if len(times) and sample_time is not None and not callable(forces):
+        raise FreebodyError(
+            "simulate: breakpoints= and sample_time= exclude each other; give one of them."
+        )
+    return times
+
+
+def all_wrenches(
+    model: Model, t: Array, wrenches: FrameWrenchTable, tables: FrameWrenchTable
+) -> dict[str, tuple[str, Array]]:
+    """Each wrench by its frame, with its name in messages: (..., 1, six), or (..., T, six) at the
+    times t (T,)."""
+    given = wrenches_by_frame("simulate", model, wrenches)
+    found = {frame: (f"wrenches[{frame!r}]", w[..., None, :]) for frame, w in given.items()}
+    over = tables if isinstance(tables, Mapping) else {None: tables}
+    named = wrenches_by_frame("simulate", model, tables, name="wrench_tables")
+    for (frame, w), value in zip(named.items(), over.values(), strict=tables is not None):
+        name = f"wrench_tables[{frame!r}]"
+        if w.ndim < 2 or w.shape[-2] != len(t):
+            raise FreebodyError(
+                f"simulate: {name} has shape {w.shape}, expected (..., {len(t)}, {w.shape[-1]}): a "
+                f"row for each of the {len(t)} times of t. A constant wrench is given as wrenches=."
+            )
+        if frame in found:
+            raise FreebodyError(
+                f"simulate: wrenches and wrench_tables both have frame {frame!r}; add the constant "
+                f"wrench to each row of the table."
+            )
+        if w.ndim == 2:
+            refuse_other_times(name, row_times(value), t)
+        found[frame] = name, w
+    for name, w in found.values():
+        refuse_not_finite("simulate", name, w, 1)
+    return found
+
+
+def _given(
+    model: Model,
+    t: Array,
+    given: ArrayLike | TorqueFunction | Kernel,
+    name: str,
+    inputs: Mapping[str, Any] | None = None,
+) -> TorqueInput:
+    if isinstance(given, InputKernel | ColumnKernel | KernelList):
+        raise FreebodyError(
+            f"simulate: a kernel with numbers as inputs, or of a large robot, is no {name} by "
+            f"itself: call it in a function f(t, q, qd)."
+        )
+    if isinstance(given, Kernel):
+        return _compiled_torque(model, given, {} if inputs is None else inputs, name)
+    if callable(given):
+        return given
+    table = _table(model, t, given, name)
+    return table[None] if table.ndim == 1 else table
+
+
+def _compiled_torque(
+    model: Model, kernel: Kernel, given: Mapping[str, Any], name: str = "torque"
+) -> CompiledTorque:
+    """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name. name:
+    of the argument, of which `torque` alone takes such inputs."""
+    if not isinstance(given, Mapping):
+        raise KindError("simulate", "torque_inputs", given, "a dict of names and values")
+    law = kernel.program
+    _require_shapes(model, law, name)
+    further = [x for x in law.inputs if x.name not in STATE]
+    _require_inputs([x.name for x in further], given, name)
+    gains = _gains(law)
+    more = tuple(_input(model, x, given[x.name], x.name in gains) for x in further)
+    return CompiledTorque(model, law, more)
+
+
+def _require_shapes(model: Model, law: Program, name: str) -> None:
+    """Refuse a law of another robot: t, q, qd and the one output have the model's shapes."""
+    sizes = {"t": (), "q": (model.nq,), "qd": (model.nv,)}
+    for x in law.inputs:
+        if x.name in sizes and x.shape != sizes[x.name]:
+            raise FreebodyError(
+                f"simulate: the compiled {name} takes {x}, but of {model.name!r} {x.name} has "
+                f"shape {sizes[x.name]}."
+            )
+    if [x.shape for x in law.outputs] != [(model.nv,)]:
+        raise FreebodyError(
+            f"simulate: the compiled {name} returns {listed(map(str, law.outputs))}; expected one "
+            f"output of shape ({model.nv},)."
+        )
+
+
+def _require_inputs(known: list[str], given: Mapping[str, Any], name: str) -> None:
+    """Refuse further inputs that the law does not know, and a law that lacks some of them."""
+    for one in given:
+        if one not in known:
+            raise UnknownNameError("input", one, "torque_inputs=", known)
+    lacking = [x for x in known if x not in given]
+    if not lacking:
+        return
+    remedy = (
+        f"give torque_inputs={{{lacking[0]!r}: …}}"
+        if name == "torque"
+        else "compile it with these numbers inside"
+    )
+    raise FreebodyError(
+        f"simulate: the compiled {name} takes {listed(lacking)} besides t, q and qd: {remedy}."
+    )
+
+
+def _input(model: Model, argument: Argument, given: Any, gain: bool) -> Array:
+    """A further input of a law as an array (..., *core); gain: whether it makes no sense below
+    0."""
+    name, shape = f"torque_inputs[{argument.name!r}]", argument.shape
+    array = as_floats("simulate", name, given)
+    check_core("simulate", name, array, shape, "as it was compiled")
+    refuse_not_finite("simulate", name, array, len(shape))
+    if gain:
+        rows = model.velocity_names if shape == (model.nv,) else range(*shape)
+        not_negative("simulate", name, array, [*map(str, rows)])
+    return array
+
+
+def _gains(law: Program) -> tuple[str, ...]:
+    """Names of the inputs that make no sense below 0, of a kernel that is one of `FORMULAS`:
+    control laws refuse it there as where they are called; in a law of the user's own a name says
+    nothing."""
+    formula, names = FORMULAS.get(law.name), tuple(x.name for x in law.inputs)
+    if formula is None or names != formula.inputs:
+        return ()
+    return tuple(name for name in names if INPUTS[name].positive is not None)
+
+
+def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
+    """A checked table: (nv,) or (..., T, nv)."""
+    rows = row_times(given)
+    if is_labelled(given):
+        given = vector("simulate", model, name, given)
+    table = as_floats("simulate", name, given)
+    if table.shape != (model.nv,):
+        check_core(
+            "simulate", name, table, (model.nv,), f"model {model.name!r} has nv = {model.nv}"
+        )
+        if table.shape[-2] not in (1, len(t)):
+            raise FreebodyError(
+                f"simulate: {name} has shape {table.shape}, expected ({model.nv},), ({len(t)}, "
+                f"{model.nv}) or a function. Of many motions at once it is (..., {len(t)}, "
+                f"{model.nv}), or (..., 1, {model.nv}) where it does not change."
+            )
+    if table.ndim == 2:
+        refuse_other_times(name, rows, t)
+    refuse_not_finite("simulate", name, table, 1, model.velocity_names)
+    refuse_passive("simulate", model, table)
+    return table
+
+
+def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
+    """Refuse a table of (T, …) whose rows carry other times than t (T,)."""
+    if rows is not None and np.abs(rows - t).max() > _SAME_TIME * (t[-1] - t[0]):
+        k = int(np.argmax(np.abs(rows - t)))
+        label, time = compared(rows[k], t[k], digits=6)
+        raise FreebodyError(
+            f"simulate: the rows of {name} are labelled with other times than t: row {k} with "
+            f"{label}, where t[{k}] = {time} s. Interpolate the table at t, or give its plain "
+            f"array if its rows are those at t."
+        )

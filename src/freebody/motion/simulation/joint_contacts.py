@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +15,11 @@ from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
-from freebody.motion.simulation.lanes import MotionLanes, Some
 from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
+
+if TYPE_CHECKING:
+    from freebody.motion.simulation.run import MotionLanes, Some
 
 REST = 1e-5
 """rad/s or m/s: slower than this no stop turns a motion back."""

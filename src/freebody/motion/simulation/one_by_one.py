@@ -1,5 +1,6 @@
 """The motion of one state, or of several one after another, by scipy's integrators, which choose
-their steps by the error."""
+their steps by the error; its torque comes in pieces between which it jumps or bends, so that an
+integrator meets neither within a step."""
 
 from __future__ import annotations
 
@@ -12,12 +13,11 @@ import numpy as np
 from scipy.integrate import OdeSolver
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, warn
+from freebody.errors import FreebodyError
 from freebody.loops.equations import require_closed
 from freebody.model.families import member_at
-from freebody.motion.simulation.arguments import Simulation
+from freebody.model.model import Model
 from freebody.motion.simulation.first_order_system import (
-    EXPLICIT,
     IMPLICIT,
     METHODS,
     Scheme,
@@ -30,25 +30,22 @@ from freebody.motion.simulation.first_order_system import (
     suited_method,
     system,
 )
-from freebody.motion.simulation.lanes import MotionLanes, some_of
 from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.schedules import Schedule, along_with, schedule, with_edges
-from freebody.motion.simulation.torques import CompiledTorque, one_lane
-from freebody.motion.simulation.unending import (
-    GivenUp,
-    Growth,
-    RunPace,
-    SampledGrowth,
-    endless,
-    hopeless,
-    too_late,
+from freebody.motion.simulation.run import (
+    SAME,
+    CompiledTorque,
+    MotionLanes,
+    Simulation,
+    TorqueInput,
+    function_of,
+    instants,
+    merged,
+    one_lane,
+    some_of,
 )
+from freebody.motion.simulation.stiffness import StiffnessWatch
+from freebody.motion.simulation.unending import stopping_endless, too_late, unless_hopeless
 from freebody.trees.special_joints import all_driven
-
-_EVERY = 50  # steps between two looks, of which one costs as much as a step or two
-# step times decay rate from which stability, not accuracy, tells the step: both methods are stable
-# to about 3 and 6
-_BOUND = 1.5
 
 
 def one_by_one(run: Simulation, method: str, result: Simulated) -> None:
@@ -109,14 +106,14 @@ def _one(run: Simulation, method: str, result: Simulated, warned: bool = False) 
     chosen, scheme = _scheme(run, method, whole, acting)
     scheme = replace(scheme, stopped=too_late(t) or scheme.stopped)
     if run.sample_time is not None:
-        planned = _growing(run, planned)
-    watch = _StiffnessWatch(
+        planned = replace(planned, begin=unless_hopeless(run, planned.edges, planned.begin))
+    watch = StiffnessWatch(
         whole, run.duration, switches=method == "auto", done=bool(model.loops) or warned
     )
     state, states = np.concatenate([run.q, run.qd]), list[Array]()
     result.given = planned.given
     try:
-        passed = _giving_up(run, whole)
+        passed = stopping_endless(run, whole)
         _integrate(whole, scheme, planned, t, state, chosen, watch, states, run.tell, passed)
     finally:
         kept = np.array(states[:: run.every])
@@ -163,34 +160,6 @@ def _scheme(
     return chosen, open_scheme(whole, step_tolerance(chosen, run.tolerance), run.max_step)
 
 
-def _giving_up(run: Simulation, whole: System) -> Callable[[float, float, Array], None]:
-    """A function of the two times of a step and the state behind it, which raises where the run
-    would not end."""
-    end = float(run.t[-1])
-    pace, growth, only = RunPace(end), Growth(1, end), np.zeros(1, dtype=int)
-
-    def passed(before: float, now: float, y: Array) -> None:
-        qd = whole.split(y)[1]
-        doubling = float(growth.hopeless(only, np.array([now]), qd[None])[0])
-        if pace.endless(before, now) or np.isfinite(doubling):
-            reason = endless(run, GivenUp(before, now, qd, doubling))
-            raise SimulationStopped(f"simulate: {reason}")
-
-    return passed
-
-
-def _growing(run: Simulation, plan: Schedule) -> Schedule:
-    """The schedule of a sampled torque, given up where the motion grows without hope."""
-    growth = SampledGrowth(len(plan.edges) - 1)
-
-    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
-        if growth.hopeless(qd[None])[0]:
-            raise SimulationStopped(hopeless(run, float(plan.edges[k]), qd))
-        return plan.begin(k, q, qd)
-
-    return replace(plan, begin=begin)
-
-
 def _integrate(
     system: System,
     scheme: Scheme,
@@ -198,7 +167,7 @@ def _integrate(
     t: Array,
     y0: Array,
     method: str,
-    watch: _StiffnessWatch,
+    watch: StiffnessWatch,
     states: list[Array],
     tell: Callable[[float], None],
     passed: Callable[[float, float, Array], None],
@@ -279,42 +248,114 @@ def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> 
     )
 
 
-@dataclass
-class _StiffnessWatch:
-    """Looks now and then whether the steps of an explicit method are as short as they are for
-    stability alone (Hairer and Wanner 1996, IV.2)."""
+# ---------------------------------------------------------------- torques in pieces
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """A torque, in pieces that an integrator can step through without meeting a jump or a bend."""
 
-    system: System
-    duration: float
-    switches: bool
-    """Whether another method takes over; else a warning says that it should."""
-    method: str = ""
-    """Name of the method that took over."""
-    since: float = -np.inf
-    """Time at which stiffness was found (s)."""
-    count: int = 0
-    done: bool = False
+    edges: Array
+    """(k + 1,) increasing: start, what lies between the pieces, end."""
+    begin: Callable[[int, Array, Array], TorqueLaw]
+    """The torque on piece k, from the state (q, qd) at its start."""
+    given: TorqueLaw
+    """The torque at any time of the run that is over; at a jump the one after it."""
+    feedback: bool = False
+    """Whether the torque depends on the state within a piece."""
 
-    def steps(self, method: str) -> bool:
-        """Whether it is time to look, after one more step of a method."""
-        if self.done or method not in EXPLICIT:
-            return False
-        self.count += 1
-        return self.count % _EVERY == 0
 
-    def look(self, drive: TorqueLaw, before: float, now: float, y: Array) -> None:
-        """Look at the step from one time to the other, to the state y."""
-        decay = self.system.fastest_decay(np.asarray(now), y, drive)
-        step = now - before
-        if decay * step < _BOUND:
-            return
-        self.done, self.since = True, now
-        if self.switches:
-            self.method = "LSODA"
-        else:
-            warn(
-                f"simulate: the motion is stiff: at t = {now:.3g} s part of it decays within "
-                f"{1.0 / decay:.1g} s. Explicit methods are stable only with steps as short as "
-                f"{step:.1g} s, about {self.duration / step:.1g} in all. method='auto' or 'Radau' "
-                f"takes far fewer.",
-            )
+def schedule(
+    model: Model,
+    t: Array,
+    torque: TorqueInput,
+    breakpoints: Array,
+    sample_time: float | None = None,
+    name: str = "torque",
+) -> Schedule:
+    """The schedule of one motion; t (T,) are its times. name: of the argument."""
+    ends = t[[0, -1]]
+    if isinstance(torque, np.ndarray):
+        if len(torque) > 1:
+            return _of_table(t, torque)
+        (row,) = torque
+        return Schedule(ends, lambda k, q, qd: lambda now, q, qd: row, lambda now, q, qd: row)
+    function = function_of(model, torque, (), name)
+    if sample_time is None:
+        inside = breakpoints[(breakpoints > t[0]) & (breakpoints < t[-1])]
+        return _of_function(function, np.concatenate([ends, inside]))
+    return _sampled(function, instants(float(t[0]), float(t[-1]), sample_time), sample_time, t[-1])
+
+
+def with_edges(plan: Schedule, times: Array) -> Schedule:
+    """The schedule in pieces that end at these times too."""
+    edges = merged(plan.edges, times, SAME * np.diff(plan.edges).min())
+    return replace(plan, edges=edges, begin=_begin_within(plan, edges))
+
+
+def along_with(plan: Schedule, other: Schedule) -> Schedule:
+    """The schedule of both at once; `given` is that of the first."""
+    near = SAME * min(np.diff(plan.edges).min(), np.diff(other.edges).min())
+    edges = merged(plan.edges, other.edges, near)
+    own, more = (_begin_within(x, edges) for x in (plan, other))
+
+    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
+        one, two = own(k, q, qd), more(k, q, qd)
+        return lambda now, q, qd: one(now, q, qd) + two(now, q, qd)
+
+    return Schedule(edges, begin, plan.given, plan.feedback or other.feedback)
+
+
+def _begin_within(plan: Schedule, edges: Array) -> Callable[[int, Array, Array], TorqueLaw]:
+    """`Schedule.begin` of pieces between other edges, among them the schedule's own."""
+    piece = np.searchsorted(plan.edges, 0.5 * (edges[:-1] + edges[1:]), side="right") - 1
+    drives: list[TorqueLaw] = []
+
+    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
+        if k == 0 or piece[k] != piece[k - 1]:
+            drives[:] = [plan.begin(int(piece[k]), q, qd)]
+        return drives[0]
+
+    return begin
+
+
+def _of_table(t: Array, table: Array) -> Schedule:
+    """The schedule of a table, in straight lines from row to row."""
+    slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
+
+    def line(k: int) -> TorqueLaw:
+        return lambda now, q, qd: table[k] + (now - t[k]) * slopes[k]
+
+    def given(now: Array, q: Array, qd: Array) -> Array:
+        return table[np.searchsorted(t, now)]  # asked for at the rows' times alone
+
+    return Schedule(t, lambda k, q, qd: line(k), given)
+
+
+def _of_function(function: TorqueLaw, edges: Array) -> Schedule:
+    """A function that is smooth between the edges, on either side of which its value at an edge may
+    count."""
+    edges = np.unique(edges)
+    first, last = edges[:-1].copy(), edges[1:].copy()
+    first[1:], last[:-1] = np.nextafter(first[1:], np.inf), np.nextafter(last[:-1], -np.inf)
+
+    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
+        if len(first) == 1:
+            return function
+        return lambda now, q, qd: function(np.clip(now, first[k], last[k]), q, qd)
+
+    return Schedule(edges, begin, function, feedback=True)
+
+
+def _sampled(function: TorqueLaw, instants: Array, sample_time: float, end: float) -> Schedule:
+    """Called at every sampling instant with the state there, and held until the next."""
+    held: list[Array] = []
+
+    def begin(k: int, q: Array, qd: Array) -> TorqueLaw:
+        value = function(instants[k], q, qd)
+        held.append(value)
+        return lambda now, q, qd: value
+
+    def given(now: Array, q: Array, qd: Array) -> Array:
+        last = int(np.searchsorted(instants, now + SAME * sample_time, side="right")) - 1
+        return held[min(last, len(held) - 1)]  # a run that was interrupted has fewer
+
+    return Schedule(np.append(instants, end), begin, given)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import several
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
 from freebody.loops.equations import gaps, scaled_rate, scaled_residual
@@ -20,7 +19,6 @@ from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,
@@ -29,7 +27,7 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.torques import TorqueInput, drive_of
+from freebody.motion.simulation.run import Simulation, TorqueInput, drive_of
 from freebody.trees.special_joints import all_driven
 
 if TYPE_CHECKING:
@@ -109,7 +107,7 @@ class States:
 
     @cached_property
     def qdd(self) -> Array:
-        """Accelerations (R, ..., nv)."""
+        """Accelerations (R, ..., nv) under all that acts."""
         run = self.run
         axes = len(run.lanes.shape) + 2  # all: times come first, what is common to motions last
         loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in run.wrenches.items()}
@@ -194,20 +192,6 @@ RECORDED = {
     ),
 }
 """The quantities of a result by their names."""
-
-
-def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
-    """Names of the quantities that are wanted; None: all that the model has."""
-    known = [name for name, quantity in RECORDED.items() if model.loops or not quantity.loops]
-    if names is None:
-        return tuple(known)
-    listed = several("simulate", "record=", names)
-    for name in listed:
-        if name not in known:
-            raise UnknownNameError("quantity", name, "record=", known)
-    if not listed or len(set(listed)) < len(listed):
-        raise FreebodyError("simulate: record= names at least one quantity, and each once.")
-    return listed
 
 
 def dataset(run: Simulation, result: Simulated, names: Sequence[str]) -> xr.Dataset:

@@ -19,7 +19,6 @@ from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
 from freebody.loops.equations import require_closed
 from freebody.motion.friction import without_laws
-from freebody.motion.simulation.arguments import Simulation
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.first_order_system import (
     System,
@@ -28,27 +27,29 @@ from freebody.motion.simulation.first_order_system import (
     step_tolerance,
     system,
 )
-from freebody.motion.simulation.lanes import (
-    HeldTorque,
-    LaneTorque,
-    MotionLanes,
-    SteadyWrench,
-    TableTorque,
-    some_of,
-    steady,
-)
 from freebody.motion.simulation.one_step import (
     Driving,
     FunctionRates,
     FunctionStepper,
+    HeldTorque,
     KernelRates,
     KernelStepper,
     LaneKernel,
+    LaneTorque,
+    SteadyWrench,
     Stepper,
+    TableTorque,
     driving_of,
+    steady,
 )
 from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.schedules import instants
+from freebody.motion.simulation.run import (
+    CompiledTorque,
+    MotionLanes,
+    Simulation,
+    instants,
+    some_of,
+)
 from freebody.motion.simulation.step_kernels import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.step_sizes import (
     STAYING,
@@ -62,14 +63,11 @@ from freebody.motion.simulation.step_sizes import (
     step_counts,
     step_times,
 )
-from freebody.motion.simulation.torques import CompiledTorque
+from freebody.motion.simulation.stiffness import ShortSteps, lane_drive, lane_system
 from freebody.motion.simulation.unending import (
     GivenUp,
     SampledGrowth,
-    ShortSteps,
     endless,
-    lane_drive,
-    lane_system,
     too_late,
     why_sampled,
 )

@@ -1,5 +1,5 @@
-"""Runs whose end is far or never comes: steps that friction or stiffness keeps short, so many steps
-that they would take years, and rates that grow without hope; each found, and explained in words."""
+"""Runs that end never or too late: so many steps that they would take years, and rates that grow
+without hope; each found, and explained in words."""
 
 from __future__ import annotations
 
@@ -11,17 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from freebody.arrays import Array, at_sample
-from freebody.errors import FreebodyError, warn
-from freebody.model.families import member_at
-from freebody.model.model import Model
-from freebody.motion.friction import smooth_friction
+from freebody.arrays import Array
+from freebody.errors import FreebodyError
 from freebody.motion.ranges import angular
-from freebody.motion.simulation.arguments import Simulation
-from freebody.motion.simulation.first_order_system import System, TorqueLaw, loads_over, system
-from freebody.motion.simulation.lanes import some_of
-from freebody.motion.simulation.one_step import Driving, LaneState
-from freebody.motion.simulation.torques import CompiledTorque, drive_of, one_lane
+from freebody.motion.simulation.first_order_system import System, TorqueLaw
+from freebody.motion.simulation.results import SimulationStopped
+from freebody.motion.simulation.run import Simulation, drive_of, some_of
+from freebody.motion.simulation.stiffness import lane_system
 
 MOST = 1e8
 """Steps that Python makes one by one: more would take many hours, or days."""
@@ -38,69 +34,6 @@ _MARGIN = 1e-3  # growth a sample of a loop that counts as stable
 _FINER, _OCTAVES = 2.0**0.25, 40
 _RESOLVED = 1e-3  # rad, m: a step that the motion itself asks for
 _SHIFT = 1e-6  # of differences of the torque, relative to 1 + |y|
-_SHORT = 5e-4
-"""Length of a step, as a part of the duration, below which it is looked at."""
-_STABLE = 1.5
-"""Step times decay rate from which stability, not accuracy, tells the step (5 is the most)."""
-_BENT = 0.03
-"""Step times decay rate from which the bends of smooth friction keep a step short, if it makes the
-rate twice as fast."""
-_SEEN, _LOOKS = 10, 500
-
-
-@dataclass(eq=False)
-class ShortSteps:
-    """Looks now and then at the motion that makes the shortest step of a block."""
-
-    run: Simulation
-    driving: Driving
-    text: str = ""
-    """The sentence on what was found."""
-    warned: bool = False
-    looks: int = 0
-    seen: int = 0
-
-    def look(self, lane: int, t: float, state: LaneState, step: float) -> None:
-        """Look at a motion at time t, q (nq,) and qd (nv,), after a step (s)."""
-        if self.text or step > _SHORT * self.run.duration or self.looks >= _LOOKS:
-            return
-        self.looks += 1
-        run, y = self.run, np.concatenate(state)
-        torque = lane_drive(run, lane, self.driving)
-        decay = lane_system(run, lane).fastest_decay(np.asarray(t), y, torque)
-        smooth, friction = smooth_friction(run.model)
-        rubs = friction.acts and decay * step > _BENT
-        if rubs:
-            without = lane_system(run, lane, smooth).fastest_decay(np.asarray(t), y, torque)
-            rubs = decay > 2.0 * without
-        self.seen += rubs or decay * step > _STABLE
-        if self.seen < _SEEN:
-            return
-        here = f"{step:.1g} s at t = {t:.3g} s{at_sample(run.lanes.index(lane))}"
-        self.text = (
-            f"simulate: smooth dry friction keeps the steps of motions short, {here}: it changes "
-            f"within friction_width = {run.width:g}. A larger tolerance= or friction_width=, or "
-            f"method='implicit' with step=, takes fewer."
-            if rubs
-            else f"simulate: motions are stiff: stability, not accuracy, keeps their steps short, "
-            f"{here}, where part of the motion decays within {1.0 / decay:.1g} s. "
-            f"method='implicit' with step= takes fewer."
-        )
-
-    def tell(self) -> None:
-        """Warn, once, of what was found."""
-        if self.text and not self.warned:
-            self.warned = True
-            warn(self.text)
-
-    def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
-        """A function that tells the part that is done, and warns as soon as there is reason to."""
-
-        def both(done: float) -> None:
-            self.tell()
-            tell(done)
-
-        return both
 
 
 @dataclass(eq=False)
@@ -229,7 +162,7 @@ def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
         return (
             "The motion itself asks for no such steps: a function that jumps, or that returns "
             "something else at each call, does. breakpoints= says where it jumps, sample_time= "
-            "that it is called now and then, friction='dry' is Coulomb friction."
+            "that it is called now and then, friction='dry' is friction that sticks."
         )
     return "The motion may pass a state without finite acceleration, or be stiff."
 
@@ -328,28 +261,32 @@ class _SampledLoop:
         return next((float(x) for x in shorter if self.stable(float(x))), None)
 
 
-def lane_system(run: Simulation, k: int, model: Model | None = None) -> System:
-    """The system of one motion of a batch, perhaps of another model."""
-    lanes, chosen = run.lanes, run.model if model is None else model
-    loads = {n: some_of(lanes.each(w, 2), 2, k) for n, w in run.wrenches.items()}
-    member = member_at(chosen, lanes.index(k))
-    return system(member, run.width, *loads_over(run.t, loads))
+def stopping_endless(run: Simulation, whole: System) -> Callable[[float, float, Array], None]:
+    """A function of the two times of a step and the state behind it, which raises where the run
+    would not end."""
+    end = float(run.t[-1])
+    pace, growth, only = RunPace(end), Growth(1, end), np.zeros(1, dtype=int)
+
+    def passed(before: float, now: float, y: Array) -> None:
+        qd = whole.split(y)[1]
+        doubling = float(growth.hopeless(only, np.array([now]), qd[None])[0])
+        if pace.endless(before, now) or np.isfinite(doubling):
+            reason = endless(run, GivenUp(before, now, qd, doubling))
+            raise SimulationStopped(f"simulate: {reason}")
+
+    return passed
 
 
-def lane_drive(run: Simulation, k: int, driving: Driving) -> TorqueLaw:
-    """Torque and forces of one motion, of a batch of its states; of what does not depend on them,
-    0."""
-    sampled = run.sample_time is not None
-    pairs = (None if sampled else run.torque, driving.drive), (run.forces, driving.forces)
-    acting = [
-        one_lane(given, run.lanes, k) if isinstance(given, CompiledTorque) else _each(drive)
-        for given, drive in pairs
-        if callable(given) and drive is not None
-    ]
-    still = np.zeros(run.model.nv)
-    return lambda now, q, qd: sum((drive(now, q, qd) for drive in acting), still)
+def unless_hopeless(
+    run: Simulation, edges: Array, begin: Callable[[int, Array, Array], TorqueLaw]
+) -> Callable[[int, Array, Array], TorqueLaw]:
+    """The torque on piece k of a schedule, sampled at its edges (k,), from the state at its start;
+    it raises where the motion grows without hope."""
+    growth = SampledGrowth(len(edges) - 1)
 
+    def begin_or_stop(k: int, q: Array, qd: Array) -> TorqueLaw:
+        if growth.hopeless(qd[None])[0]:
+            raise SimulationStopped(hopeless(run, float(edges[k]), qd))
+        return begin(k, q, qd)
 
-def _each(drive: TorqueLaw) -> TorqueLaw:
-    """A torque of one state at a time as one of a batch of states."""
-    return lambda now, q, qd: np.stack([drive(now, *state) for state in zip(q, qd, strict=True)])
+    return begin_or_stop

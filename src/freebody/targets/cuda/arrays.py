@@ -69,8 +69,8 @@ class DeviceView:
 
 
 def on_gpu(value: Any) -> bool:
-    """Whether it is an array in a GPU's memory: of CuPy, PyTorch, JAX, Numba, or one that a kernel
-    returned."""
+    """Whether a value is an array in a GPU's memory: of CuPy, PyTorch, JAX, Numba, or one that a
+    kernel returned."""
     if isinstance(value, np.ndarray | float | int | list | tuple):
         return False
     device = getattr(value, "__dlpack_device__", None)

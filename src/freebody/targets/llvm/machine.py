@@ -64,7 +64,7 @@ class Host:
 
     @property
     def x86(self) -> bool:
-        """Whether this is a 64-bit x86."""
+        """Whether the host is a 64-bit x86."""
         return self.triple.startswith(("x86_64", "amd64"))
 
     def machine(self, width: int | None = None, real: Real = DOUBLE) -> Machine:
@@ -180,7 +180,8 @@ _LOADING, _OF_CODE = 16 * 2**20, 64
 
 @cache
 def library() -> Any:
-    """LLVM's. Raises OutOfMemoryError."""
+    """LLVM's binding, loaded on first use; raises OutOfMemoryError where there is no room for
+    it."""
     _require_room(_LIBRARY, "to load its library")
     import llvmlite.binding as llvm
 

@@ -255,7 +255,7 @@ def _emit_cpp(unit: SourceUnit) -> str:
 
 
 def _package_c(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
-    """Header, source and self-test."""
+    """Files of a C package: header, source and self-test."""
     word, dialect = words_of(unit, RESERVED).function, _dialect(unit)
     guard = f"{word.upper()}_H"
     header = [

@@ -40,7 +40,7 @@ _ANGLES = ("psi", "theta", "phi")
 
 
 def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:
-    """Spellings with their values."""
+    """Spellings of a free body's coordinates in answers, with their values."""
     ring = setting.ring
     for name, letter in angles(setting):
         for dots, ending in enumerate(ENDINGS):

@@ -105,7 +105,7 @@ class QuantityGroup:
 
     @property
     def count(self) -> int:
-        """The number of coordinates."""
+        """The number of the robot's coordinates."""
         return len(self.setting.symbols.coordinates)
 
     @property

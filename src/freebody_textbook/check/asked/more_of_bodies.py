@@ -19,8 +19,8 @@ from freebody_textbook.check.asked.bodies import QuantitiesOfBodies
 from freebody_textbook.check.asked.group import NamedTarget, components, entries, matrix
 from freebody_textbook.check.asked.loads import JOINT_FORCE, MOMENT, VECTORS
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
+from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, numbers
-from freebody_textbook.methods.reactions import SolvedReactions
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.quantities import QuantityValues, branches
 

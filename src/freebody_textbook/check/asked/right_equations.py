@@ -99,7 +99,7 @@ class RightEquations:
 
     @cached_property
     def is_free_body(self) -> bool:
-        """Whether it is one body that nothing holds."""
+        """Whether the robot is one body that nothing holds."""
         symbols = self.equations.symbols
         return _is_free_body(symbols.given or symbols.model)
 
@@ -178,7 +178,7 @@ class RightEquations:
 
     @cached_property
     def _of_unknown_rate(self) -> frozenset[str]:
-        """The forces from outside."""
+        """Names of the forces from outside, of whose rates nothing is known."""
         return frozenset(FORCES if self.is_free_body else self.loads)
 
     @property
@@ -316,7 +316,7 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
 
 
 def _is_free_body(model: Model) -> bool:
-    """Whether it is one free body without a load: with one, answers are not read."""
+    """Whether a model is one free body without a load: with one, answers are not read."""
     return len(model.bodies) == 1 and are_free(model) and len(model.bodies[0].inertias) == 1
 
 

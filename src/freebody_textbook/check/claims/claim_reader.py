@@ -155,8 +155,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return own and count > 1 and len(side) == 1 and side[0].text == "0"
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
-        """Whether it is a whole vector or matrix of the equations of motion, in which g is too; in
-        what is said of g itself g is the gravitational acceleration."""
+        """Whether a subject is a whole vector or matrix of the equations of motion, in which g is
+        too; in what is said of g itself g is the gravitational acceleration."""
         own = isinstance(subject, Token) and subject.text in self.vocabulary.told
         if not isinstance(subject, Token) or subject.text in self.targets.single or own:
             return False
@@ -343,7 +343,7 @@ def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
 
 
 def _rates(value: Value) -> Literal["one", "some", "none"]:
-    """Which rates are in a value: one in each term, some or none."""
+    """The rates in a value: one in each term, some or none."""
     above, below = pair(value)
     terms = [[(atom(x).dots, k) for x, k in p.items() if atom(x).dots] for p, _ in above.terms()]
     if below.is_constant and terms and all(row == [(1, 1)] for row in terms):
@@ -352,6 +352,6 @@ def _rates(value: Value) -> Literal["one", "some", "none"]:
 
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
-    """Whether it is a vector in the plane or a Jacobian of one, or an angular one, which has one
-    row there."""
+    """Whether a table of quantities is a vector in the plane or a Jacobian of one, or an angular
+    one, which has one row there."""
     return len(table) < 3 and all(x.kind.of == "bodies" for row in table for x in row)

@@ -275,7 +275,7 @@ class FormulaReader:
         return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
 
     def says_that_the_base_moves(self, line: AnswerLine) -> bool:
-        """Whether it is v̇0 = -g: gravity as an acceleration of the base."""
+        """Whether an equation is v̇0 = -g: gravity as an acceleration of the base."""
         if len(line) != 2 or line.subject.removesuffix(FRAMES[0]) not in spellings("v", "0", 1):
             return False
         self.of_bodies = True

@@ -193,7 +193,7 @@ class UnnamedEquations(FormulaReader):
             self.replaced, self.vocabulary = {}, kept
 
     def _is_vector(self, token: Token) -> bool:
-        """Whether it is the name of a vector or matrix, such as C in C q̇ = …"""
+        """Whether a symbol is the name of a vector or matrix, such as C in C q̇ = …"""
         table = self.targets.tables.get(token.text)
         if table is None or token.text in self.vocabulary.symbols:
             return False

@@ -102,7 +102,8 @@ def _parts(match: Match) -> Iterator[range]:
 
 
 def _is_word(match: Match) -> bool:
-    """Whether it is made of letters alone: no superscripts, such as that of a transpose."""
+    """Whether a run of lexemes is made of letters alone: no superscripts, such as that of a
+    transpose."""
     items = match.lexemes[match.start : match.stop]
     return all(category(x.text) != "Lm" for x in items if x.kind == "letter")
 

@@ -51,7 +51,7 @@ class GivenValue:
 
     @property
     def is_converted(self) -> bool:
-        """Whether it is given in another unit than that of SI."""
+        """Whether the value is given in another unit than that of SI."""
         return self.unit is not None and self.unit.factor != 1.0
 
 

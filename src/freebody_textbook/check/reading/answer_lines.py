@@ -165,7 +165,7 @@ class DocumentReader:
 
     @property
     def _bodies(self) -> int:
-        """How many bodies sums go over."""
+        """The number of bodies that sums go over."""
         return len(self.vocabulary.setting.equations.symbols.model.bodies)
 
     @cached_property

@@ -194,7 +194,7 @@ class AnswerParser(DerivativeParser):
         return any(isinstance(x, Matrix | Cross) for x in nodes(node))
 
     def _is_vector(self, node: Expression) -> bool:
-        """Whether it is a vector, and no matrix in front of one."""
+        """Whether a factor is a vector, and no matrix in front of one."""
         tables = [x for x in nodes(node) if isinstance(x, Matrix | Cross)]
         return any(isinstance(x, Cross) or len(x.rows[0]) == 1 for x in tables)
 

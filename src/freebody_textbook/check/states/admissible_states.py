@@ -58,7 +58,7 @@ class AdmissibleStates(StateValues):
 
     @property
     def is_home(self) -> AnyArray:
-        """Which states are on the branch of the home."""
+        """Flags of the states on the branch of the home."""
         return self.branch == 0
 
     def with_any(self, coordinates: Collection[str]) -> AdmissibleStates:
@@ -138,7 +138,7 @@ class StateSampler:
 
     # ------------------------------------------------------------ what is drawn
     def _parameters(self, chance: np.random.Generator) -> dict[str, float]:
-        """Values of the parameters."""
+        """Values of the robot's parameters at the states."""
         found = {}
         for name, x in self.setting.symbols.model.parameters.items():
             varied = chance.uniform(1 - _VARIED, 1 + _VARIED)

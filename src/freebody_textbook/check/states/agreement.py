@@ -64,21 +64,21 @@ class Agreement:
 
     @property
     def is_everywhere(self) -> bool:
-        """Whether they are equal at all states as they stand."""
+        """Whether the two sides are equal at all states as they stand."""
         return bool(self.right.all())
 
     @property
     def is_with_branches(self) -> bool:
-        """Whether a function's second value makes them equal where they are not, and they are equal
-        as they stand on the home's branch, or somewhere where there is none."""
+        """Whether a function's second value makes the two sides equal where they are not, and they
+        are equal as they stand on the home's branch, or somewhere where there is none."""
         home = self.states.is_home
         own = self.right[home] if home.any() else self.right
         return bool(self.others and self.possible.all() and own.any())
 
     @property
     def is_in_one_assembly(self) -> bool:
-        """Whether they are equal all along the home's branch; where no regular position belongs to
-        it along some branch with each set of parameters."""
+        """Whether the two sides are equal all along the home's branch; where no regular position
+        belongs to it along some branch with each set of parameters."""
         states, home = self.states, self.states.is_home
         if home.any():
             return bool(self.right[home].all())
@@ -89,8 +89,8 @@ class Agreement:
 
     @property
     def is_in_another_assembly(self) -> bool:
-        """Whether they are equal along some branch with each set of parameters, but not that of the
-        home."""
+        """Whether the two sides are equal along some branch with each set of parameters, but not
+        that of the home."""
         states = self.states
         return all(
             any(

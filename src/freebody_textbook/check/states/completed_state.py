@@ -66,7 +66,7 @@ def _of_motion(
 
 
 def _moving(coordinates: Sequence[str]) -> list[str]:
-    """Coordinates, rates and accelerations."""
+    """Names of coordinates, each with its rate and acceleration."""
     return [x + ending for x in coordinates for ending in ("", RATE, SECOND)]
 
 

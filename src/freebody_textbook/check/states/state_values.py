@@ -187,7 +187,7 @@ class StateValues:
 
     @property
     def count(self) -> int:
-        """Number of the states."""
+        """The number of the states."""
         return len(next(iter(self.values.values())))
 
     @cached_property

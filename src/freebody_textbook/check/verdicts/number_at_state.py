@@ -125,7 +125,8 @@ class NumberAtState:
 
     @cached_property
     def thought(self) -> RealPoint:
-        """The state with less slack, to seek reasons at: one digit would agree with many."""
+        """The state at which reasons for a wrong number are sought, with less slack: one digit
+        would agree with many."""
         largest = abs(self.yours) + abs(self.right)
         slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
         return replace(self.point, slack=slack)

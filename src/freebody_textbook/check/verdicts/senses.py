@@ -87,7 +87,7 @@ def noted(
 
 
 def _told(setting: RightEquations) -> str:
-    """Which signs are the other ones."""
+    """Sentences on the signs that are opposite in an answer."""
     of_loops = _multipliers(setting)
     rows = [row for row in of_loops.values() if row in setting.opposed]
     have = "have" if len(rows) > 1 else "has"

@@ -166,8 +166,8 @@ class _AtStates:
 
     @property
     def is_quotient_in_numbers(self) -> bool:
-        """Whether it is a quotient written without symbols; of polynomials in numbers the digits
-        count."""
+        """Whether the claim is a quotient written without symbols; of polynomials in numbers the
+        digits count."""
         value = self.claim.value
         return (
             self.claim.target.kind.takes_quotients or isinstance(value, Ratio)
@@ -315,8 +315,8 @@ class _AtStates:
 
     @property
     def _goes_another_way(self) -> bool:
-        """Whether it is written in symbols that the right value does not have, as along the other
-        leg of a loop."""
+        """Whether the claim is written in symbols that the right value does not have, as along the
+        other leg of a loop."""
         own, theirs = (symbols_in(*pair(x)) for x in (self.right, self.claim.value))
         return self.claim.whole is None and not theirs <= own
 
@@ -389,8 +389,8 @@ class _AtStates:
         return note and f"In numbers, with the values of {model!r}, to the digits given. {note}"
 
     def _shares_a_posture(self, found: Agreement) -> bool:
-        """Whether it is right, as it stands, somewhere where the answer's coordinates before are
-        too."""
+        """Whether the claim is right, as it stands, somewhere where the answer's coordinates before
+        are too."""
         claims, right = self.judge.claims, found.right.copy()
         for other in claims[: claims.index(self.claim)]:
             if not other.target.kind.is_posture or other.label == self.claim.label:
@@ -450,7 +450,7 @@ def _is_symbol(x: Value) -> bool:
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
-    """Whether it is a sum of whole multiples of angles."""
+    """Whether a value is a sum of whole multiples of angles."""
     terms = list(x.terms())
     return bool(terms) and all(
         list(powers.values()) == [1] and powers.keys() <= set(angles) and k.denominator == 1

@@ -259,7 +259,7 @@ class Wording:
 
 
 def _is_usual(name: str) -> bool:
-    """Whether it is the usual name of an entry, such as H12."""
+    """Whether a name is the usual one of an entry, such as H12."""
     own = atom(name)
     return own.is_numbered and own.letter in _USUAL
 

@@ -1,4 +1,6 @@
-"""Torques of the drives of a closed chain that a motion needs, or that hold it at rest."""
+"""Forces of closed chains: torques of the drives that a motion needs or that hold it at rest, and
+what the loops do; by a kernel where it is sure, else with care.
+"""
 
 from __future__ import annotations
 
@@ -18,16 +20,22 @@ from freebody.loops.equations import (
     require_consistent,
     scaled_jacobian,
 )
-from freebody.loops.independent_equations import (
-    partition,
-)
+from freebody.loops.independent_equations import partition, partition_of_loops
 from freebody.loops.scaled_equations import (
     RANK,
+    every_jacobian,
+    length,
+    mechanism,
+    null_space,
     rate_scale,
+    row_scale,
 )
 from freebody.model.model import Model
 from freebody.trees.public_calls import FrameWrenchTable, JointVector, attempt, checked_inputs
 
+_ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
+_DETERMINED = 1e-7
+"""Part of a wrench, relative to the largest, that undetermined multipliers may add."""
 # part of a mechanism's motion, all coordinates as angles, by which a drive that stands still moves
 _STILL = 1e-12
 _WOULD_OPEN = (
@@ -192,3 +200,76 @@ def _careful_torques(
             )
         tau[at[:, None], driven] = found / rates[driven]
     return tau
+
+
+def _shape(model: Model) -> tuple[int, int]:
+    """Shape of the wrenches of one sample."""
+    return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
+
+
+def loop_multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need;
+    which components of the wrenches they determine (..., k, six)."""
+    batch, chosen = q.shape[:-1], partition_of_loops(model)
+    determined = np.ones((*batch, *_shape(model)), dtype=bool)
+    if chosen is None:
+        multipliers = np.zeros((*batch, mechanism(model).constraints))
+        with_care = np.ones(batch, dtype=bool)
+    else:
+        multipliers = fetch(model, ("loop_multipliers",), Option(partition=chosen))(q, force)
+        with_care = np.asarray(np.isnan(multipliers).any(axis=-1))
+        if len(chosen.rows) < mechanism(model).constraints:
+            change = fetch(
+                model, ("loose_wrenches",), Option(reference=reference, partition=chosen)
+            )(q)
+            determined = _undisturbed(
+                model, np.abs(change).max(axis=-3), np.full(batch, _DETERMINED)
+            )
+    for taken, part in branches(model, q, with_care):
+        for index in np.argwhere(part):
+            at = tuple(index)
+            multipliers[at], determined[at] = _careful_multipliers(
+                taken, q[at], force[at], reference
+            )
+    return multipliers, determined
+
+
+def _careful_multipliers(
+    model: Model, q: Array, force: Array, reference: str
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Multipliers of one sample and the components that they determine, whatever the rank."""
+    rows = row_scale(model)
+    A = scaled_jacobian(model, q)
+    multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
+    combinations = rows[:, None] * null_space(A, RANK)[1]
+    if not combinations.shape[1]:
+        return multipliers, np.ones(_shape(model), dtype=bool)
+    kernel = fetch(model, ("closed_wrenches",), Option(reference=reference))
+    still = np.zeros(model.nv)
+    rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
+    change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)
+    doubt = max(_DETERMINED, _doubt(A, every_jacobian(model, q)))
+    return multipliers, _undisturbed(model, change, np.array(doubt))
+
+
+def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
+    """(..., k, six): which components of the wrenches combinations of multipliers that no motion
+    feels leave alone.
+
+    change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what
+    is nothing.
+    """
+    size = change.copy()
+    size[..., model.dim :] /= length(model)  # forces and moments compare
+    largest = size.max(axis=(-2, -1), initial=1e-300)
+    return size < (doubt * largest)[..., None, None]
+
+
+def _doubt(counting: Array, every: Array) -> float:
+    """Doubt that rounding in the model's numbers adds to a wrench that is determined, relative to
+    what is not: equations (m, nv) that do not count against the least of those that do."""
+    s = np.linalg.svd(counting, compute_uv=False)
+    least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
+    return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least
