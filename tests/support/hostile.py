@@ -63,7 +63,6 @@ LIVING = ("chapter", "kinematics", "statics")
 
 @cache
 def pages(arm: fb.Study) -> dict[str, str]:
-    from freebody.report.page import page as study_page
     from freebody_notes.contents import items
     from freebody_notes.page import pages as notes_pages
     from freebody_notes.run import run_all
