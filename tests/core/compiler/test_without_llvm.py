@@ -40,7 +40,10 @@ def test_every_public_function_and_command_works(tmp_path: Path):
     found = json.loads(without_llvm(tmp_path, "-m", "support.without_llvm"))
     assert {name: problem for name, problem in found.items() if problem} == {}
     functions = {name for name in fb.__all__ if inspect.isfunction(getattr(fb, name))}
-    assert functions | {f"freebody {name}" for name in commands()} <= found.keys() | {*ELSEWHERE, "freebody study"}
+    assert functions | {f"freebody {name}" for name in commands()} <= found.keys() | {
+        *ELSEWHERE,
+        "freebody study",
+    }
 
 
 @pytest.mark.parametrize(
