@@ -9,8 +9,10 @@ from weakref import WeakValueDictionary
 import pytest
 from hypothesis import settings
 
+import freebody as fb
 from freebody.model import geometry, structure
 from freebody.targets import settings as targets
+from support import generate
 from support.dying_workers import (  # noqa: F401 - hooks, which pytest finds here
     pytest_configure,
     pytest_configure_node,
@@ -52,6 +54,11 @@ def numpy_kernels(own_structures: None, monkeypatch: pytest.MonkeyPatch) -> None
     """Public functions compile nothing, for tests of mechanics on many mechanisms: compiling each
     is most of their time, and other tests compare what is compiled."""
     monkeypatch.setattr(targets, "TARGET", "numpy")
+    monkeypatch.setattr(generate, "made", _uncompiled)
+
+
+_uncompiled: dict[tuple[int, int], fb.Model] = {}
+"""The random trees of all tests in which nothing is compiled."""
 
 
 @pytest.fixture
@@ -59,6 +66,7 @@ def own_structures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing that is kept with a model's structure is shared with other tests."""
     monkeypatch.setattr(structure, "_structures", WeakValueDictionary())
     monkeypatch.setattr(geometry, "_known", WeakValueDictionary())
+    monkeypatch.setattr(generate, "made", {})
 
 
 @pytest.fixture

@@ -6,15 +6,11 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from contextlib import contextmanager
-from importlib.abc import MetaPathFinder
 from pathlib import Path
 
 import pytest
 
 import freebody as fb
-from freebody import cli
-from freebody.cli import terminal
 from support.command import run
 
 EMPTY = '<robot name="a"><link name="x"/></robot>'
@@ -78,39 +74,6 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     )  # what it writes, it reads
     told = capsys.readouterr().out  # 401 samples, and where a load has its peak between two
     assert re.search(r"Motion: read from motion.csv, 40[1-9] rows; rates as given\.", told)
-
-
-def test_the_bar_of_a_study_only_grows_and_is_not_full_before_the_files_are_written(
-    monkeypatch: pytest.MonkeyPatch,
-):
-    told: list[tuple[str, float]] = []
-
-    @contextmanager
-    def recorded(text: str):
-        yield lambda doing, done: told.append((doing, done))
-
-    monkeypatch.setattr(terminal, "progress", recorded)
-    assert run(["study", "2R"]) == 0
-    parts = [done for _, done in told]
-    assert parts[0] == 0.0
-    assert parts == sorted(parts)
-    assert told[-1][0] == "report and data files"
-    assert 0.5 < parts[-1] < 1.0
-
-
-def test_a_failed_check_gives_exit_code_1(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-):
-    from freebody.report import checks
-
-    monkeypatch.setattr(
-        checks, "_parts", lambda data: checks.check("equation of motion", 0.5, 1e-10, "Planted.")
-    )
-    assert run(["study", "pendulum"]) == 1
-    assert (
-        "self-check failed: equation of motion: 0.5, allowed 1e-10. Planted."
-        in capsys.readouterr().out
-    )
 
 
 def test_doubtful_inertias_are_yellow_lines_and_stand_in_the_report(
@@ -236,32 +199,8 @@ def test_bad_motions_tips_and_options_are_refused(capsys: pytest.CaptureFixture[
     )
 
 
-def test_an_interruption_and_a_fault_are_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-):
-    from freebody.cli import models
-
-    def interrupted():
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("freebody.robots.models", interrupted)
-    assert models.models is not None
-    assert run(["models"]) == 130
-    assert capsys.readouterr().err == "error: interrupted.\n"
-
-    def broken():
-        raise ZeroDivisionError("it broke")
-
-    monkeypatch.setattr("freebody.robots.models", broken)
-    assert error(capsys, "models") == (
-        "ZeroDivisionError: it broke (an error in freebody, please report it; FREEBODY_TRACEBACK=1 "
-        "shows where)"
-    )
-
-
 def test_a_line_stays_a_line(capsys: pytest.CaptureFixture[str]):
-    terminal.error("a\n  long " + "word " * 60)
-    assert capsys.readouterr().err.count("\n") == 1
+    assert "\\n long word word" in error(capsys, "show", "a\n  long " + "word " * 60)
 
 
 def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_written(
@@ -316,23 +255,6 @@ def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[s
         "derive 'lagrange': route is an option of 'newton-euler'; leave it out."
         in capsys.readouterr().err
     )
-
-
-def test_an_interruption_while_the_program_is_imported_is_one_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-):
-    class Interrupted(MetaPathFinder):
-        def find_spec(self, name, path, target=None):
-            if name == "freebody.cli.app":
-                raise KeyboardInterrupt
-            return None
-
-    monkeypatch.delitem(sys.modules, "freebody.cli.app")
-    monkeypatch.setattr(sys, "meta_path", [Interrupted(), *sys.meta_path])
-    with pytest.raises(SystemExit) as end:
-        cli.main()
-    assert end.value.code == 130
-    assert capsys.readouterr().err == "error: interrupted.\n"
 
 
 def test_thousands_of_warnings_are_counted_not_printed(capsys: pytest.CaptureFixture[str]):

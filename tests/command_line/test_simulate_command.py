@@ -7,10 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli import INTERRUPTED
-from freebody.cli.simulate import EXAMPLE
-from freebody.motion.simulation import simulate as module
-from support.command import run
+from support.command import commands, example, run
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +28,7 @@ def test_a_limp_arm_is_what_simulate_gives_and_its_file_is_a_motion(capsys):
 
 
 def test_the_example_holds_its_goal():
-    assert run(["simulate", "2R", *_words(EXAMPLE.partition("2R ")[2])]) == 0
+    assert run(_words(example(commands()["simulate"]))) == 0
     motion = fb.read_motion(fb.load("2R"), "motion.csv")
     assert motion.q[-1] == pytest.approx([1.0, 0.5], abs=1e-3)
 
@@ -105,16 +102,3 @@ def test_faulty_files_of_torques_are_refused_with_their_line(text: str, words: s
     told = " ".join(capsys.readouterr().err.split())
     assert words in told
     assert "torques.csv:" in told
-
-
-def test_an_interrupt_writes_what_there_is(monkeypatch, capsys):
-    whole = module.simulate
-
-    def stopped(model, q, qd, t, *arguments, progress, **options):
-        result = whole(model, q, qd, t[:11], *arguments, **options)
-        raise module.SimulationInterrupted(result)
-
-    monkeypatch.setattr(module, "simulate", stopped)
-    assert run(["simulate", "2R", "--time", "1"]) == INTERRUPTED
-    assert len(fb.read_motion(fb.load("2R"), "motion.csv").t) == 11
-    assert "interrupted" in capsys.readouterr().err

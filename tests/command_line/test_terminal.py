@@ -7,7 +7,6 @@ import sys
 
 import pytest
 
-from freebody.cli.terminal import spelled
 from support.command import run
 
 COMMANDS = [
@@ -45,32 +44,6 @@ def test_every_command_prints_in_every_encoding(
     assert texts[0].count("\n") == texts[1].count("\n")
     assert "\\u" not in texts[0]  # every letter that freebody prints has a spelling
     assert "?" * 2 not in texts[0]
-
-
-SPELLINGS = {
-    "θ₁ + θ₂": "theta1 + theta2",
-    "θ̇₁, θ̈₂, θ̇": "theta1_d, theta2_dd, theta_d",
-    "v̇c₁ = q̇₁": "vc1_d = q1_d",
-    "l₁² m₂": "l1^2 m2",
-    "s⁻¹, 10⁻³": "s^-1, 10^-3",
-    "Jᵀ λ": "J^T lambda",
-    "τ₁ − τ₂ · 3 × Ω": "tau1 - tau2 * 3 x Omega",
-    "½ I ω²": "1/2 I omega^2",
-    "f_ₖᵢ": "f_ki",
-    "Müller, ça": "Muller, ca",
-    "┌ a │ ─ ┘": "+ a | - +",
-    "关节\udc80": "\\u5173\\u8282\\udc80",
-}
-
-
-@pytest.mark.parametrize("text", SPELLINGS)
-def test_spellings(text: str):
-    assert spelled(text, "ascii") == SPELLINGS[text]
-
-
-def test_what_the_encoding_has_stays():
-    assert spelled("l₁² = ½ Müller", "cp1252") == "l1² = ½ Müller"
-    assert spelled("θ₁² θ̇₁", "utf-8") == "θ₁² θ̇₁"
 
 
 def test_the_program_redirected_into_another_encoding():

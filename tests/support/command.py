@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
+import re
 import runpy
 import sys
 from collections.abc import Sequence
@@ -17,3 +20,24 @@ def run(arguments: Sequence[str]) -> int:
     finally:
         sys.argv = before
     raise AssertionError("freebody ended without an exit status")
+
+
+def told(arguments: Sequence[str]) -> tuple[int, str]:
+    """The exit status with these arguments, and all that is printed."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        status = run(arguments)
+    return status, said.getvalue()
+
+
+def commands() -> dict[str, str]:
+    """The help of every command, by its name."""
+    _, whole = told(["--help"])
+    listed = whole.partition("Commands")[2]
+    names = re.findall(r"^\W*([a-z]+) {2,}\S", listed, re.MULTILINE)
+    return {name: told([name, "--help"])[1] for name in names}
+
+
+def example(help_text: str) -> str:
+    """The example of a command's help: what follows the program's name."""
+    return " ".join(help_text.partition("Example: freebody ")[2].split())

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -32,11 +31,16 @@ ONE_AXIS = tuple(name for name, kind in MOVING.items() if kind.nv == 1)
 _WEIGHTS = dict.fromkeys(MOVING, 1.2) | {"revolute": 6.0, "continuous": 3.0, "prismatic": 4.0}
 
 
-@lru_cache(maxsize=64)
+made: dict[tuple[int, int], fb.Model] = {}
+"""The trees that were asked for before, by seed and dimension: many laws read each."""
+
+
 def model(seed: int, dim: int = 3) -> fb.Model:
     """The random tree of a seed; one in five on a free base. Some of its masses may be zero, its M
     never singular."""
-    return loaded(tree(seed, dim), base=base(seed))
+    if (seed, dim) not in made:
+        made[seed, dim] = loaded(tree(seed, dim), base=base(seed))
+    return made[seed, dim]
 
 
 def base(seed: int) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from functools import cache
 from pathlib import Path
 
 import pytest
@@ -55,19 +54,3 @@ def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("hostile"))
         return fb.study(hostile())
-
-
-LIVING = ("chapter", "kinematics", "statics")
-"""Pages with a script: the drawing follows its sliders."""
-
-
-@cache
-def pages(arm: fb.Study) -> dict[str, str]:
-    from freebody.report.page import page as study_page
-    from freebody_notes.contents import items
-    from freebody_notes.page import pages as notes_pages
-    from freebody_notes.run import run_all
-
-    notes, chapter, *_ = notes_pages(run_all(items()[:3]), "notes.html").values()
-    made = {"study": study_page(arm), "notes": notes, "chapter": chapter}
-    return made | {m: fb.derive(arm.model, m).html() for m in ("kinematics", "statics")}

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+import functools
+import operator
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 import freebody as fb
-from freebody.expressions import evaluate as walk
-from freebody.expressions.expression import (
+from freebody.expressions.nodes import (
     Cross,
     Dot,
     Equation,
     Expression,
     Function,
     Matrix,
+    Negative,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sourced,
+    Sum,
     Symbol,
     Transposed,
     Vector,
@@ -28,23 +36,32 @@ def evaluate(node: Expression, values: Mapping[str, Any]) -> Any:
     """A number or array; `values` gives each symbol's by name. Of an equation the last side;
     vectors become rows. Raises UnknownNameError for a symbol without value."""
 
-    def symbol(node: Symbol, at: Any) -> Any:
+    def at(node: Expression) -> Any:
+        if not isinstance(node, Symbol):
+            return _RULES[type(node)](node, at)
         if node.name not in values:
             raise fb.UnknownNameError("value", node.name, "the values given", values)
         return values[node.name]
 
-    rules = {
-        **walk.arithmetic(float),
-        Symbol: symbol,
-        Transposed: lambda node, at: np.swapaxes(at(node.operand), -1, -2),
-        Function: lambda node, at: FUNCTIONS[node.name](at(node.argument)),
-        Cross: lambda node, at: _cross(at(node.left), at(node.right)),
-        Dot: lambda node, at: np.sum(at(node.left) * at(node.right), axis=-1),
-        Vector: lambda node, at: _stacked(map(at, node.entries), -1),
-        Matrix: lambda node, at: _stacked((_stacked(map(at, row), -1) for row in node.rows), -2),
-        Equation: lambda node, at: at(node.rhs),
-    }
-    return walk.evaluate(node, rules)
+    return at(node)
+
+
+_RULES = {
+    Number: lambda node, at: float(node.value),
+    Sum: lambda node, at: functools.reduce(operator.add, map(at, node.terms)),
+    Product: lambda node, at: functools.reduce(operator.mul, map(at, node.factors)),
+    Negative: lambda node, at: -at(node.operand),
+    Sourced: lambda node, at: at(node.operand),
+    Quotient: lambda node, at: at(node.above) / at(node.below),
+    Power: lambda node, at: at(node.base) ** node.exponent,
+    Transposed: lambda node, at: np.swapaxes(at(node.operand), -1, -2),
+    Function: lambda node, at: FUNCTIONS[node.name](at(node.argument)),
+    Cross: lambda node, at: _cross(at(node.left), at(node.right)),
+    Dot: lambda node, at: np.sum(at(node.left) * at(node.right), axis=-1),
+    Vector: lambda node, at: _stacked(map(at, node.entries), -1),
+    Matrix: lambda node, at: _stacked((_stacked(map(at, row), -1) for row in node.rows), -2),
+    Equation: lambda node, at: at(node.rhs),
+}
 
 
 def _stacked(entries: Any, axis: int) -> Any:

@@ -6,11 +6,8 @@ holds `HIDES` as `sitecustomize.py`: what a process has compiled before cannot b
 
 from __future__ import annotations
 
-import contextlib
-import io
 import json
 import os
-import re
 import shlex
 import sys
 import tempfile
@@ -19,11 +16,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import typer
 
 import freebody as fb
-from freebody.cli.app import app
-from support.command import run
+from support import command
 from support.public_calls import public_calls, state
 
 HIDES = """
@@ -140,13 +135,11 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
 
 def commands() -> dict[str, list[str]]:
     """The example of each command's help, in words, but of those that `ELSEWHERE` names."""
-    found = {}
-    for name, command in typer.main.get_group(app).commands.items():
-        if name not in ELSEWHERE:
-            example = re.search(r"Example: freebody (.*)", command.epilog or "")
-            assert example, name
-            found[name] = shlex.split(example[1])
-    return found
+    return {
+        name: shlex.split(command.example(text))
+        for name, text in command.commands().items()
+        if name not in ELSEWHERE
+    }
 
 
 def walked() -> dict[str, str]:
@@ -170,10 +163,8 @@ def walked() -> dict[str, str]:
     for name, call in (of_states | calls(arm)).items():
         tried(name, call)
     for name, words in commands().items():
-        said = io.StringIO()
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            status = run(words)
-        found[f"freebody {name}"] = f"{said.getvalue()}" if status else ""
+        status, said = command.told(words)
+        found[f"freebody {name}"] = said if status else ""
     return found
 
 

@@ -9,11 +9,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import Model, SingularError
-from freebody.kernels import lookup, structural
-from freebody.loops.independent_equations import partition
-from freebody.loops.scaled_equations import rate_scale, row_scale
-from support.helpers import all_driven, close, numbers
+from support.helpers import all_driven, numbers
+from support.loop_scales import rate_scale, row_scale
 
 CLOSED = [
     "four_bar",
@@ -93,45 +90,6 @@ def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
     )
 
 
-def test_a_lane_where_the_choice_fails_is_nan_and_the_function_takes_care():
-    """Both distal links of a five-bar in line: cranks do not hold the tip there, though an elbow's
-    drive would."""
-    model = fb.load("five_bar")
-    p = model.parameters
-    angle = np.arccos(((p["l3"] + p["l4"]) / 2 - p["b"]) / p["l1"])
-    at = {"theta1": np.pi - angle, "B": angle - np.pi, "theta2": angle, "D": np.pi - angle}
-    singular = np.array([at[name] for name in model.joint_names])
-    q = fb.default_motion(model, samples=9).q.copy()
-    alone = fb.static_torque(model, q)
-    q[3] = singular
-    found = fb.kernel(model, "static_torque")(q)
-    np.testing.assert_array_equal(np.isnan(found[:, :2]).all(axis=-1), np.arange(9) == 3)
-    np.testing.assert_array_equal(np.delete(found, 3, axis=0), np.delete(alone, 3, axis=0))
-    with pytest.raises(
-        SingularError, match=r"static_torque: .* at sample 3: it can move with these joints locked"
-    ):
-        fb.static_torque(model, q)
-    # with a third drive the fixed choice still fails there, and another one is taken
-    more = model.replace(actuated=["theta1", "theta2", "B"])
-    chosen = partition(more)
-    assert chosen is not None
-    tau = fb.static_torque(more, q)
-    assert np.isfinite(tau).all()
-    np.testing.assert_array_equal(tau[3], fb.static_torque(more, singular))
-
-
-@pytest.mark.parametrize("name", ["five_bar", "3RRR"])
-def test_one_singular_sample_leaves_the_others(name: str):
-    model = fb.load(name)
-    motion = fb.default_motion(model, samples=9)
-    few = model.replace(actuated=model.actuated[:1])
-    assert partition(few) is None
-    with pytest.raises(SingularError, match="holds near its home, which a compiled kernel needs"):
-        fb.kernel(few, "inverse_dynamics")
-    with pytest.raises(SingularError, match="at sample 0: it can move with these joints locked"):
-        fb.static_torque(few, motion.q)
-
-
 @pytest.mark.parametrize("name", ["five_bar", "bricard", "double_four_bar", "flat", "stewart"])
 def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
     """By singular values; where equations depend on one another too. `flat`: ten equations of rank
@@ -164,33 +122,6 @@ def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
 def test_what_leaves_loops_out_is_refused(name: str):
     with pytest.raises(fb.FreebodyError, match=f"kernel: {name}: 'five_bar' is a closed chain"):
         fb.kernel(fb.load("five_bar"), name)
-
-
-def test_a_changed_number_compiles_nothing_anew(monkeypatch: pytest.MonkeyPatch):
-    """Another length and mass of the same structure: every function of closed chains has its
-    kernels already."""
-
-    def work(model: Model) -> None:
-        q = fb.assemble(model, motion.q)
-        qd = fb.loop_velocity(model, q, motion.qd)
-        qdd = fb.loop_acceleration(model, q, qd, motion.qdd)
-        tau = fb.inverse_dynamics(model, q, qd, qdd)
-        fb.static_torque(model, q)
-        close(fb.forward_dynamics(model, q, qd, tau), qdd, 1e-9, 1.0)
-        assert fb.reactions(model, q, qd, qdd=qdd).balance < 1e-12
-
-    model = fb.load("five_bar")
-    motion = fb.default_motion(model, samples=9)
-    work(model)
-
-    def refused(*args: object, **options: object) -> None:
-        raise AssertionError("compiled anew")
-
-    monkeypatch.setattr(structural, "compile_program", refused)
-    monkeypatch.setattr(lookup, "compile_program", refused)
-    work(model.bind(l1=1.01 * model.parameters["l1"], m3=1.3 * model.parameters["m3"]))
-    with pytest.raises(AssertionError, match="compiled anew"):
-        fb.assemble(model.to_space())
 
 
 def test_accelerations_near_a_singular_pose_are_right_or_nan():

@@ -8,13 +8,8 @@ import pytest
 
 import freebody as fb
 from freebody import FreebodyError, LoopError
-from freebody.algorithms.loop_constraints import Counting
-from freebody.kernels.formulas import Option
-from freebody.kernels.tracing import program
-from freebody.loops.scaled_equations import rate_scale
-from freebody.program import Program
-from freebody.targets import compile_program
 from support.helpers import close
+from support.loop_scales import rate_scale
 
 MECHANISMS = [
     "four_bar",
@@ -105,21 +100,6 @@ def test_numbers_of_32_bits_tell_rates_and_forces_too(name: str):
 
 def _closed_in_64_bits(model: fb.Model, q: np.ndarray) -> np.ndarray:
     return fb.assemble(model, q.astype(float))
-
-
-@pytest.mark.parametrize("dtype", ["float64", "float32"])
-def test_rates_that_contradict_the_loops_and_positions_that_tell_none_are_nan(dtype: str):
-    model, q, qd = _states("four_bar")
-    program = _held(model, (0, 1))
-    kernel = compile_program(program, dtype=dtype)
-    assert np.isfinite(kernel(q, qd)).all()
-    wrong = qd + np.array([0.0, 0.02, 0.0])
-    assert np.isnan(kernel(q, wrong)).all()
-
-
-def _held(model: fb.Model, held: tuple[int, ...]) -> Program:
-    """The rates that those of some coordinates tell, one more than need be."""
-    return program(model, ("loop_velocity",), Option(held=held, equations=Counting((0, 1))))
 
 
 def test_one_careful_sample_among_many():

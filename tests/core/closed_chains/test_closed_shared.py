@@ -8,7 +8,6 @@ import pytest
 
 import freebody as fb
 from freebody import LoopError, PassiveJointError
-from freebody.loops.independent_equations import independent_rows, partition
 from freebody.model.families import FamilyError
 from support.helpers import close
 
@@ -21,41 +20,6 @@ def _state(name: str, samples: int = 9):
     model = fb.load(name)
     motion = fb.default_motion(model, samples=samples)
     return model, motion.q, motion.qd, motion.qdd
-
-
-def test_other_numbers_than_lengths_leave_the_geometry_alone():
-    model, q, qd, qdd = _state("stewart")
-    fb.inverse_dynamics(model, q, qd, qdd)
-    known = dict(model.geometry.facts)
-    assert known
-    leg = model.joint_names[-1]
-    others = (
-        model.with_payload(mass=2.0, frame="platform"),
-        model.bind({"platform.mass": 3.0}),
-        model.replace(gravity=1.6),
-        model.replace(name="another"),
-        model.replace(actuated=model.joint_names[:3]),
-        fb.load("stewart"),
-    )
-    for other in others:
-        assert other.geometry is model.geometry, other
-        independent_rows(other)
-    assert all(model.geometry.facts[key] is value for key, value in known.items())
-    for other in (
-        model.bind({f"{leg}.placement.x": 0.123}),
-        model.replace(loop_tolerance=(0.0, 0.0)),
-        model.opened,
-    ):
-        assert other.geometry is not model.geometry, other
-
-
-def test_facts_of_one_geometry_are_not_those_of_another():
-    """A crank that is longer than the rest together closes nowhere."""
-    model = fb.load("four_bar")
-    stuck = model.bind(l1=50.0)
-    assert partition(model) is not None
-    assert partition(stuck) is None
-    assert partition(model.bind(m1=50.0)) is partition(model)
 
 
 @pytest.mark.parametrize("name", MECHANISMS)

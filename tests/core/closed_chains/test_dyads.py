@@ -8,69 +8,12 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.loops.assembly import _solutions
-from freebody.loops.dyad_decomposition import decomposed
-from freebody.loops.scaled_equations import every_residual
+from support.loop_scales import residual
 
 
 def distinct(q):
     """Positions up to whole turns."""
     return {tuple(np.round(np.concatenate([np.cos(x), np.sin(x)]), 6) + 0.0) for x in q}
-
-
-@pytest.mark.parametrize(
-    ("name", "free", "steps"),
-    [
-        ("five_bar", ["B", "D"], ["Triangle"]),
-        ("five_bar_rods", ["x", "y"], ["TwoCircles"]),
-        ("five_bar_rods", ["theta1", "theta2"], ["Swing", "Swing"]),
-        ("four_bar", ["coupler_pin", "rocker_pin"], ["Triangle"]),
-        ("four_bar", ["crank_pin", "coupler_pin"], ["Triangle"]),
-        ("slider_crank", ["rod_pin", "guide"], ["TurnAndSlide"]),
-        ("slider_crank", ["crank_pin", "rod_pin"], ["Triangle"]),
-        ("slider_crank", ["crank_pin", "guide"], ["TurnAndSlide"]),
-        ("3RRR", ["drive1", "elbow1", "drive2", "elbow2", "drive3", "elbow3"], ["Triangle"] * 3),
-    ],
-)
-def test_dyads_find_what_a_search_finds(name, free, steps):
-    model = fb.load(name)
-    start = np.linspace(0.3, 0.9, model.nq) if name != "3RRR" else np.linspace(0.02, 0.06, model.nq)
-    q = fb.assemble(model, start)
-    moving = [model.position_names.index(x) for x in free]
-    plan = decomposed(model, moving)
-    assert plan is not None
-    assert [type(step).__name__ for step in plan.steps] == steps
-    found = fb.assembly_modes(model, q, free=free)
-    assert len(found) == 2 ** len(steps)
-    np.testing.assert_allclose(every_residual(model, found), 0, atol=1e-12)
-    np.testing.assert_allclose(
-        np.delete(found, moving, axis=1), np.delete(np.tile(q, (len(found), 1)), moving, axis=1)
-    )
-    assert len(set(plan.branches(found))) == len(found)
-    assert distinct(_solutions(model, q, moving, 200)) == distinct(found)
-    np.testing.assert_allclose(found[0], q, atol=1e-9)  # nearest first
-
-
-def test_two_slides_carry_the_block_of_a_scotch_yoke_to_its_crank_pin(tmp_path):
-    file = tmp_path / "yoke.toml"
-    file.write_text(
-        """
-        dim = 2
-        link = [{ name = "base" }, { name = "crank" }, { name = "yoke" }, { name = "block" }]
-        frame = [{ name = "pin", parent = "crank", origin = [0.3, 0] }]
-        joint = [
-            { name = "turn", kind = "revolute", parent = "base", child = "crank" },
-            { name = "x", kind = "prismatic", parent = "base", child = "yoke", axis = "x" },
-            { name = "y", kind = "prismatic", parent = "yoke", child = "block", axis = "y" },
-        ]
-        """
-    )
-    model = fb.load(file).with_loop("slot", "revolute", ("pin", "block"))
-    plan = decomposed(model, [1, 2])
-    assert plan is not None
-    found, anywhere = plan.solve(np.array([[0.4, 0.1, -0.2]]))
-    assert not anywhere.any()
-    np.testing.assert_allclose(found, [[[0.4, 0.3 * np.cos(0.4), 0.3 * np.sin(0.4)]]], atol=1e-15)
 
 
 def test_five_bar_has_four_working_and_two_assembly_modes():
@@ -83,7 +26,7 @@ def test_five_bar_has_four_working_and_two_assembly_modes():
     np.testing.assert_allclose(
         fb.forward_kinematics(model, found.q)[:, :2, 2], np.tile(target, (4, 1)), atol=1e-12
     )
-    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-12)
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
     # the names say where the elbows are
     for q, name in zip(found.q, found.branches, strict=True):
         for pivot, elbow, frame in ((-0.25, "B", "distal1"), (0.25, "D", "distal2")):
@@ -112,7 +55,7 @@ def test_three_legs_have_eight_working_modes():
     np.testing.assert_allclose(
         fb.forward_kinematics(model, found.q), np.tile(target, (8, 1, 1)), atol=1e-12
     )
-    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-12)
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-12)
 
 
 def test_batches_and_limits():
@@ -176,7 +119,7 @@ def test_stewart_platform_is_held_at_a_pose():
     target[:3, 3] = [0.02, 0.03, 0.5]
     found = fb.inverse_kinematics(model, target, starts=12)
     assert len(found)
-    np.testing.assert_allclose(every_residual(model, found.q), 0, atol=1e-10)
+    np.testing.assert_allclose(residual(model, found.q), 0, atol=1e-10)
     np.testing.assert_allclose(
         fb.forward_kinematics(model, found.q), np.tile(target, (len(found), 1, 1)), atol=1e-9
     )
@@ -188,7 +131,7 @@ def test_rhombs_have_three_modes():
     model = fb.load("double_four_bar")
     found = fb.assembly_modes(model, [1.0, -1.0, 1.0, -1.0, 1.0], free=["A1", "O2", "A2", "O3"])
     assert len(found) == 3
-    np.testing.assert_allclose(every_residual(model, found), 0, atol=1e-12)
+    np.testing.assert_allclose(residual(model, found), 0, atol=1e-12)
 
 
 def test_pins_on_one_another_are_left_to_the_search():
@@ -215,17 +158,9 @@ def test_a_target_on_a_pivot_leaves_the_others_in_closed_form(distal: float):
         assert pivot.method.startswith("Levenberg")
         np.testing.assert_array_equal(mixed.q[3, : len(pivot)], pivot.q)
         assert len(np.unique(np.round(pivot.q[:, 0], 6))) == len(pivot) > 4  # the crank, anywhere
-        np.testing.assert_allclose(every_residual(model, pivot.q), 0, atol=1e-11)
+        np.testing.assert_allclose(residual(model, pivot.q), 0, atol=1e-11)
         assert mixed.notes[0].startswith("Where pins of a dyad lie on one another (targets 3): ")
     else:
         assert pivot.method == "dyads, in closed form"
         assert pivot.distance == pytest.approx(distal - 0.4, rel=1e-6)
         assert "theta1 and P would be 0 m apart" in pivot.notes[0]
-
-
-def test_what_is_no_row_of_dyads():
-    assert decomposed(fb.load("3RRR"), [0, 1, 2, 4, 6, 8]) is None  # all legs at once
-    assert decomposed(fb.load("bricard"), range(5)) is None
-    assert decomposed(fb.load("2R"), [0, 1]) is None
-    four_bar = fb.load("four_bar")
-    assert decomposed(four_bar, [0, 1, 2]) is None  # one too many

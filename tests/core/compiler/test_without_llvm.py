@@ -10,10 +10,9 @@ import sys
 from pathlib import Path
 
 import pytest
-import typer
 
 import freebody as fb
-from freebody.cli.app import app
+from support.command import commands
 from support.without_llvm import ELSEWHERE, HIDES
 
 TESTS = Path(__file__).parents[2]
@@ -41,8 +40,10 @@ def test_every_public_function_and_command_works(tmp_path: Path):
     found = json.loads(without_llvm(tmp_path, "-m", "support.without_llvm"))
     assert {name: problem for name, problem in found.items() if problem} == {}
     functions = {name for name in fb.__all__ if inspect.isfunction(getattr(fb, name))}
-    commands = {f"freebody {name}" for name in typer.main.get_group(app).commands}
-    assert functions | commands <= found.keys() | {*ELSEWHERE, "freebody study"}
+    assert functions | {f"freebody {name}" for name in commands()} <= found.keys() | {
+        *ELSEWHERE,
+        "freebody study",
+    }
 
 
 @pytest.mark.parametrize(

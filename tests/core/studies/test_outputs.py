@@ -29,7 +29,8 @@ from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
 from freebody.outputs.text import as_meant, csv_text, harmless, legal
 from support.command import run
-from support.hostile import JOINTS, LINKS, LIVING, hostile_study, pages
+from support.hostile import JOINTS, LINKS, hostile_study
+from support.hostile_pages import LIVING, pages
 from support.page_data import page_script
 from support.sources import SOURCES, place
 

@@ -11,7 +11,8 @@ import pytest
 import freebody as fb
 from freebody.outputs.page import policy
 from support.browser import browser
-from support.hostile import LIVING, hostile_study, pages
+from support.hostile import hostile_study
+from support.hostile_pages import LIVING, pages
 
 pytestmark = pytest.mark.browser
 
