@@ -222,7 +222,7 @@ def load(
     model = build_model(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
     if loop_tolerance is not None:
         model = model.replace(loop_tolerance=loop_tolerance)
-    return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
+    return weighed(model, description, estimate_inertia is not None, physical != "ignore")
 
 
 def _estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
@@ -234,7 +234,7 @@ def _estimated(description: RobotDescription, mass: float, packages: Packages) -
     return estimated(description, mass, packages)
 
 
-def _weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
+def weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
         found = implausible_masses(

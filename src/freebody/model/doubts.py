@@ -43,6 +43,7 @@ ALL = (*DYNAMIC, *LIMITS)
 
 NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
 ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
+PLACEHOLDERS = "placeholder limits"
 
 _NAMES = 4
 """Joints that a sentence names before it counts the others."""
@@ -459,7 +460,7 @@ def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doub
             f"no such robot has the {what} limit{'s' if several else ''} of "
             f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
         )
-        yield Doubt(_PLACEHOLDERS, text, joints=names)
+        yield Doubt(PLACEHOLDERS, text, joints=names)
 
 
 def _motors(model: Model) -> list[_MotorLimits]:
@@ -493,7 +494,7 @@ def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
                 f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
                 f"each."
             )
-            yield Doubt(_PLACEHOLDERS, text, joints=names)
+            yield Doubt(PLACEHOLDERS, text, joints=names)
 
 
 def _is_strong(drive: _MotorLimits, mass: float) -> bool:
@@ -594,7 +595,6 @@ def _absent_limits(model: Model, allowed: UsableLimits, aspects: Sequence[str]) 
     return [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items()]
 
 
-_PLACEHOLDERS = "placeholder limits"
 DOUBT_KINDS: dict[str, DoubtKind] = {
     kind.name: kind
     for kind in (
@@ -605,7 +605,7 @@ DOUBT_KINDS: dict[str, DoubtKind] = {
         DoubtKind(IMPLAUSIBLE, (MASSES,), True, True, key="masses_doubtful", tied=_all_inertias),
         DoubtKind("impossible inertias", (MASSES,), True, True, find=_impossible),
         DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, find=_no_drive),
-        DoubtKind(_PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=_placeholders),
+        DoubtKind(PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=_placeholders),
         DoubtKind("missing limits", LIMITS, True, absent=True, find=_missing),
         DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated", tied=_all_inertias),
         DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated", tied=_all_limits),
