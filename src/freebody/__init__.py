@@ -46,6 +46,7 @@ _PLACES = {
     "freebody.formats.loading": ("load",),
     "freebody.formats.saving": ("save",),
     "freebody.robots": ("models",),
+    "freebody.diagnosis.doctor": ("doctor",),
     "freebody.trees.kinematics": (
         "forward_kinematics",
         "velocity",

@@ -25,14 +25,14 @@ from freebody.model.build import build_model
 from freebody.model.description import RobotDescription
 from freebody.model.dh import Convention
 from freebody.model.model import Model
-from freebody.outputs.display import InWords, TextTable, counted
+from freebody.outputs.display import InWords, Tabled, TextTable, counted
 
 _ROUNDS = 4
 """Times that what is mended is looked at again: one change may show the next fault."""
 
 
 @dataclass(frozen=True)
-class Diagnosis(InWords):
+class Diagnosis(InWords, Tabled):
     """The findings on a file, in the order of its lines.
 
     mended: the file's text with all changes that have one sensible remedy, None where there are
@@ -53,13 +53,25 @@ class Diagnosis(InWords):
         """The findings of one severity: "error", "warning" or "notice"."""
         return tuple(finding for finding in self.findings if finding.severity == severity)
 
-    def _title(self) -> str:
+    @property
+    def title(self) -> str:
+        """The file, and how many findings of each severity there are."""
         counts = Counter(finding.severity for finding in self.findings)
         told = ", ".join(counted(counts[x], x) for x in SEVERITIES if counts[x])
         return f"{self.file}: {told or 'no findings'}"
 
+    @property
+    def data(self) -> dict[str, Any]:
+        """The diagnosis as plain data, such as JSON holds."""
+        keys = ("kind", "severity", "reason", "remedy", "file", "line", "fix")
+        findings = [{key: getattr(x, key) for key in keys} for x in self.findings]
+        return {"file": self.file, "sound": self.sound, "findings": findings}
+
     def __str__(self) -> str:
-        return "\n".join([*map(str, self.findings), self._title()])
+        return "\n".join([*map(str, self.findings), self.title])
+
+    def _title(self) -> str:
+        return self.title
 
     def _table(self) -> TextTable:
         rows = [
@@ -207,12 +219,3 @@ def _mended(file: str, data: bytes, root: XmlElement, packages: Packages) -> Dia
         findings = _findings(_urdf_facts(file, root, packages))
         diagnosis = replace(diagnosis, mended=data, changes=tuple(told))
     return diagnosis
-
-
-def as_data(diagnosis: Diagnosis) -> dict[str, Any]:
-    """A diagnosis as plain data, for JSON."""
-    keys = ("kind", "severity", "reason", "remedy", "file", "line")
-    findings = [
-        {**{key: getattr(x, key) for key in keys}, "fix": list(x.fix)} for x in diagnosis.findings
-    ]
-    return {"file": diagnosis.file, "sound": diagnosis.sound, "findings": findings}

@@ -49,7 +49,7 @@ _NAMES = 4
 """Joints that a sentence names before it counts the others."""
 _MEMBERS = 64
 """Members of a family that are looked at."""
-_MEASURED = 0.15
+MEASURED = 0.15
 """Share of a body's largest principal moment by which its moments may break the triangle inequality
 because they are measured, or printed with few digits."""
 _SEVERAL = 3
@@ -263,7 +263,7 @@ def _massless(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
-    wrong = _faults(model, lambda breach: breach > _MEASURED)
+    wrong = _faults(model, lambda breach: breach > MEASURED)
     if len(wrong) == 1:
         yield f"an inertia is one that no rigid body has: {wrong[0][1]}."
     elif wrong:
@@ -272,7 +272,7 @@ def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
-    off = _faults(model, lambda breach: breach <= _MEASURED)
+    off = _faults(model, lambda breach: breach <= MEASURED)
     if off:
         what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
         yield (
@@ -296,12 +296,30 @@ def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, st
     return found
 
 
+def unfelt_links(model: Model) -> set[str]:
+    """Names of the links with an inertia that no rigid body has, of which nothing is ever felt:
+    those of the base, and such as turn about no other axis than the one that their inertia is
+    given about."""
+    moving = {
+        part.link
+        for body, axes in zip(model.bodies, _turned_about(model), strict=True)
+        for part in body.inertias
+        if part.inertia.fault() and _unfelt(part, axes)
+    }
+    return moving | {part.link for part in model.base_inertias if part.inertia.fault()}
+
+
 def _breach(body: Body) -> float:
     """The excess of a body's principal moments over the triangle inequality, as a share of the
     largest one; infinite for masses and moments below 0."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
-    tensor = _whole(body)
+    return excess(_whole(body))
+
+
+def excess(tensor: Array) -> float:
+    """The excess of a tensor's principal moments over the triangle inequality, as a share of the
+    largest one; infinite where none is above 0."""
     if tensor.shape == (1, 1):
         return math.inf if tensor[0, 0] < 0.0 else 0.0
     a, b, c = np.linalg.eigvalsh(tensor)

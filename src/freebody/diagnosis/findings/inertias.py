@@ -13,10 +13,9 @@ from freebody.arrays import Array
 from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm, pose_of
 from freebody.diagnosis.finding import FindingKind, Found
 from freebody.errors import listed
+from freebody.model.doubts import MEASURED, excess, unfelt_links
 from freebody.model.inertia import Inertia
 
-_MEASURED = 0.15
-"""Share of the largest principal moment by which measured ones may break the triangle inequality."""
 _SAME = 0.05
 """Relative difference of left and right that is none."""
 _HEAVY = 2000.0
@@ -76,27 +75,28 @@ def _written(facts: RobotFacts) -> Iterator[tuple[LinkFacts, Inertia]]:
             yield link, link.inertia
 
 
-def _breach(inertia: Inertia) -> float:
-    """Excess of the principal moments over the triangle inequality, as a share of the largest."""
-    tensor = inertia.numbers()[2]
-    if tensor.shape == (1, 1):
-        return 1.0
-    a, b, c = np.linalg.eigvalsh(tensor)
-    return float(max(c - a - b, -a) / c) if c > 0.0 else 1.0
+def _faulty(facts: RobotFacts) -> Iterator[tuple[LinkFacts, str, bool]]:
+    """Links with inertias that no rigid body has, why, and whether that matters: more than what
+    measured ones break the triangle inequality by, and felt in some motion."""
+    unfelt = unfelt_links(facts.model) if facts.model and not facts.model.missing else set()
+    for link, inertia in _written(facts):
+        fault = inertia.fault()
+        if fault:
+            mass, _, tensor = inertia.numbers()
+            off = mass < 0.0 or excess(tensor) > MEASURED
+            yield link, fault, off and (mass < 0.0 or link.name not in unfelt)
 
 
 def _impossible(facts: RobotFacts) -> Iterator[Found]:
-    for link, inertia in _written(facts):
-        fault = inertia.fault()
-        if fault and (inertia.numbers()[0] < 0.0 or _breach(inertia) > _MEASURED):
-            yield Found(f"link {link.name!r}: {fault}", facts.line_of(link.name))
+    for link, fault, matters in _faulty(facts):
+        if matters:
+            yield Found(f"link {link.name!r}: {fault}", link.inertia_line)
 
 
 def _inexact(facts: RobotFacts) -> Iterator[Found]:
-    for link, inertia in _written(facts):
-        fault = inertia.fault()
-        if fault and inertia.numbers()[0] >= 0.0 and _breach(inertia) <= _MEASURED:
-            yield Found(f"link {link.name!r}: {fault}", facts.line_of(link.name))
+    for link, fault, matters in _faulty(facts):
+        if not matters:
+            yield Found(f"link {link.name!r}: {fault}", link.inertia_line)
 
 
 def _no_mass(facts: RobotFacts) -> Iterator[Found]:

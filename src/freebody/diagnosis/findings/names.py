@@ -103,12 +103,16 @@ def _apart(facts: RobotFacts) -> Iterator[Found]:
             waiting += fresh
         return found
 
-    if facts.links and not facts.roots:
+    known = {joint.child for joint in facts.joints if joint.parent in facts.link}
+    roots = [link for link in facts.links if link.name not in known]
+    if facts.links and not roots:
         yield Found("the links form a circle, and none is the base", facts.joints[0].line)
         return
-    trees = sorted(((below(x.name), x) for x in facts.roots), key=lambda pair: -len(pair[0]))
+    trees = sorted(((below(x.name), x) for x in roots), key=lambda pair: -len(pair[0]))
     reached = {name for tree, _ in trees for name in tree}
     for tree, root in trees[1:]:
+        if root.name in facts.above:  # its joint names no link, which is a finding of its own
+            continue
         with_it = f", with {listed(sorted(tree - {root.name}), 4)}" if len(tree) > 1 else ""
         yield Found(f"link {root.name!r} hangs on no joint{with_it}", root.line)
     for link in facts.links:
