@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from freebody.diagnosis import description_facts, urdf_facts
-from freebody.diagnosis.facts import RobotFacts
-from freebody.diagnosis.finding import SEVERITIES, Finding, FindingKind, Found
+from freebody.diagnosis.facts import RobotFacts, elements_in
+from freebody.diagnosis.finding import SEVERITIES, Finding, FindingKind, Found, Line
 from freebody.diagnosis.findings import FINDINGS
 from freebody.diagnosis.source_text import changed
 from freebody.errors import FileError, FreebodyError, FreebodyWarning, IncludedLine
@@ -74,9 +74,7 @@ class Diagnosis(InWords, Tabled):
         return self.title
 
     def _table(self) -> TextTable:
-        rows = [
-            (str(x.line or ""), x.severity, x.kind, x.reason, x.remedy) for x in self.findings
-        ]
+        rows = [(str(x.line or ""), x.severity, x.kind, x.reason, x.remedy) for x in self.findings]
         return TextTable(("line", "severity", "kind", "reason", "remedy"), rows)
 
 
@@ -181,11 +179,23 @@ def _findings(facts: RobotFacts) -> tuple[Finding, ...]:
     for kind in FINDINGS:
         told = {finding.line for finding in found if finding.severity == "error"}
         for one in kind.find(facts):
-            finding = _finding(facts, kind, one)
             # what a reader refuses is told once, by the finding that knows more about it
-            if kind.name != "refused" or not (told and (finding.line in told or not finding.line)):
-                found.append(finding)
+            if kind.name != "refused" or not told & _lines(facts, one.line):
+                found.append(_finding(facts, kind, one))
     return tuple(sorted(found, key=lambda finding: finding.line or 0))
+
+
+def _lines(facts: RobotFacts, line: Line) -> set[Line]:
+    """The lines of the elements that begin on a line, with those inside; of the whole file where
+    none is known."""
+    if facts.root is None:
+        return {line}
+    return {
+        inner.line
+        for element in elements_in(facts.root)
+        if line in (None, element.line)
+        for inner in elements_in(element)
+    }
 
 
 def _finding(facts: RobotFacts, kind: FindingKind, found: Found) -> Finding:

@@ -1,5 +1,5 @@
-"""Facts of a robot's file, each with its place: links with inertias and shapes, joints with axes and
-limits, as they are written.
+"""Facts of a robot's file, each with its place: links with inertias and shapes, joints with axes
+and limits, as they are written.
 
 Nothing is refused here. What no reader would take, such as a word in the place of a number, is
 `None` among the facts, and a finding.
@@ -198,16 +198,18 @@ class RobotFacts(Keeps):
     def reach(self) -> float:
         """The longest way from the base along joints (m), at least 1 mm."""
         far: dict[str, float] = {}
-
-        def of(name: str, depth: int = 0) -> float:
-            joint = self.above.get(name)
-            if name not in far:
-                step = 0.0 if joint is None or joint.pose is None else norm(joint.pose[1])
-                last = joint is None or depth > 500
-                far[name] = 0.0 if last else step + of(joint.parent, depth + 1)
-            return far[name]
-
-        return max([of(link.name) for link in self.links], default=0.0) or 1e-3
+        for link in self.links:
+            way: dict[str, float] = {}
+            """Steps towards the base, or around a circle, which has none."""
+            name = link.name
+            while name not in far and name not in way:
+                joint = self.above.get(name)
+                way[name] = norm(joint.pose[1]) if joint and joint.pose is not None else 0.0
+                name = joint.parent if joint else ""
+            distance = far.get(name, 0.0)
+            for passed, step in reversed(way.items()):
+                far[passed] = distance = distance + step
+        return max(far.values(), default=0.0) or 1e-3
 
     def line_of(self, name: str) -> Line:
         """The line of a link's inertia, or of a joint's limits; None of any other name."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from freebody.diagnosis.facts import RobotFacts, elements_in, norm
-from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.finding import Change, FindingKind, Found, Line
 from freebody.diagnosis.urdf_facts import vector
 from freebody.formats.urdf_elements import XmlElement
 
@@ -25,7 +25,7 @@ _FELT = 1e-5
 _DIGITS = re.compile(r"[-+]?\d+\.(\d+)")
 
 
-def _axes(facts: RobotFacts) -> Iterator[tuple[str, XmlElement | None, tuple[float, ...], object]]:
+def _axes(facts: RobotFacts) -> Iterator[tuple[str, XmlElement | None, tuple[float, ...], Line]]:
     for joint in facts.joints:
         if joint.axis is not None and (joint.moves or joint.kind == "planar"):
             element = next(iter(joint.element.all("axis")), None) if joint.element else None

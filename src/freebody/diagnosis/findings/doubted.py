@@ -1,5 +1,5 @@
-"""Findings that are doubts of the model: each kind of doubt that a file is to be corrected for, told
-at the links and joints that it is about."""
+"""Findings that are doubts of the model: each kind of doubt that a file is to be corrected for,
+told at the links and joints that it is about."""
 
 from __future__ import annotations
 

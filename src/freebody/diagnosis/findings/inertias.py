@@ -11,7 +11,8 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm, pose_of
-from freebody.diagnosis.finding import FindingKind, Found
+from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.urdf_facts import TENSOR
 from freebody.errors import listed
 from freebody.model.doubts import MEASURED, excess, unfelt_links
 from freebody.model.inertia import Inertia
@@ -24,6 +25,8 @@ _TINY = 0.002
 """Share of the robot's mass that is passed over: sensors and frames have placeholders."""
 _FAR = 100.0
 """m that no robot reaches."""
+_THIN = 1e-6
+"""Second moment that a mended inertia keeps, as a share of the largest."""
 _TYPICAL = 0.3
 """Radius of gyration of a link, as a share of its size."""
 _UNITS = {1e4: "kg cm²", 1e6: "kg mm²", 1e7: "g cm²", 1e9: "g mm²"}
@@ -90,7 +93,32 @@ def _faulty(facts: RobotFacts) -> Iterator[tuple[LinkFacts, str, bool]]:
 def _impossible(facts: RobotFacts) -> Iterator[Found]:
     for link, fault, matters in _faulty(facts):
         if matters:
-            yield Found(f"link {link.name!r}: {fault}", link.inertia_line)
+            remedy = "correct its mass" if fault.startswith("mass") else ""
+            reason = f"link {link.name!r}: {fault}"
+            yield Found(reason, link.inertia_line, _nearest(link), remedy)
+
+
+def _nearest(link: LinkFacts) -> tuple[Change, ...]:
+    """The changes by which a tensor becomes the nearest one that some rigid body has: its second
+    moments are made positive. None where the mass is wrong, or all of it."""
+    written = link.inertial
+    element = (
+        next(iter(written.element.all("inertia")), None) if written and written.element else None
+    )
+    if written is None or written.inertia is None or element is None:
+        return ()
+    mass, _, tensor = written.inertia.numbers()
+    moments, axes = np.linalg.eigh(0.5 * np.trace(tensor) * np.eye(3) - tensor)
+    if mass <= 0.0 or moments[-1] <= 0.0:
+        return ()
+    second = axes @ np.diag(np.maximum(moments, _THIN * moments[-1])) @ axes.T
+    mended = np.trace(second) * np.eye(3) - second
+    given = mended[np.triu_indices(3)].tolist()
+    return tuple(
+        Change(element, key, f"{x:.9g}")
+        for key, x, was in zip(TENSOR, given, tensor[np.triu_indices(3)].tolist(), strict=True)
+        if abs(x - was) > 1e-9 * moments[-1]
+    )
 
 
 def _inexact(facts: RobotFacts) -> Iterator[Found]:
@@ -122,11 +150,16 @@ def _plain(facts: RobotFacts) -> Iterator[Found]:
     for body in _weighed(facts):
         diagonal = np.diag(body.tensor)
         alike = (body.tensor == np.diag(diagonal)).all() and (diagonal == diagonal[0]).all()
-        power = np.log10(diagonal[0]) if diagonal[0] > 0.0 else 0.5
-        if alike and abs(power - round(power)) < 1e-12 and f"{body.mass:.0e}"[0] == "1":
-            if float(f"{body.mass:.0e}") == body.mass > _TINY * facts.mass:
-                reason = f"link {body.link.name!r} has {body.mass:g} kg and {diagonal[0]:g} kg m²"
-                yield Found(f"{reason} about all axes, a placeholder", body.link.inertia_line)
+        plain = _is_power(body.mass) and _is_power(float(diagonal[0]))
+        if alike and plain and body.mass > _TINY * facts.mass:
+            reason = f"link {body.link.name!r} has {body.mass:g} kg and {diagonal[0]:g} kg m²"
+            yield Found(f"{reason} about all axes, a placeholder", body.link.inertia_line)
+
+
+def _is_power(x: float) -> bool:
+    """Whether a number is a power of ten, as placeholders are."""
+    text = f"{x:.0e}"
+    return text[0] == "1" and float(text) == x
 
 
 def _units(facts: RobotFacts) -> Iterator[Found]:
@@ -136,7 +169,9 @@ def _units(facts: RobotFacts) -> Iterator[Found]:
     mass = sum(body.mass for body in _weighed(facts))
     bodies = [body for body in _weighed(facts) if body.size > 0.0 and body.mass > 0.01 * mass]
     if mass > _HEAVY * max(facts.reach, 0.1) ** 2 and mass > 1000.0:
-        reason = f"{mass:.4g} kg move, at a reach of {facts.reach:.3g} m, as though masses were in g"
+        reason = (
+            f"{mass:.4g} kg move, at a reach of {facts.reach:.3g} m, as though masses were in g"
+        )
         yield Found(reason)
     if len(bodies) < 2:
         return
@@ -238,7 +273,7 @@ def _invariants(a: Inertia, b: Inertia) -> Iterator[tuple[str, Array, Array]]:
     """What mirrored bodies have in common, of both."""
     (m, c, S), (n, d, T) = a.numbers(), b.numbers()
     yield "masses", np.array([m]), np.array([n])
-    size = np.sqrt(np.trace(S) / m) + norm(c)
+    size = np.sqrt(max(float(np.trace(S)), 0.0) / m) + norm(c)
     yield "centres of mass", np.array([norm(c) + size]), np.array([norm(d) + size])
     yield "moments of inertia", np.linalg.eigvalsh(S), np.linalg.eigvalsh(T)
     far = norm(c) ** 2 * float(np.linalg.eigvalsh(S)[-1])

@@ -106,7 +106,9 @@ def _degrees(facts: RobotFacts) -> Iterator[Found]:
             for change in _changed(number, f"{math.radians(number.value):.9g}")
         )
         shown = " and ".join(f"{x:g}" for x in _bounds(joint))
-        reason = f"joint {joint.name!r}: its limits {shown} rad are many turns, as though in degrees"
+        reason = (
+            f"joint {joint.name!r}: its limits {shown} rad are many turns, as though in degrees"
+        )
         yield Found(reason, joint.limit_line, changes)
 
 
@@ -149,5 +151,7 @@ UNSTATED = FindingKind("limits not given", "notice", "give them where they are k
 ZERO = FindingKind("zero limit", "warning", "give the motor's", _zero)
 NO_RANGE = FindingKind("no range", "warning", "give a range, or make the joint fixed", _no_range)
 DEGREES = FindingKind("limits in degrees", "warning", "give radians", _degrees)
-PUSHES = FindingKind("negative friction", "error", "friction opposes motion: give its size", _pushes)
+PUSHES = FindingKind(
+    "negative friction", "error", "friction opposes motion: give its size", _pushes
+)
 HOLDS = FindingKind("friction holds", "warning", "correct the friction or the limit", _holds)

@@ -1,7 +1,8 @@
-"""Findings on shapes: meshes that are not there, and masses that do not fit what the shapes fill."""
+"""Findings on shapes: meshes that are not there, and masses that do not fit what shapes fill."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.diagnosis.facts import LinkFacts, Pose, RobotFacts, norm
-from freebody.diagnosis.finding import FindingKind, Found
+from freebody.diagnosis.finding import FindingKind, Found, Line
 from freebody.errors import FreebodyError, listed
 from freebody.formats.masses import filled_shapes
 from freebody.lazy import kept
@@ -28,8 +29,8 @@ _PRODUCTS = 0.02
 
 
 class _Solid(NamedTuple):
-    """Links that are fixed together, the heaviest first: mass, com and tensor as written, and volume,
-    centre and tensor of their shapes at density 1."""
+    """Links that are fixed together, the heaviest first: mass, com and tensor as written, and
+    volume, centre and tensor of their shapes at density 1."""
 
     link: LinkFacts
     mass: float
@@ -54,7 +55,7 @@ def _missing(facts: RobotFacts) -> Iterator[Found]:
 
 
 def _unknown_package(facts: RobotFacts) -> Iterator[Found]:
-    lost: dict[str, object] = {}
+    lost: dict[str, Line] = {}
     for link in facts.links:
         for shape in link.shapes:
             scheme, colon, rest = shape.file.partition("://")
@@ -131,7 +132,7 @@ def _unlike(facts: RobotFacts) -> Iterator[Found]:
         shape, own = _second(solid.filled, solid.volume), _second(solid.tensor, solid.mass)
         root = np.linalg.cholesky(shape)
         widths = np.linalg.eigvalsh(np.linalg.solve(root, np.linalg.solve(root, own).T))
-        low, high = np.sqrt(np.maximum(widths, 0.0))[[0, -1]]
+        high = math.sqrt(max(float(widths[-1]), 0.0))
         if high > _APART or high < 1.0 / _APART:
             what = "too large" if high > 1.0 else "too small"
             yield Found(f"link {solid.link.name!r}: its inertia is {what} for its shapes, by a "
@@ -144,9 +145,7 @@ def _signs(facts: RobotFacts) -> Iterator[Found]:
     first = None
     for solid in _solids(facts):
         for i, j in ((0, 1), (0, 2), (1, 2)):
-            own, other = (
-                float(x[i, j]) / float(np.trace(x)) for x in (solid.tensor, solid.filled)
-            )
+            own, other = (float(x[i, j]) / float(np.trace(x)) for x in (solid.tensor, solid.filled))
             if min(abs(own), abs(other)) > _PRODUCTS:
                 votes[1 if own * other > 0.0 else -1] += 1
                 first = first or solid
