@@ -14,6 +14,7 @@ import typer
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    diff,
     doctor,
     export,
     fbd,
@@ -53,6 +54,7 @@ for _function, _example in (
     (fbd.fbd, fbd.EXAMPLE),
     (export.export, export.EXAMPLE),
     (doctor.doctor, doctor.EXAMPLE),
+    (diff.diff, diff.EXAMPLE),
     (models.models, models.EXAMPLE),
 ):
     _command(_function, _example)
