@@ -23,6 +23,7 @@ from freebody.diagnosis.bodies_in_space import (
     Part,
     Robot,
     Weight,
+    cross,
     inverse,
     rotation_between,
     turned,
@@ -138,14 +139,14 @@ def _axes(directions: Sequence[Array], signs: Sequence[float]) -> Array:
     """Axes along the first direction and across to the first that is not parallel."""
     z = signs[0] * directions[0]
     for k, direction in enumerate(directions[1:], 1):
-        x = np.cross(z, direction * (signs[k] if k < len(signs) else signs[-1]))
+        x = cross(z, direction * (signs[k] if k < len(signs) else signs[-1]))
         if norm(x) > 1e-6 * norm(direction):
             x = x / norm(x)
             break
     else:
-        x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
+        x = cross(z, np.eye(3)[np.argmin(np.abs(z))])
         x = x / norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
+    return np.column_stack([x, cross(z, x), z])
 
 
 # ------------------------------------------------------------ from the base outwards
@@ -192,7 +193,7 @@ def _gap(one: Part, two: Part, pose: Pose) -> tuple[Pose, Gap]:
         return (R, p), Gap(norm(p), 0.0, 1.0)
     other = R @ two.axis
     flip = -1.0 if one.axis @ other < 0.0 else 1.0
-    angle = float(np.arctan2(norm(np.cross(one.axis, other)), abs(one.axis @ other)))
+    angle = float(np.arctan2(norm(cross(one.axis, other)), abs(one.axis @ other)))
     aside = norm(p - one.axis * (one.axis @ p))
     return (R, p), Gap(aside if one.turns and two.turns else 0.0, angle, flip)
 
@@ -234,8 +235,8 @@ def _offsets(a: Robot, b: Robot, one: Part, two: Part, pose: Pose) -> Iterator[f
         mine, line = own.line(_HERE), other.line(pose)
         for flip in (1.0, -1.0):
             if not one.turns:
-                across = np.cross(axis, mine.direction)
-                off = np.cross(line.point - mine.point, mine.direction)
+                across = cross(axis, mine.direction)
+                off = cross(line.point - mine.point, mine.direction)
                 if own.turns and norm(across) > 1e-6:
                     yield float(off @ across / (across @ across))
                 continue
@@ -243,8 +244,8 @@ def _offsets(a: Robot, b: Robot, one: Part, two: Part, pose: Pose) -> Iterator[f
             if own.turns:
                 yield from _turn(
                     axis,
-                    np.cross(mine.point, mine.direction),
-                    flip * np.cross(line.point, line.direction),
+                    cross(mine.point, mine.direction),
+                    flip * cross(line.point, line.direction),
                 )
     if one.weight and two.weight:
         yield from _offsets_by_weight(one, one.weight, two.weight, pose)
@@ -254,7 +255,7 @@ def _turn(axis: Array, v: Array, w: Array) -> Iterator[float]:
     """The angle about an axis from one vector to another, if they are not along it."""
     v, w = (x - axis * (axis @ x) for x in (v, w))
     if min(norm(v), norm(w)) > 1e-6:
-        yield float(np.arctan2(axis @ np.cross(v, w), v @ w))
+        yield float(np.arctan2(axis @ cross(v, w), v @ w))
 
 
 def _offsets_by_weight(one: Part, own: Weight, other: Weight, pose: Pose) -> Iterator[float]:
@@ -266,9 +267,9 @@ def _offsets_by_weight(one: Part, own: Weight, other: Weight, pose: Pose) -> Ite
         yield float(axis @ (centre - own.com))
         return
     yield from _turn(axis, own.com, centre)
-    x = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    x = cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     x = x / norm(x)
-    frame = np.column_stack([x, np.cross(axis, x)])
+    frame = np.column_stack([x, cross(axis, x)])
     angles = []
     for tensor in (own.tensor, R @ other.tensor @ R.T):
         flat = frame.T @ tensor @ frame

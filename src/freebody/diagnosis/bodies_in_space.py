@@ -146,7 +146,7 @@ class Robot:
                 if part.turns:
                     first, body, pose = line, part, at
                 continue
-            if norm(np.cross(first.direction, line.direction)) > _PARALLEL:
+            if norm(cross(first.direction, line.direction)) > _PARALLEL:
                 if part.turns:
                     return nearest(first, line)
             elif not part.turns:
@@ -180,8 +180,13 @@ def pose_in_space(placement: Placement, dim: int) -> Pose:
 def nearest(line: Line, other: Line) -> Array:
     """The point of a line that is nearest to another one, which is not parallel."""
     (u, p), (v, q) = line, other
-    n = np.cross(u, v)
-    return p + u * float(np.cross(q - p, v) @ n / (n @ n))
+    n = cross(u, v)
+    return p + u * float(cross(q - p, v) @ n / (n @ n))
+
+
+def cross(u: Array, v: Array) -> Array:
+    """The cross product of two vectors."""
+    return np.asarray(np.cross(u, v), dtype=float)
 
 
 def inverse(pose: Pose) -> Pose:
@@ -193,17 +198,17 @@ def inverse(pose: Pose) -> Pose:
 def turned(axis: Array, angle: float) -> Array:
     """The rotation about a unit vector by an angle (rad)."""
     x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
 
 
 def rotation_between(u: Array, v: Array) -> Array:
     """The least rotation that takes one unit vector to another."""
-    normal, cosine = np.cross(u, v), float(u @ v)
+    normal, cosine = cross(u, v), float(u @ v)
     sine = norm(normal)
     if sine > 1e-15:
         return turned(normal / sine, float(np.arctan2(sine, cosine)))
     if cosine > 0.0:
         return np.eye(3)
-    aside = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
+    aside = cross(u, np.eye(3)[np.argmin(np.abs(u))])
     return turned(aside / norm(aside), np.pi)

@@ -27,6 +27,8 @@ from freebody.model.dh import Convention
 from freebody.model.model import Model
 from freebody.outputs.display import InWords, Tabled, TextTable, counted
 
+_SNAP = 3e-9
+"""rad, as `load` has it."""
 _ROUNDS = 4
 """Times that what is mended is looked at again: one change may show the next fault."""
 
@@ -113,14 +115,7 @@ def doctor(
     FreebodyError
         A name that is not known, or an option that does not fit.
     """
-    folders = [package_path] if isinstance(package_path, str | os.PathLike) else list(package_path)
-    names = (xacro_environment,) if isinstance(xacro_environment, str) else xacro_environment
-    how = ReadingOptions(
-        convention=convention,
-        package_path=tuple(map(os.fspath, folders)),
-        xacro=dict(xacro or {}),
-        xacro_environment=tuple(names),
-    )
+    how = ReadingOptions.of(_SNAP, convention, package_path, xacro, xacro_environment)
     given = os.fspath(path)
     suffix = Path(given).suffix.lower()
     packages = packages_around(given, how.package_path)
@@ -141,7 +136,7 @@ def _urdf_facts(file: str, root: XmlElement, packages: Packages) -> RobotFacts:
     model, refusal = None, None
     try:
         name = Path(file).stem.removesuffix(".urdf")
-        model = _built(urdf.describe(root, file, name=name, snap_angles=3e-9))
+        model = _built(urdf.describe(root, file, name=name, snap_angles=_SNAP))
     except FreebodyError as problem:
         refusal = problem
     return RobotFacts(file, links, joints, packages, model, refusal, root)

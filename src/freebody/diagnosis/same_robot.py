@@ -144,7 +144,7 @@ def same_robot(
     return RobotComparison(
         (one.name, two.name),
         tuple(differences),
-        tuple([*_regardless(found), *absent]),
+        (*_regardless(found), *absent),
         {pair.a.joint: pair.b.joint for pair in found.pairs},
         found.base,
     )
@@ -162,8 +162,9 @@ def _model(given: object) -> Model:
 # ------------------------------------------------------------ what does not count
 def _regardless(found: Alignment) -> Iterator[str]:
     """What the descriptions have chosen differently, in words."""
+    one, two = found.a.model.name, found.b.model.name
     if moved := _off(found.base, found.tolerances):
-        yield f"the base of {found.b.model.name!r} stands {moved} from that of {found.a.model.name!r}"
+        yield f"the base of {two!r} stands {moved} from that of {one!r}"
     shifted = [
         f"{pair.a.joint} by {pair.offset:.6g} {'rad' if pair.a.turns else 'm'}"
         for pair in found.pairs

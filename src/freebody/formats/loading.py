@@ -36,6 +36,23 @@ class ReadingOptions:
     xacro: Mapping[str, object] = field(default_factory=dict)
     xacro_environment: tuple[str, ...] = ()
 
+    @staticmethod
+    def of(
+        snap_angles: float,
+        convention: Convention | None,
+        package_path: object,
+        xacro: object,
+        xacro_environment: object,
+    ) -> ReadingOptions:
+        """The options as callers give them: one name or several."""
+        return ReadingOptions(
+            snap_angles,
+            convention,
+            _listed("package_path", package_path),
+            _arguments(xacro),
+            _listed("xacro_environment", xacro_environment),
+        )
+
 
 @dataclass(frozen=True)
 class _Given:
@@ -200,13 +217,7 @@ def load(
     MassWarning
         Masses of a URDF that are missing, placeholders or implausible.
     """
-    how = ReadingOptions(
-        snap_angles,
-        convention,
-        _listed("package_path", package_path),
-        _arguments(xacro),
-        _listed("xacro_environment", xacro_environment),
-    )
+    how = ReadingOptions.of(snap_angles, convention, package_path, xacro, xacro_environment)
     if source is None:
         description = _text(text, format, how)
     elif text is None and format is None:
