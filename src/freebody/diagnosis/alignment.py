@@ -12,8 +12,9 @@ is noted and the body is laid on anew, so that it is told once.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from itertools import product
+from dataclasses import dataclass, replace
+from itertools import islice, product
+from math import isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,12 @@ from freebody.diagnosis.facts import Pose, composed, norm
 
 _HERE: Pose = np.eye(3), np.zeros(3)
 _NO_OFFSET = 1e-9
+_FOLLOWED = 8
+"""Ways of laying bodies onto each other that are followed at a time."""
+_WAYS = 4
+"""Ways of one joint that are."""
+_MATCHINGS = 720
+"""Ways of matching joints on a body that are tried."""
 
 
 class Gap(NamedTuple):
@@ -83,33 +90,78 @@ class Alignment:
     pairs: tuple[Pair, ...]
     alone: tuple[tuple[int, Part], ...]
     tolerances: Tolerances
+    misfit: Misfit
 
-    @property
-    def misfit(self) -> tuple[int, int]:
-        """The number of joints that do not coincide, and of centres of mass."""
-        wrong = sum(not self.tolerances.same(pair.gap) for pair in self.pairs)
-        heavy = [pair for pair in self.pairs if pair.a.weight and pair.b.weight]
-        off = sum(not _same_centre(x.a, x.b, x.pose, self.tolerances) for x in heavy)
-        return wrong + len(self.alone), off
+
+class Misfit(NamedTuple):
+    """How much of two robots does not coincide, the gravest first: the number of axes, of masses,
+    of ends of ranges, of names; zeros and directions that are others."""
+
+    axes: int = 0
+    masses: int = 0
+    ranges: int = 0
+    names: int = 0
+    zeros: int = 0
+    flips: int = 0
+
+    def plus(self, *others: Misfit) -> Misfit:
+        """All together."""
+        return Misfit(*map(sum, zip(self, *others, strict=True)))
+
+
+class _Partial(NamedTuple):
+    """Two robots of which some bodies are laid onto each other, and the pairs whose joints come
+    next, with their poses."""
+
+    misfit: Misfit
+    pairs: tuple[Pair, ...]
+    alone: tuple[tuple[int, Part], ...]
+    waiting: tuple[tuple[int, int, Pose], ...]
 
 
 def align(a: Robot, b: Robot, tolerances: Tolerances) -> Alignment:
     """The best of all ways in which the base may stand."""
     best, most = None, -1
     for base in _bases(a, b):
-        coincide = sum(
-            tolerances.same(_gap(one, two, base)[1]) for one, two in _matched(a, b, (-1, -1), base)
+        coincide = max(
+            sum(tolerances.same(_gap(one, two, base)[1]) for one, two in matched)
+            for matched in _matchings(a, b, (-1, -1), base, tolerances)
         )
         if coincide < most:
             continue
         most = coincide
-        found = Alignment(a, b, base, *_walked(a, b, base, tolerances), tolerances)
-        if best is None or found.misfit < best.misfit:
-            best = found
-        if best.misfit == (0, 0):
+        found = _walked(a, b, base, tolerances)
+        laid = Alignment(a, b, base, found.pairs, found.alone, tolerances, found.misfit)
+        if best is None or laid.misfit[:3] < best.misfit[:3]:
+            best = laid
+        if not any(best.misfit[:3]):
             break
     assert best is not None
-    return best
+    return _with_first_zero(best)
+
+
+def _with_first_zero(found: Alignment) -> Alignment:
+    """The same with the zero of a single joint on the base chosen: how far the base is turned about
+    its axis and where its zero is nobody can tell apart. Its range shall be the same if it can be;
+    else the base stands as it does, or the zero is the same."""
+    roots = [pair for pair in found.pairs if pair.a.body.parent < 0]
+    if len(roots) != 1 or roots[0].a.axis is None:
+        return found
+    first = roots[0]
+    offsets = sorted(_offsets_by_limits(first.a, first.b, first.flip))
+    if len(offsets) == 2 and offsets[1] - offsets[0] <= 10.0 * found.tolerances.share:
+        offset = offsets[0]
+    elif found.base is _HERE:
+        return found
+    else:
+        offset = 0.0
+    if abs(offset - first.offset) <= found.tolerances.share:
+        return found
+    turn = composed(first.a.pose, _moved(first.a, offset - first.offset))
+    base = composed(composed(turn, inverse(first.a.pose)), found.base)
+    moved = replace(first, offset=offset)
+    pairs = tuple(moved if pair is first else pair for pair in found.pairs)
+    return replace(found, base=base, pairs=pairs)
 
 
 def _bases(a: Robot, b: Robot) -> Iterator[Pose]:
@@ -150,40 +202,66 @@ def _axes(directions: Sequence[Array], signs: Sequence[float]) -> Array:
 
 
 # ------------------------------------------------------------ from the base outwards
-def _walked(
-    a: Robot, b: Robot, base: Pose, tolerances: Tolerances
-) -> tuple[tuple[Pair, ...], tuple[tuple[int, Part], ...]]:
-    pairs: list[Pair] = []
-    alone: list[tuple[int, Part]] = []
-    waiting = [(-1, -1, base)]
-    while waiting:
-        i, j, pose = waiting.pop()
-        matched = _matched(a, b, (i, j), pose)
-        for k, robot, at in ((0, a, i), (1, b, j)):
-            known = {pair[k].index for pair in matched}
-            alone += [(k, part) for part in robot.children[at] if part.index not in known]
-        laid = [_laid(a, b, one, two, pose, tolerances) for one, two in matched]
-        pairs += laid
-        waiting += [(x.a.index, x.b.index, x.pose) for x in reversed(laid)]
-    return tuple(pairs), tuple(alone)
+def _walked(a: Robot, b: Robot, base: Pose, tolerances: Tolerances) -> _Partial:
+    """The robots laid onto each other from the base outwards. Where several ways are equally good,
+    a few are followed until something tells them apart."""
+    states = [_Partial(Misfit(), (), (), ((-1, -1, base),))]
+    while any(state.waiting for state in states):
+        states = [one for state in states for one in _further(a, b, state, tolerances)]
+        states = sorted(states, key=lambda state: state.misfit)[:_FOLLOWED]
+    return states[0]
 
 
-def _matched(a: Robot, b: Robot, at: tuple[int, int], pose: Pose) -> list[tuple[Part, Part]]:
-    """The joints on two bodies that stand for each other: of equal names, else the nearest of
-    equal kinds with as much beyond."""
-    own, others = a.children[at[0]], list(b.children[at[1]])
-    if {x.joint for x in own} == {x.joint for x in others} or len(own) == len(others) == 1:
-        by_name = {x.joint: x for x in others}
-        return [(x, by_name.get(x.joint, others[0])) for x in own]
-    found = []
-    for one in own:
-        alike = [x for x in others if x.sort == one.sort and b.count[x.index] == a.count[one.index]]
-        alike = alike or [x for x in others if x.joint == one.joint]
-        if alike:
-            nearest = min(alike, key=lambda x: sum(_gap(one, x, pose)[1][:2]))
-            found.append((one, nearest))
-            others.remove(nearest)
-    return found
+def _further(a: Robot, b: Robot, state: _Partial, tolerances: Tolerances) -> Iterator[_Partial]:
+    """A state with all joints of its next pair of bodies laid onto each other."""
+    if not state.waiting:
+        yield state
+        return
+    (i, j, pose), *waiting = state.waiting
+    for matched in _matchings(a, b, (i, j), pose, tolerances):
+        alone = [
+            (k, part)
+            for k, robot, at in ((0, a, i), (1, b, j))
+            for part in robot.children[at]
+            if part.index not in {pair[k].index for pair in matched}
+        ]
+        ways = [_laid(a, b, one, two, pose, tolerances) for one, two in matched]
+        for chosen in islice(product(*ways), _FOLLOWED):
+            yield _Partial(
+                state.misfit.plus(*(way[0] for way in chosen), Misfit(axes=len(alone))),
+                (*state.pairs, *(pair for _, pair in chosen)),
+                (*state.alone, *alone),
+                (*((x.a.index, x.b.index, x.pose) for _, x in chosen), *waiting),
+            )
+
+
+def _matchings(
+    a: Robot, b: Robot, at: tuple[int, int], pose: Pose, tolerances: Tolerances
+) -> list[list[tuple[Part, Part]]]:
+    """The ways in which joints on two bodies may stand for each other: those of equal names; else
+    those of equal kinds with as much beyond, whose axes coincide if any do."""
+    own, others = a.children[at[0]], b.children[at[1]]
+    by_name = {x.joint: x for x in others}
+    if {x.joint for x in own} == {*by_name}:
+        return [[(x, by_name[x.joint]) for x in own]]
+    if len(own) == len(others) == 1:
+        return [[(own[0], others[0])]]
+    choices = [
+        [
+            *(x for x in others if x.sort == one.sort and b.count[x.index] == a.count[one.index]),
+            None,
+        ]
+        for one in own
+    ]
+    found: dict[float, list[list[tuple[Part, Part]]]] = {}
+    for choice in islice(product(*choices), _MATCHINGS):
+        given = [x.index for x in choice if x]
+        if len(set(given)) == len(given):
+            pairs = [(x, y) for x, y in zip(own, choice, strict=True) if y]
+            off = sum(not tolerances.same(_gap(x, y, pose)[1]) for x, y in pairs)
+            lost = max(len(own), len(others)) - len(pairs)
+            found.setdefault(off + 2 * lost, []).append(pairs)
+    return found[min(found)][:_FOLLOWED]
 
 
 def _gap(one: Part, two: Part, pose: Pose) -> tuple[Pose, Gap]:
@@ -198,23 +276,38 @@ def _gap(one: Part, two: Part, pose: Pose) -> tuple[Pose, Gap]:
     return (R, p), Gap(aside if one.turns and two.turns else 0.0, angle, flip)
 
 
-def _laid(a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> Pair:
-    """A pair of joints with the pose of its bodies in each other."""
+def _laid(
+    a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances
+) -> list[tuple[Misfit, Pair]]:
+    """The equally good ways in which two bodies lie on each other, with what does not coincide."""
     (R, p), gap = _gap(one, two, pose)
+    here = Misfit(axes=not tolerances.same(gap), names=one.joint != two.joint)
     if one.axis is None or two.axis is None:
         free = one.body.kind.frees(one.dim) and two.body.kind.frees(two.dim)
-        return Pair(one, two, _HERE if free else (R, p), Gap(0.0, 0.0, 1.0) if free else gap)
-    if not tolerances.same(gap):
+        pair = Pair(one, two, _HERE if free else (R, p), Gap(0.0, 0.0, 1.0) if free else gap)
+        return [(here if not free else here._replace(axes=0), pair)]
+    if here.axes:
         R = rotation_between(gap.flip * (R @ two.axis), one.axis) @ R
         p = one.axis * (one.axis @ p)
-    best, least = 0.0, None
-    for offset in (0.0, *_offsets(a, b, one, two, (R, p))):
+    ways: dict[tuple[int, ...], list[tuple[Misfit, Pair]]] = {}
+    known: list[float] = []
+    limits = [*_offsets_by_limits(one, two, gap.flip)]
+    for offset in (0.0, *limits, *_offsets(a, b, one, two, (R, p))):
+        if any(abs(offset - x) < _NO_OFFSET for x in known):
+            continue
+        known.append(offset)
         moved = composed(_moved(one, -offset), (R, p))
-        alike, turned_round = _alike(a, b, one, two, moved, tolerances)
-        score = (-alike, abs(offset) > _NO_OFFSET, turned_round)
-        if least is None or score < least:
-            best, least = offset, score
-    return Pair(one, two, composed(_moved(one, -best), (R, p)), gap, best)
+        ahead = _carried(a, b, one, two, moved, tolerances)
+        own = here._replace(
+            masses=_masses_off(one, two, moved, tolerances),
+            ranges=sum(abs(offset - x) > 10.0 * tolerances.share for x in limits),
+            zeros=int(abs(offset) > _NO_OFFSET),
+            flips=int(gap.flip < 0.0),
+        )
+        key = (ahead, own.masses, own.ranges)
+        ways.setdefault(key, []).append((own, Pair(one, two, moved, gap, offset)))
+    equal = sorted(ways[min(ways)], key=lambda way: way[0])
+    return equal[:_WAYS]
 
 
 def _moved(part: Part, position: float) -> Pose:
@@ -278,25 +371,29 @@ def _offsets_by_weight(one: Part, own: Weight, other: Weight, pose: Pose) -> Ite
         yield float(angles[1] - angles[0] + half_turns * np.pi)
 
 
-def _alike(
-    a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances
-) -> tuple[int, int]:
-    """How much of what two bodies carry coincides: joints, centre of mass, tensor; and how many of
-    the joints point the other way."""
-    gaps = [
-        _gap(own, other, pose)[1] for own, other in _matched(a, b, (one.index, two.index), pose)
-    ]
-    alike = 4 * sum(map(tolerances.same, gaps))
-    if one.weight is not None and two.weight is not None:
-        tensor = pose[0] @ two.weight.tensor @ pose[0].T - one.weight.tensor
-        size = max(norm(one.weight.tensor), norm(two.weight.tensor))
-        alike += 2 * _same_centre(one, two, pose, tolerances)
-        alike += norm(tensor) <= 10.0 * tolerances.share * size
-    return alike, sum(gap.flip < 0.0 for gap in gaps)
+def _offsets_by_limits(one: Part, two: Part, flip: float) -> Iterator[float]:
+    """Offsets of a joint's zero at which an end of its range is the same."""
+    own, other = one.body.joint.limits.meant, two.body.joint.limits.meant
+    lower, upper = sorted(flip * x for x in (other.lower, other.upper))
+    for x, y in ((own.lower, lower), (own.upper, upper)):
+        if isfinite(x) and isfinite(y):
+            yield x - y
 
 
-def _same_centre(one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> bool:
-    assert one.weight is not None
-    assert two.weight is not None
-    centre = pose[0] @ two.weight.com + pose[1]
-    return norm(centre - one.weight.com) <= 3.0 * tolerances.length
+def _carried(a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> int:
+    """The number of joints on two bodies that do not coincide."""
+    return min(
+        sum(not tolerances.same(_gap(own, other, pose)[1]) for own, other in matched)
+        for matched in _matchings(a, b, (one.index, two.index), pose, tolerances)
+    )
+
+
+def _masses_off(one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> int:
+    """How many of centre of mass and tensor do not coincide, where both bodies have them."""
+    if one.weight is None or two.weight is None:
+        return 0
+    R, p = pose
+    off = norm(R @ two.weight.com + p - one.weight.com)
+    change = norm((R @ two.weight.tensor @ R.T - one.weight.tensor).ravel())
+    size = max(norm(one.weight.tensor.ravel()), norm(two.weight.tensor.ravel()))
+    return (off > 3.0 * tolerances.length) + (change > 10.0 * tolerances.share * size)
