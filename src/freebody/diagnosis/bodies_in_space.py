@@ -185,8 +185,9 @@ def nearest(line: Line, other: Line) -> Array:
 
 
 def cross(u: Array, v: Array) -> Array:
-    """The cross product of two vectors."""
-    return np.asarray(np.cross(u, v), dtype=float)
+    """The cross product of two vectors; NumPy's takes ten times as long for so few."""
+    (a, b, c), (x, y, z) = u.tolist(), v.tolist()
+    return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
 def inverse(pose: Pose) -> Pose:
