@@ -46,6 +46,8 @@ _PLACES = {
     "freebody.formats.loading": ("load",),
     "freebody.formats.saving": ("save",),
     "freebody.robots": ("models",),
+    "freebody.diagnosis.doctor": ("doctor",),
+    "freebody.diagnosis.same_robot": ("same_robot",),
     "freebody.trees.kinematics": (
         "forward_kinematics",
         "velocity",

@@ -14,6 +14,8 @@ import typer
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    diff,
+    doctor,
     export,
     fbd,
     models,
@@ -51,6 +53,8 @@ for _function, _example in (
     (show.show, show.EXAMPLE),
     (fbd.fbd, fbd.EXAMPLE),
     (export.export, export.EXAMPLE),
+    (doctor.doctor, doctor.EXAMPLE),
+    (diff.diff, diff.EXAMPLE),
     (models.models, models.EXAMPLE),
 ):
     _command(_function, _example)

@@ -235,22 +235,26 @@ class GivenRobot:
     name: str
     how: dict[str, Any]
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """How the file is to be read, as arguments of `fb.load`."""
+        how = {k: x for k, x in self.how.items() if k not in ("parameters", "payload")}
+        how["xacro"] = pairs("--xacro", how.get("xacro"), "length:=0.5", ":=")
+        for name in ("package_path", "xacro_environment"):
+            how[name] = how.get(name) or ()
+        return how
+
     def load(self) -> Model:
         """The model; warnings become yellow lines."""
         from freebody.formats.loading import load
         from freebody.formats.toml_table import in_units
         from freebody.model.description import CHANGED, Notice
 
-        how = dict(self.how)
-        given = pairs("--parameter", how.pop("parameters", None), "l1=0.5")
+        how, payload = self.arguments, self.how.get("payload")
+        given = pairs("--parameter", self.how.get("parameters"), "l1=0.5")
         for name, text in given.items():
             value = in_units(text, "angle")
             given[name] = text if value is None else repr(value)
-        payload = how.pop("payload", None)
-        arguments = pairs("--xacro", how.pop("xacro", None), "length:=0.5", ":=")
-        how["xacro"] = arguments
-        for name in ("package_path", "xacro_environment"):
-            how[name] = how.get(name) or ()
         with terminal.warnings_as_lines():
             model = load(self.name, **how)
         if payload is not None:
@@ -261,6 +265,16 @@ class GivenRobot:
         notice = Notice(CHANGED, f"given by --parameter in the place of the file's: {told}.")
         return replace(model.bind(given), notices=(*model.notices, notice))
 
+
+_ROBOTS: dict[Any, Any] = {
+    GivenRobot: Robot,
+    list[GivenRobot]: Annotated[
+        list[str],
+        typer.Argument(metavar="ROBOT…", help="Files, or names of bundled models, as `freebody "
+                       "show` takes one."),
+    ],
+}  # fmt: skip
+"""What a command that takes one robot, or several, is given for it."""
 
 _PAYLOAD = re.compile(
     r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"
@@ -307,8 +321,8 @@ def again(context: typer.Context) -> str:
 
 
 def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """A command with these options behind its own; its function finds them, with the name of the
-    robot, in its argument `robot: GivenRobot`."""
+    """A command with these options behind its own; its function finds them, with the names of the
+    robots, in its arguments that are a `GivenRobot` or a list of such."""
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
         own = signature(command, eval_str=True)
@@ -317,13 +331,25 @@ def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]
             for name, (kind, default) in _READING.items()
             if name in names
         ]
+        robots = {
+            name: parameter.replace(annotation=_ROBOTS[parameter.annotation])
+            for name, parameter in own.parameters.items()
+            if parameter.annotation in (GivenRobot, list[GivenRobot])
+        }
 
         @wraps(command)
-        def run(robot: str, **given: Any) -> None:
+        def run(**given: Any) -> None:
             how = {name: given.pop(name) for name in names}
-            command(robot=GivenRobot(robot, how), **given)
+            for name in robots:
+                text = given[name]
+                given[name] = (
+                    GivenRobot(text, how)
+                    if isinstance(text, str)
+                    else [GivenRobot(one, how) for one in text]
+                )
+            command(**given)
 
-        parameters = {**own.parameters, "robot": own.parameters["robot"].replace(annotation=Robot)}
+        parameters = {**own.parameters, **robots}
         vars(run)["__signature__"] = own.replace(parameters=[*parameters.values(), *options])
         return run
 

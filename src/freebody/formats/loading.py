@@ -36,6 +36,23 @@ class ReadingOptions:
     xacro: Mapping[str, object] = field(default_factory=dict)
     xacro_environment: tuple[str, ...] = ()
 
+    @staticmethod
+    def of(
+        snap_angles: float,
+        convention: Convention | None,
+        package_path: object,
+        xacro: object,
+        xacro_environment: object,
+    ) -> ReadingOptions:
+        """The options as callers give them: one name or several."""
+        return ReadingOptions(
+            snap_angles,
+            convention,
+            _listed("package_path", package_path),
+            _arguments(xacro),
+            _listed("xacro_environment", xacro_environment),
+        )
+
 
 @dataclass(frozen=True)
 class _Given:
@@ -200,13 +217,7 @@ def load(
     MassWarning
         Masses of a URDF that are missing, placeholders or implausible.
     """
-    how = ReadingOptions(
-        snap_angles,
-        convention,
-        _listed("package_path", package_path),
-        _arguments(xacro),
-        _listed("xacro_environment", xacro_environment),
-    )
+    how = ReadingOptions.of(snap_angles, convention, package_path, xacro, xacro_environment)
     if source is None:
         description = _text(text, format, how)
     elif text is None and format is None:
@@ -222,7 +233,7 @@ def load(
     model = build_model(description, physical=physical, mimic=mimic, base=chosen, tip=tip)
     if loop_tolerance is not None:
         model = model.replace(loop_tolerance=loop_tolerance)
-    return _weighed(model, description, estimate_inertia is not None, physical != "ignore")
+    return weighed(model, description, estimate_inertia is not None, physical != "ignore")
 
 
 def _estimated(description: RobotDescription, mass: float, packages: Packages) -> RobotDescription:
@@ -234,7 +245,7 @@ def _estimated(description: RobotDescription, mass: float, packages: Packages) -
     return estimated(description, mass, packages)
 
 
-def _weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
+def weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
         found = implausible_masses(

@@ -287,7 +287,7 @@ def estimated(description: RobotDescription, mass: float, packages: Packages) ->
             f"load: estimate_inertia is {mass}, expected the robot's whole mass, kg above 0."
         )
     file = description.file or description.name
-    filled = {link.name: _filled(link, file, packages) for link in description.links}
+    filled = {link.name: filled_shapes(link, file, packages) for link in description.links}
     volume = sum(inertia.numbers()[0] for inertia in filled.values() if inertia)
     if not volume:
         raise FileError(
@@ -328,7 +328,7 @@ def _estimate_doubts(
         yield Doubt(IMPLAUSIBLE, text, description.file)
 
 
-def _filled(link: Link, file: str, packages: Packages) -> Inertia | None:
+def filled_shapes(link: Link, file: str, packages: Packages) -> Inertia | None:
     """The link at density 1, in its frame; None where it has no shape."""
     collision = [shape for shape in link.shapes if shape.role == "collision"]
     parts = list(_parts(collision or link.shapes, link, file, packages))

@@ -100,7 +100,7 @@ class _UrdfReader(Elements):
         inertial = self.one(element, "inertial", where)
         inertia, placement = self.inertial(inertial, where) if inertial else (None, Placement())
         line = (inertial or element).line
-        self.links.append(Link(element.name(), inertia, placement, line, _shapes(element)))
+        self.links.append(Link(element.name(), inertia, placement, line, shapes_of(element)))
 
     def inertial(self, element: XmlElement, where: str) -> tuple[Inertia, Placement]:
         """Mass properties and the frame they are given in; without a rotation that frame is the
@@ -323,7 +323,7 @@ def _reductions(robot: XmlElement) -> str:
     )
 
 
-def _shapes(link: XmlElement) -> tuple[Shape, ...]:
+def shapes_of(link: XmlElement) -> tuple[Shape, ...]:
     """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
     file. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
     return tuple(

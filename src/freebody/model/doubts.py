@@ -43,12 +43,13 @@ ALL = (*DYNAMIC, *LIMITS)
 
 NO_MASSES, IMPLAUSIBLE = "no masses", "implausible inertias"
 ESTIMATED, ESTIMATED_LIMITS = "estimated inertias", "estimated limits"
+PLACEHOLDERS = "placeholder limits"
 
 _NAMES = 4
 """Joints that a sentence names before it counts the others."""
 _MEMBERS = 64
 """Members of a family that are looked at."""
-_MEASURED = 0.15
+MEASURED = 0.15
 """Share of a body's largest principal moment by which its moments may break the triangle inequality
 because they are measured, or printed with few digits."""
 _SEVERAL = 3
@@ -262,7 +263,7 @@ def _massless(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
-    wrong = _faults(model, lambda breach: breach > _MEASURED)
+    wrong = _faults(model, lambda breach: breach > MEASURED)
     if len(wrong) == 1:
         yield f"an inertia is one that no rigid body has: {wrong[0][1]}."
     elif wrong:
@@ -271,7 +272,7 @@ def _impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
-    off = _faults(model, lambda breach: breach <= _MEASURED)
+    off = _faults(model, lambda breach: breach <= MEASURED)
     if off:
         what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
         yield (
@@ -295,12 +296,30 @@ def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, st
     return found
 
 
+def unfelt_links(model: Model) -> set[str]:
+    """Names of the links with an inertia that no rigid body has, of which nothing is ever felt:
+    those of the base, and such as turn about no other axis than the one that their inertia is
+    given about."""
+    moving = {
+        part.link
+        for body, axes in zip(model.bodies, _turned_about(model), strict=True)
+        for part in body.inertias
+        if part.inertia.fault() and _unfelt(part, axes)
+    }
+    return moving | {part.link for part in model.base_inertias if part.inertia.fault()}
+
+
 def _breach(body: Body) -> float:
     """The excess of a body's principal moments over the triangle inequality, as a share of the
     largest one; infinite for masses and moments below 0."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
-    tensor = _whole(body)
+    return excess(_whole(body))
+
+
+def excess(tensor: Array) -> float:
+    """The excess of a tensor's principal moments over the triangle inequality, as a share of the
+    largest one; infinite where none is above 0."""
     if tensor.shape == (1, 1):
         return math.inf if tensor[0, 0] < 0.0 else 0.0
     a, b, c = np.linalg.eigvalsh(tensor)
@@ -459,7 +478,7 @@ def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doub
             f"no such robot has the {what} limit{'s' if several else ''} of "
             f"{listed(names, _NAMES)}, {'such as ' if several else ''}{found[0][1]}."
         )
-        yield Doubt(_PLACEHOLDERS, text, joints=names)
+        yield Doubt(PLACEHOLDERS, text, joints=names)
 
 
 def _motors(model: Model) -> list[_MotorLimits]:
@@ -493,7 +512,7 @@ def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
                 f"the limits of {listed(names, _NAMES)} are placeholders, {most} and {fastest} of "
                 f"each."
             )
-            yield Doubt(_PLACEHOLDERS, text, joints=names)
+            yield Doubt(PLACEHOLDERS, text, joints=names)
 
 
 def _is_strong(drive: _MotorLimits, mass: float) -> bool:
@@ -594,7 +613,6 @@ def _absent_limits(model: Model, allowed: UsableLimits, aspects: Sequence[str]) 
     return [f"{listed(parts)} of {listed(names, _NAMES)}" for names, parts in absent.items()]
 
 
-_PLACEHOLDERS = "placeholder limits"
 DOUBT_KINDS: dict[str, DoubtKind] = {
     kind.name: kind
     for kind in (
@@ -605,7 +623,7 @@ DOUBT_KINDS: dict[str, DoubtKind] = {
         DoubtKind(IMPLAUSIBLE, (MASSES,), True, True, key="masses_doubtful", tied=_all_inertias),
         DoubtKind("impossible inertias", (MASSES,), True, True, find=_impossible),
         DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, find=_no_drive),
-        DoubtKind(_PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=_placeholders),
+        DoubtKind(PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=_placeholders),
         DoubtKind("missing limits", LIMITS, True, absent=True, find=_missing),
         DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated", tied=_all_inertias),
         DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated", tied=_all_limits),

@@ -174,7 +174,9 @@ class Inertia:
         return tensor + _steiner(m, np.asarray(point, dtype=float) - c)
 
     def placed(
-        self, rotation: np.ndarray | Sequence[Sequence[float]], position: Sequence[float]
+        self,
+        rotation: np.ndarray | Sequence[Sequence[float]],
+        position: np.ndarray | Sequence[float],
     ) -> Inertia:
         """The inertia of this body in frame A, given the pose R_AB (dim, dim), p_AB (dim,) in m of
         its own frame B."""

@@ -1,0 +1,256 @@
+"""Differences of two robots that are laid onto each other: one record for each aspect."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebody.diagnosis.alignment import Alignment, Pair
+from freebody.diagnosis.bodies_in_space import Robot
+from freebody.diagnosis.facts import norm
+from freebody.errors import listed
+from freebody.model.drives import LAWS, DriveLaw
+from freebody.model.quantity_reader import VALUES
+
+_ODD = ("offset", "asymmetric")
+"""Numbers of drives that change their sign with the direction in which a joint counts."""
+_LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed limit",
+           "effort": "effort limit"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Difference:
+    """One difference: the aspect (a name of `ASPECTS`), the joint or body where it is, by its names
+    in both robots, what it is in words, and its size: m, rad, kg, kg m², or relative."""
+
+    aspect: str
+    place: tuple[str, str]
+    text: str
+    size: float
+
+    def __str__(self) -> str:
+        a, b = self.place
+        name = f"{a!r}" if a == b or not b else f"{b!r}" if not a else f"{a!r} ({b!r})"
+        return f"{self.aspect}: {name}: {self.text}"
+
+
+@dataclass(frozen=True)
+class Aspect:
+    """What robots may differ in: its name; the sorts of numbers that a robot gives at all; and what
+    finds the differences in those that both give."""
+
+    name: str
+    find: Callable[[Alignment, frozenset[str]], Iterator[Difference]]
+    given: Callable[[Robot], frozenset[str]] = lambda robot: frozenset()
+
+
+def _structure(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
+    for which, part in found.alone:
+        other = (found.b, found.a)[which].model.name
+        place = (part.joint, "") if which == 0 else ("", part.joint)
+        own = "" if part.body.joint.kind[0] not in "aeiou" else "n"
+        text = f"a{own} {part.body.joint.kind} joint that {other!r} has no counterpart of"
+        yield Difference("joints", place, text, 1.0 + (found.a, found.b)[which].count[part.index])
+    for pair in found.pairs:
+        kinds = pair.a.sort, pair.b.sort
+        if kinds[0] != kinds[1]:
+            yield _of_joint("joints", pair, f"is {kinds[0]} and {kinds[1]}", math.inf)
+        own = [tuple(map(VALUES.quantity, x.body.joint.numbers)) for x in (pair.a, pair.b)]
+        if kinds[0] == kinds[1] and own[0] != own[1]:
+            off = norm(np.subtract(*own))
+            if off > found.tolerances.length:
+                yield _of_joint("joints", pair, f"its pitch differs by {off:.3g} m/rad", off)
+        passive = pair.a.body.joint.passive, pair.b.body.joint.passive
+        if passive[0] != passive[1]:
+            who = (found.a, found.b)[passive[1]].model.name
+            yield _of_joint("joints", pair, f"is passive in {who!r} alone", math.inf)
+    yield from _mimics(found)
+
+
+def _mimics(found: Alignment) -> Iterator[Difference]:
+    by_name = {pair.b.joint: pair for pair in found.pairs}
+    for pair in found.pairs:
+        one, two = pair.a.body.joint.mimic, pair.b.body.joint.mimic
+        if one is None and two is None:
+            continue
+        if one is None or two is None:
+            who = (found.b if one is None else found.a).model.name
+            yield _of_joint("joints", pair, f"follows another joint in {who!r} alone", math.inf)
+            continue
+        leader = by_name.get(two.joint)
+        if leader is None or leader.a.joint != one.joint:
+            text = f"follows {one.joint!r} and {two.joint!r}"
+            yield _of_joint("joints", pair, text, math.inf)
+            continue
+        ratio = pair.flip * leader.flip * two.ratio
+        offset = pair.flip * two.offset + pair.offset - ratio * leader.offset
+        for what, x, y in (("ratio", one.ratio, ratio), ("offset", one.offset, offset)):
+            if abs(x - y) > found.tolerances.share * max(1.0, abs(x)):
+                text = f"follows by a{'n' if what[0] == 'o' else ''} {what} of {x:.6g} and {y:.6g}"
+                yield _of_joint("joints", pair, text, abs(x - y))
+
+
+def _geometry(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
+    for pair in found.pairs:
+        gap = pair.gap
+        if pair.a.sort != pair.b.sort or found.tolerances.same(gap):
+            continue
+        on = pair.a.body.parent
+        above = f"on {found.a.parts[on].body.name!r}" if on >= 0 else "on the base"
+        parts = []
+        if gap.distance > found.tolerances.length:
+            parts.append(f"{1e3 * gap.distance:.4g} mm")
+        if gap.angle > found.tolerances.share:
+            parts.append(f"{gap.angle:.4g} rad ({math.degrees(gap.angle):.3g}°)")
+        text = f"its axis is elsewhere {above}, by {listed(parts)}"
+        yield _of_joint("geometry", pair, text, max(gap.distance, gap.angle))
+    model, other = found.a.model, found.b.model
+    own, theirs = VALUES.quantity(model.gravity_size), VALUES.quantity(other.gravity_size)
+    if abs(own - theirs) > 1e3 * found.tolerances.share:
+        text = f"gravity is {own:.6g} and {theirs:.6g} m/s²"
+        yield Difference("geometry", ("base", "base"), text, abs(own - theirs))
+
+
+def _of_joint(aspect: str, pair: Pair, text: str, size: float) -> Difference:
+    return Difference(aspect, (pair.a.joint, pair.b.joint), text, size)
+
+
+# ------------------------------------------------------------ masses
+def _masses_given(robot: Robot) -> frozenset[str]:
+    return frozenset(["masses"] if any(part.weight for part in robot.parts) else [])
+
+
+def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+    share = found.tolerances.share
+    for pair in found.pairs if compared else ():
+        place = pair.a.body.name, pair.b.body.name
+        one, two = pair.a.weight, pair.b.weight
+        if one is None or two is None:
+            if one is not two:
+                has = one or two
+                assert has is not None
+                who = (found.a if two is None else found.b).model.name
+                text = f"has a mass in {who!r} alone, {has.mass:.6g} kg"
+                yield Difference("masses", place, text, has.mass)
+            continue
+        if abs(one.mass - two.mass) > share * max(abs(one.mass), abs(two.mass)):
+            text = f"its mass is {one.mass:.6g} and {two.mass:.6g} kg"
+            yield Difference("masses", place, text, abs(one.mass - two.mass))
+        R, p = pair.pose
+        centre = R @ two.com + p
+        off = norm(centre - one.com)
+        if off > 3.0 * found.tolerances.length and one.mass:
+            text = f"its centre of mass is {1e3 * off:.4g} mm away, at {_shown(one.com)} and "
+            yield Difference("masses", place, text + f"{_shown(centre)} m", off)
+        tensor = R @ two.tensor @ R.T
+        about = pair.a.axis if pair.a.dim == 2 or pair.b.dim == 2 else None
+        own, other = (x if about is None else x[2:, 2:] for x in (one.tensor, tensor))
+        size = max(norm(own.ravel()), norm(other.ravel()))
+        change = norm((own - other).ravel())
+        if change > 10.0 * share * size:
+            entries = _entries(own, other)
+            text = (
+                f"its inertia differs by {change:.3g} kg m² ({change / size:.2g} of it): {entries}"
+            )
+            yield Difference("masses", place, text, change)
+
+
+def _shown(vector: np.ndarray) -> str:
+    return f"[{', '.join(f'{x:.6g}' for x in vector)}]"
+
+
+def _entries(one: np.ndarray, two: np.ndarray) -> str:
+    """The entry that differs most, of both."""
+    if one.shape == (1, 1):
+        return f"{one[0, 0]:.6g} and {two[0, 0]:.6g}"
+    i, j = np.unravel_index(int(np.abs(one - two).argmax()), one.shape)
+    return f"I{'xyz'[i]}{'xyz'[j]} is {one[i, j]:.6g} and {two[i, j]:.6g}"
+
+
+# ------------------------------------------------------------ limits and drives
+def _limits_given(robot: Robot) -> frozenset[str]:
+    return frozenset(
+        f"{what}s"
+        for key, what in _LIMITS.items()
+        if any(math.isfinite(getattr(x.body.joint.limits.meant, key)) for x in robot.parts)
+    )
+
+
+def _limits(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+    for pair in found.pairs:
+        one, two = pair.a.body.joint.limits.meant, pair.b.body.joint.limits.meant
+        lower, upper = sorted(pair.flip * x + pair.offset for x in (two.lower, two.upper))
+        mapped = {"lower": lower, "upper": upper, "velocity": two.velocity, "effort": two.effort}
+        for key, what in _LIMITS.items():
+            x, y = getattr(one, key), mapped[key]
+            if (
+                f"{what}s" not in compared
+                or x == y
+                or abs(x - y) <= _rounding(found, key) * max(1.0, abs(x))
+            ):
+                continue
+            shown = [f"{z:.6g}" if math.isfinite(z) else "not given" for z in (x, y)]
+            text = f"its {what} is {shown[0]} and {shown[1]}"
+            yield _of_joint("limits", pair, text, abs(x - y))
+
+
+def _rounding(found: Alignment, key: str) -> float:
+    """What is no difference of a limit; those of positions are rounded to a few digits."""
+    return found.tolerances.share * (10.0 if key in ("lower", "upper") else 1.0)
+
+
+def _drives_given(robot: Robot) -> frozenset[str]:
+    return frozenset(law.term for law in LAWS.values() if any(_strengths(robot, law)))
+
+
+def _strengths(robot: Robot, law: DriveLaw) -> list[float]:
+    drives = (part.body.joint.drive for part in robot.parts)
+    return [float(VALUES.quantity(getattr(drive, law.strength))) for drive in drives]
+
+
+def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+    for pair in found.pairs:
+        for law in LAWS.values():
+            if law.term in compared and law.inertia is not None:
+                yield from _rotors(found, pair)
+            elif law.term in compared:
+                yield from _numbers(found, pair, law)
+
+
+def _numbers(found: Alignment, pair: Pair, law: DriveLaw) -> Iterator[Difference]:
+    one, two = pair.a.body.joint.drive, pair.b.body.joint.drive
+    if not any(VALUES.quantity(getattr(drive, law.strength)) for drive in (one, two)):
+        return
+    for number in law.numbers:
+        x, y = (float(VALUES.quantity(getattr(drive, number.name))) for drive in (one, two))
+        if number.name in _ODD:
+            y *= pair.flip
+        if number.unit == "{position}":
+            y = pair.flip * y + pair.offset
+        if abs(x - y) > found.tolerances.share * max(abs(x), abs(y), 1e-9):
+            text = f"its {number.words} is {x:.6g} and {y:.6g}"
+            yield _of_joint("friction", pair, text, abs(x - y))
+
+
+def _rotors(found: Alignment, pair: Pair) -> Iterator[Difference]:
+    """Rotors as the joint feels them: one behind a gear is another one without."""
+    x, y = (
+        float(VALUES.quantity(drive.rotor) * VALUES.quantity(drive.gear) ** 2)
+        for drive in (pair.a.body.joint.drive, pair.b.body.joint.drive)
+    )
+    if abs(x - y) > found.tolerances.share * max(abs(x), abs(y)):
+        text = f"its rotor's inertia is {x:.6g} and {y:.6g} behind the gear"
+        yield _of_joint("friction", pair, text, abs(x - y))
+
+
+ASPECTS: tuple[Aspect, ...] = (
+    Aspect("joints", _structure),
+    Aspect("geometry", _geometry),
+    Aspect("masses", _masses, _masses_given),
+    Aspect("limits", _limits, _limits_given),
+    Aspect("friction", _drives, _drives_given),
+)
+"""All aspects, in the order in which a difference counts as the first."""

@@ -1,0 +1,27 @@
+"""Findings that the readers themselves tell: a file that they refuse, and equal elements twice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from freebody.diagnosis.facts import RobotFacts
+from freebody.diagnosis.finding import FindingKind, Found
+from freebody.errors import FileError
+
+
+def _refused(facts: RobotFacts) -> Iterator[Found]:
+    problem = facts.refusal
+    if isinstance(problem, FileError):
+        yield Found(problem.problem.rstrip("."), problem.line)
+    elif problem is not None:
+        yield Found(str(problem).rstrip("."))
+
+
+def _doubled(facts: RobotFacts) -> Iterator[Found]:
+    for notice in facts.model.notices if facts.model else ():
+        if notice.kind == "doubled":
+            yield Found(notice.text.rstrip("."), notice.line)
+
+
+REFUSED = FindingKind("refused", "error", "until then no model is made of the file", _refused)
+DOUBLED = FindingKind("given twice", "warning", "leave one", _doubled)

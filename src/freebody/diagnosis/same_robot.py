@@ -1,0 +1,219 @@
+"""`same_robot`: whether two descriptions are of one robot, and where they differ."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.diagnosis.alignment import Alignment, Tolerances, align
+from freebody.diagnosis.bodies_in_space import Robot, pose_in_space
+from freebody.diagnosis.differences import ASPECTS, Difference
+from freebody.diagnosis.facts import Pose, composed, norm
+from freebody.errors import FreebodyError, KindError, listed
+from freebody.formats.loading import load
+from freebody.model.model import Model
+from freebody.model.model_argument import require_one
+from freebody.outputs.display import InWords, Tabled, TextTable, counted
+
+_NAMES = 4
+
+
+@dataclass(frozen=True)
+class RobotComparison(InWords, Tabled):
+    """Two robots compared: true as a condition if they are one.
+
+    differences: where they differ, the first first. regardless: differences of the descriptions
+    that make no other robot, in words. joints: names of the joints of the first with those of the
+    second. base: (R, p), the second's base in the first's (m).
+    """
+
+    names: tuple[str, str]
+    differences: tuple[Difference, ...]
+    regardless: tuple[str, ...]
+    joints: dict[str, str]
+    base: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def same(self) -> bool:
+        """Whether they are one robot."""
+        return not self.differences
+
+    @property
+    def first(self) -> Difference | None:
+        """The first difference, None where there is none."""
+        return self.differences[0] if self.differences else None
+
+    def __bool__(self) -> bool:
+        return self.same
+
+    @property
+    def title(self) -> str:
+        """Whether they are one robot, in a sentence."""
+        a, b = self.names
+        if self.same:
+            return f"{a} and {b} are the same robot."
+        return f"{a} and {b} differ in {counted(len(self.differences), 'place')}."
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The comparison as plain data, such as JSON holds."""
+        return {
+            "names": list(self.names),
+            "same": self.same,
+            "differences": [
+                {
+                    "aspect": x.aspect,
+                    "place": list(x.place),
+                    "text": x.text,
+                    "size": x.size if np.isfinite(x.size) else None,
+                }
+                for x in self.differences
+            ],
+            "regardless": list(self.regardless),
+            "joints": self.joints,
+        }
+
+    def __str__(self) -> str:
+        return "\n".join([self.title, *map(str, self.differences), *self.regardless])
+
+    def _title(self) -> str:
+        return self.title
+
+    def _table(self) -> TextTable:
+        rows = [(x.aspect, " / ".join(dict.fromkeys(x.place)), x.text) for x in self.differences]
+        return TextTable(("aspect", "where", "difference"), rows, self.regardless)
+
+
+def same_robot(
+    a: Model | str | os.PathLike[str],
+    b: Model | str | os.PathLike[str],
+    *,
+    tolerance: float = 1e-5,
+) -> RobotComparison:
+    """Whether two models or files are of one robot, else where they first differ and by how much.
+
+    What a description is free to choose does not count, and is told: where the base stands and what
+    the tool's frame is, where a joint's zero is and which way it counts, where the frames of links
+    are, names, and links that are split into several. Joints of several axes are compared with
+    their frames as they are, and what is fixed to the base only by the joints on it. Limits,
+    friction and masses that one of them does not give at all are told, not compared.
+
+    Parameters
+    ----------
+    a, b
+        Models, or what `load` takes.
+    tolerance
+        Differences that are none: relative, rad, and in lengths a share of the longest chain.
+
+    Returns
+    -------
+    RobotComparison
+        True as a condition if they are one robot; `differences`, each with `aspect`, `place`,
+        `text` and `size`; `regardless`, what does not count; `joints`, which are which.
+
+    Raises
+    ------
+    FileError
+        A file that cannot be read.
+    FreebodyError
+        A family, parameters without value, or one robot in the plane and one in space.
+    """
+    if isinstance(tolerance, bool) or not 0.0 < tolerance < 1.0:
+        raise FreebodyError(f"same_robot: tolerance is {tolerance}, expected one between 0 and 1.")
+    one, two = (_model(x) for x in (a, b))
+    if one.dim != two.dim:
+        raise FreebodyError(
+            f"same_robot: one of {one.name!r} and {two.name!r} is in the plane, the other in space."
+        )
+    robots = Robot(one), Robot(two)
+    lengths = tolerance * max(robot.reach for robot in robots)
+    found = align(*robots, Tolerances(lengths, tolerance))
+    differences: list[Difference] = []
+    absent: list[str] = []
+    for aspect in ASPECTS:
+        given = [aspect.given(robot) for robot in robots]
+        differences += aspect.find(found, given[0] & given[1])
+        for model, own, other in ((one, *given), (two, *reversed(given))):
+            if other - own:
+                lacks = listed(sorted(other - own), _NAMES)
+                absent.append(f"{model.name!r} gives no {lacks}: not compared")
+    return RobotComparison(
+        (one.name, two.name),
+        tuple(differences),
+        (*_regardless(found), *absent),
+        {pair.a.joint: pair.b.joint for pair in found.pairs},
+        found.base,
+    )
+
+
+def _model(given: object) -> Model:
+    if not isinstance(given, Model | str | os.PathLike):
+        raise KindError("same_robot", "a robot", given, "a Model or a path", "load one")
+    model = given if isinstance(given, Model) else load(given, physical="ignore")
+    require_one("same_robot", model)
+    model.require_values("same_robot: the numbers")
+    return model
+
+
+# ------------------------------------------------------------ what does not count
+def _regardless(found: Alignment) -> Iterator[str]:
+    """What the descriptions have chosen differently, in words."""
+    one, two = found.a.model.name, found.b.model.name
+    if moved := _off(found.base, found.tolerances):
+        yield f"the base of {two!r} stands {moved} from that of {one!r}"
+    shifted = [
+        f"{pair.a.joint} by {pair.offset:.6g} {'rad' if pair.a.turns else 'm'}"
+        for pair in found.pairs
+        if abs(pair.offset) > found.tolerances.share
+    ]
+    if shifted:
+        yield f"joints have another zero: {listed(shifted, _NAMES)}"
+    flipped = [pair.a.joint for pair in found.pairs if pair.flip < 0.0]
+    if flipped:
+        yield f"joints count the other way: {listed(flipped, _NAMES)}"
+    renamed = [
+        f"{pair.a.joint} is {pair.b.joint}" for pair in found.pairs if pair.a.joint != pair.b.joint
+    ]
+    if renamed:
+        yield f"joints are renamed: {listed(renamed, _NAMES)}"
+    split = [
+        f"{pair.a.body.name} is {counted(n, 'link')} and {counted(m, 'link')}"
+        for pair in found.pairs
+        if (n := len(pair.a.body.inertias)) != (m := len(pair.b.body.inertias)) and n and m
+    ]
+    if split:
+        yield f"bodies are split differently: {listed(split, _NAMES)}"
+    yield from _tool(found)
+
+
+def _tool(found: Alignment) -> Iterator[str]:
+    models = found.a.model, found.b.model
+    tips = [next((x for x in model.frames if x.name == model.tip), None) for model in models]
+    one, two = tips
+    if one is None or two is None:
+        return
+    pair = next((x for x in found.pairs if x.a.index == one.body), None)
+    if one.body >= 0 and (pair is None or pair.b.index != two.body):
+        yield f"their tips, {one.name!r} and {two.name!r}, are on other bodies"
+        return
+    base: Pose = found.base if pair is None else pair.pose
+    R, p = pose_in_space(one.placement, models[0].dim)
+    S, q = composed(base, pose_in_space(two.placement, models[1].dim))
+    if moved := _off((R.T @ S, R.T @ (q - p)), found.tolerances):
+        yield f"the tip {two.name!r} is {moved} from {one.name!r}"
+
+
+def _off(pose: Pose, tolerances: Tolerances) -> str:
+    """A pose in words, "" for none."""
+    R, p = pose
+    angle = float(np.arccos(np.clip(0.5 * (np.trace(R) - 1.0), -1.0, 1.0)))
+    parts = []
+    if norm(p) > tolerances.length:
+        parts.append(f"{1e3 * norm(p):.4g} mm")
+    if angle > max(tolerances.share, 1e-7):
+        parts.append(f"{angle:.4g} rad")
+    return listed(parts)

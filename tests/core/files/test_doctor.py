@@ -1,0 +1,350 @@
+"""`fb.doctor`: faults planted in good files are found at their place, good files have no error,
+what is mended passes, and all robots of a data wheel are looked at."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import pytest
+
+import freebody as fb
+from support.command import run
+from support.real_files import FILES, ROBOTS
+
+pytestmark = pytest.mark.skipif(not FILES, reason="example-robot-data is not installed")
+
+GOOD = (
+    "panda_description/urdf/panda.urdf",
+    "kinova_description/robots/kinova.urdf",
+    "z1_description/urdf/z1.urdf",
+    "xarm_description/urdf/xarm7.urdf",
+    "ur_description/urdf/ur10_robot.urdf",
+    "go2_description/urdf/go2.urdf",
+    "laikago_description/urdf/laikago.urdf",
+    "human_description/robots/human.urdf",
+    "tiago_description/robots/tiago_no_hand.urdf",
+    "anymal_b_simple_description/robots/anymal-kinova.urdf",
+)
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A fault: the kind by which it is found, the part of the file that it is planted in, and how;
+    mended: whether --fix removes it."""
+
+    kind: str
+    part: str
+    plant: Callable[[str], str]
+    mended: bool = False
+
+
+def put(pattern: str, text: str) -> Callable[[str], str]:
+    """A change of the first place of a pattern."""
+    return lambda block: re.sub(pattern, text, block, count=1, flags=re.DOTALL)
+
+
+def attribute(tag: str, name: str, value: str) -> Callable[[str], str]:
+    """Another value for an attribute; the element and the attribute are put there if they lack."""
+
+    def plant(block: str) -> str:
+        found = re.search(rf"<{tag}\b[^>]*>", block)
+        if found is None:
+            return re.sub(r">", f'><{tag} {name}="{value}"/>', block, count=1)
+        text, count = re.subn(rf'(\s{name}\s*=\s*)"[^"]*"', rf'\g<1>"{value}"', found[0], count=1)
+        if not count:
+            text = text.replace(f"<{tag}", f'<{tag} {name}="{value}"', 1)
+        return block.replace(found[0], text, 1)
+
+    return plant
+
+
+def each(*plants: Callable[[str], str]) -> Callable[[str], str]:
+    """Several changes."""
+
+    def plant(block: str) -> str:
+        for one in plants:
+            block = one(block)
+        return block
+
+    return plant
+
+
+def without(tag: str, name: str = "") -> Callable[[str], str]:
+    """An attribute less, or a whole element."""
+    if name:
+        return put(rf'(<{tag}\b[^>]*?)\s{name}\s*=\s*"[^"]*"', r"\1")
+    return put(rf"<{tag}\b[^>]*/>|<{tag}\b[^>]*>.*?</{tag}>", "")
+
+
+LOWER, UPPER = (lambda x, end=end: attribute("limit", end, x) for end in ("lower", "upper"))
+TENSOR = each(*(attribute("inertia", key, "0") for key in ("ixy", "ixz", "iyz")))
+
+
+def moments(*three: float) -> Callable[[str], str]:
+    """Principal moments in the place of a tensor."""
+    keys = zip(("ixx", "iyy", "izz"), three, strict=True)
+    return each(TENSOR, *(attribute("inertia", key, f"{x:g}") for key, x in keys))
+
+
+FAULTS = (
+    Fault("swapped limits", "joint", each(LOWER("1.5"), UPPER("-1.5")), True),
+    Fault("negative limit", "joint", attribute("limit", "effort", "-50"), True),
+    Fault("negative limit", "joint", attribute("limit", "velocity", "-2"), True),
+    Fault("missing limits", "joint", without("limit")),
+    Fault("missing limits", "joint", without("limit", "upper")),
+    Fault("limits not given", "joint", without("limit", "effort")),
+    Fault("zero limit", "joint", attribute("limit", "effort", "0")),
+    Fault("zero limit", "joint", attribute("limit", "velocity", "0.0")),
+    Fault("no range", "joint", each(LOWER("0"), UPPER("0"))),
+    Fault("limits in degrees", "joint", each(LOWER("-170"), UPPER("170")), True),
+    Fault("placeholder limits", "joint", attribute("limit", "effort", "123456")),
+    Fault("placeholder limits", "joint", attribute("limit", "velocity", "54321")),
+    Fault("zero axis", "joint", attribute("axis", "xyz", "0 0 0")),
+    Fault("axis not unit", "joint", attribute("axis", "xyz", "0 0 2"), True),
+    Fault("axis not unit", "joint", attribute("axis", "xyz", "0 1 1"), True),
+    Fault("slightly turned axis", "joint", attribute("axis", "xyz", "0 0.001 0.9999995")),
+    Fault("no axis", "joint", without("axis")),
+    Fault("rounded right angle", "joint", attribute("origin", "rpy", "0 1.57 0"), True),
+    Fault("rounded right angle", "joint", attribute("origin", "rpy", "-3.142 0 0"), True),
+    Fault("right angle in few digits", "joint", attribute("origin", "rpy", "0 0 1.570796"), True),
+    Fault("angles in degrees", "joint", attribute("origin", "rpy", "0 90 0"), True),
+    Fault("negative friction", "joint", attribute("dynamics", "damping", "-0.5")),
+    Fault("negative friction", "joint", attribute("dynamics", "friction", "-0.1")),
+    Fault("friction holds", "joint", attribute("dynamics", "friction", "98765")),
+    Fault("unknown type", "joint", put(r'type\s*=\s*"\w+"', 'type="revolut"'), True),
+    Fault("unknown name", "joint", attribute("parent", "link", "no_such_link")),
+    Fault("unknown name", "joint", attribute("mimic", "joint", "no_such_joint")),
+    Fault("no number", "joint", LOWER("-1,5"), True),
+    Fault("no number", "joint", UPPER("nan")),
+    Fault("no number", "joint", attribute("origin", "xyz", "0 1")),
+    Fault("no number", "joint", attribute("axis", "xyz", "z")),
+    Fault("misspelt", "joint", put(r"<limit\b", "<limits")),
+    Fault("misspelt", "joint", put(r"\supper\s*=", " uper=")),
+    Fault("odd name", "joint", put(r'name\s*=\s*"', 'name="joint no. '), True),
+    Fault("no name", "joint", put(r'name\s*=\s*"[^"]*"', 'name=""')),
+    Fault("impossible inertia", "link", attribute("mass", "value", "-1.5")),
+    Fault("impossible inertia", "link", moments(0.001, 0.001, 0.05), True),
+    Fault("impossible inertia", "link", attribute("inertia", "ixx", "-0.01"), True),
+    Fault("mass of 0", "link", attribute("mass", "value", "0")),
+    Fault("point mass", "link", moments(0, 0, 0)),
+    Fault("placeholder inertia", "link", each(attribute("mass", "value", "1"), moments(1, 1, 1))),
+    Fault("absent number", "link", without("mass")),
+    Fault("absent number", "link", without("inertia", "ixy")),
+    Fault("no number", "link", attribute("inertia", "izz", "0.01 kg")),
+    Fault("misspelt", "link", put(r"<inertial\b(.*?)</inertial>", r"<intertial\1</intertial>")),
+)
+TIMES = 2
+"""Files that each fault is planted in."""
+
+
+def blocks(text: str, part: str) -> list[re.Match[str]]:
+    """The joints that turn and have limits of all kinds, or the links with an inertia."""
+    found = re.finditer(
+        rf'<{part}\s+[^>]*?name="(?P<name>[^"]*)"[^>]*?>.*?</{part}>', text, re.DOTALL
+    )
+    needed = (
+        ('"revolute"', "<limit", "lower=", "upper=", "effort=", "velocity=", "<axis", "<origin")
+        if part == "joint"
+        else ("<inertial", "<mass", "ixx", "izz")
+    )
+    blank = re.compile(r'<mimic|<mass value="0"/>|ixx="0(\.0)?"')
+    return [x for x in found if all(word in x[0] for word in needed) and not blank.search(x[0])]
+
+
+def planted(text: str, fault: Fault, which: int) -> tuple[str, range]:
+    """The text with a fault, and the lines of the part that it is in: of a middle one."""
+    every = blocks(text, fault.part)
+    block = every[(len(every) // 2 + which) % len(every)]
+    wrong = fault.plant(block[0])
+    assert wrong != block[0], fault
+    first = text.count("\n", 0, block.start()) + 1
+    return (
+        text[: block.start()] + wrong + text[block.end() :],
+        range(first, first + wrong.count("\n") + 1),
+    )
+
+
+@cache
+def texts() -> list[str]:
+    """The good files."""
+    return [(ROBOTS / name).read_text(encoding="utf-8") for name in GOOD]
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_good_files_have_no_error(name):
+    assert [x for x in fb.doctor(ROBOTS / name).findings if x.severity == "error"] == []
+
+
+@pytest.mark.parametrize("number", range(len(FAULTS)), ids=lambda k: f"{k} {FAULTS[k].kind}")
+def test_planted_faults_are_found_where_they_are_and_mended(number, tmp_path):
+    fault, good, path = FAULTS[number], texts(), tmp_path / "arm.urdf"
+    for which in range(TIMES):
+        text, lines = planted(good[(number + 3 * which) % len(good)], fault, which)
+        path.write_text(text, encoding="utf-8")
+        found = fb.doctor(path)
+        here = [x for x in found.findings if x.kind == fault.kind and x.line in lines]
+        assert here, (GOOD[(number + 3 * which) % len(good)], str(found))
+        assert bool(here[0].fix) == fault.mended
+        if fault.mended:
+            assert found.mended is not None
+            path.write_bytes(found.mended)
+            left = [x for x in fb.doctor(path).findings if x.line in lines]
+            assert fault.kind not in [x.kind for x in left]
+            assert not [x for x in left if x.severity == "error"]
+
+
+# ------------------------------------------------------------ faults of whole robots
+def link(name: str, mass: float, moments: str, shape: str = "", com: str = "0 0 0.15") -> str:
+    """A link with principal moments and a shape."""
+    x, y, z = moments.split()
+    return f"""<link name="{name}"><inertial><origin xyz="{com}"/><mass value="{mass}"/>
+<inertia ixx="{x}" ixy="0" ixz="0" iyy="{y}" iyz="0" izz="{z}"/></inertial>{shape}</link>
+"""
+
+
+def joint(name: str, parent: str, child: str, z: float = 0.3, upper: float = 2.0) -> str:
+    """A joint that turns about y, at a height."""
+    return f"""<joint name="{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>
+<origin xyz="0 0 {z}"/><axis xyz="0 1 0"/>
+<limit lower="-2.1" upper="{upper}" effort="43" velocity="3.1"/></joint>
+"""
+
+
+def box(size: str, xyz: str = "0 0 0.15") -> str:
+    """A box as what collides."""
+    return f"""<collision><origin xyz="{xyz}"/><geometry><box size="{size}"/></geometry></collision>
+"""
+
+
+ROD = box("0.06 0.08 0.3")
+MOMENTS = ("0.0321 0.0312 0.0033", "0.0225 0.0219 0.0023", "0.0112 0.0109 0.0011")
+MASSES = (4.2, 2.9, 1.4)
+
+
+def arm(*links: str, more: str = "") -> str:
+    """An arm of three links on a base, some of them others than its own."""
+    own = [
+        link(f"link{k}", mass, moments, ROD)
+        for k, (mass, moments) in enumerate(zip(MASSES, MOMENTS, strict=True), 1)
+    ]
+    own[: len(links)] = [new or was for new, was in zip(links, own, strict=False)]
+    joints = [joint(f"joint{k}", f"link{k - 1}", f"link{k}") for k in (1, 2, 3)]
+    return f'<robot name="arm"><link name="link0"/>{"".join((*own, *joints))}{more}</robot>'
+
+
+def scaled(moments: str, factor: float) -> str:
+    return " ".join(f"{factor * float(x):g}" for x in moments.split())
+
+
+ABOUT_ORIGIN = [
+    link(f"link{k}", m, f"{0.0975 * m / 3.25:g} {0.0975 * m / 3.25:g} {0.0008 * m:g}", ROD)
+    for k, m in enumerate(MASSES, 1)
+]
+SKEW = [
+    f"""<link name="link{k}"><inertial><origin xyz="0.05 0 0.1"/><mass value="{m}"/>
+<inertia ixx="{0.008 * m}" iyy="{0.0099 * m}" izz="{0.0025 * m}"
+ixy="0" ixz="{sign * 0.0035 * m}" iyz="0"/>
+</inertial><collision><origin xyz="0.05 0 0.1" rpy="0 0.4636 0"/><geometry>
+<box size="0.06 0.08 0.32"/></geometry></collision></link>"""
+    for sign in (1, -1)
+    for k, m in enumerate(MASSES, 1)
+]
+SIDES = "".join(
+    link(f"{side}_paw", mass, moments) + joint(f"{side}_wrist", "link3", f"{side}_paw", upper=up)
+    for side, mass, moments, up in (
+        ("left", 0.4, "0.001 0.0011 0.0006", 2.0),
+        ("right", 0.5, "0.001 0.0011 0.0006", 1.2),
+    )
+)
+WHOLE = {
+    "wrong units": arm(*(link(f"link{k}", m, scaled(I, 1e6), ROD) for k, (m, I) in
+                         enumerate(zip(MASSES, MOMENTS, strict=True), 1))),
+    "inertia about the origin": arm(*ABOUT_ORIGIN),
+    "inertia in wrong axes": arm("", link("link2", 2.9, "0.0023 0.0225 0.0219", ROD)),
+    "left and right differ": arm(more=SIDES),
+    "left and right limits differ": arm(more=SIDES),
+    "implausible inertias": arm(*(link(f"link{k}", 1.1, "0.012 0.012 0.012", ROD)
+                                  for k in (1, 2, 3))),
+    "no masses": '<robot name="x"><link name="link0"/><link name="link1"/>'
+    + joint("joint1", "link0", "link1") + "</robot>",
+    "density": arm(link("link1", 4.2, MOMENTS[0], box("0.008 0.009 0.3"))),
+    "centre outside": arm(link("link1", 4.2, MOMENTS[0], ROD, com="0.3 0 0.15")),
+    "inertia unlike shape": arm(link("link1", 4.2, scaled(MOMENTS[0], 1e-3), ROD)),
+    "signs of products": arm(*SKEW[:3]),
+    "missing mesh": arm(more='<link name="tool"><visual><geometry><mesh filename="no.stl"/>'
+                        '</geometry></visual></link><joint name="weld" type="fixed">'
+                        '<parent link="link3"/><child link="tool"/></joint>'),
+    "unknown package": arm(more='<link name="tool"><visual><geometry><mesh filename='
+                           '"package://none/no.stl"/></geometry></visual></link><joint name="weld" '
+                           'type="fixed"><parent link="link3"/><child link="tool"/></joint>'),
+    "duplicate name": arm(more=link("link2", 1.0, "0.01 0.01 0.01")),
+    "two joints": arm(more=joint("joint4", "link1", "link3")),
+    "not connected": arm(more='<link name="loose"/>'),
+    "no tip": arm(more=SIDES),
+    "given twice": arm().replace('<axis xyz="0 1 0"/>', 2 * '<axis xyz="0 1 0"/>', 1),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", WHOLE)
+def test_faults_of_whole_robots(kind, tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(arm(), encoding="utf-8")
+    assert fb.doctor(path).findings == ()
+    path.write_text(WHOLE[kind], encoding="utf-8")
+    found = fb.doctor(path)
+    assert kind in [x.kind for x in found.findings], str(found)
+
+
+def test_right_signs_of_products_are_no_finding(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text(arm(*SKEW[3:]), encoding="utf-8")
+    assert "signs of products" not in [x.kind for x in fb.doctor(path).findings]
+
+
+# ------------------------------------------------------------ the command
+def test_the_command_tells_mends_and_ends_with_a_status(tmp_path, capsys):
+    path, mended = tmp_path / "arm.urdf", tmp_path / "arm.mended.urdf"
+    text = arm().replace('lower="-2.1" upper="2.0"', 'lower="2.0" upper="-2.1"', 1)
+    path.write_text(text, encoding="utf-8")
+    assert run(["doctor", str(path)]) == 1
+    assert not mended.exists()
+    out = capsys.readouterr().out
+    reason = "error: joint 'joint1': its lower limit 2 is above its upper one, -2.1; swap them."
+    assert f"{path}:{text.count(chr(10), 0, text.index('lower=')) + 1}: {reason}" in out
+    assert run(["doctor", "--fix", str(path)]) == 0
+    assert '<limit> lower="2.0" becomes "-2.1"' in capsys.readouterr().out
+    assert mended.read_text(encoding="utf-8") == arm()  # not a byte besides
+    assert run(["doctor", "--json", str(path), "ur5e"]) == 1
+    first, second = json.loads(capsys.readouterr().out)
+    assert (first["sound"], second["sound"]) == (False, True)
+    assert first["findings"][0]["kind"] == "swapped limits"
+    assert run(["doctor", str(tmp_path / "none.urdf"), "ur5e"]) == 2
+    said = capsys.readouterr()
+    assert "there is no such file" in said.err
+    assert "ur5e: no findings" in said.out
+
+
+def test_other_formats_are_looked_at(tmp_path):
+    assert fb.doctor("panda").sound
+    sdf = tmp_path / "arm.sdf"
+    sdf.write_text(
+        """<sdf version="1.7"><model name="arm"><link name="a"/><link name="b"><inertial>
+<mass>2</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.9</izz></inertia></inertial></link>
+<joint name="weld" type="fixed"><parent>world</parent><child>a</child></joint>
+<joint name="j" type="revolute"><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz>
+<limit><effort>0</effort></limit></axis></joint></model></sdf>""",
+        encoding="utf-8",
+    )
+    assert {x.kind for x in fb.doctor(sdf).findings} >= {"impossible inertia", "zero limit"}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", FILES)
+def test_robots_of_a_data_wheel_are_looked_at(name):
+    found = fb.doctor(ROBOTS / name)
+    kinds = {x.kind for x in found.findings if x.severity == "error"}
+    assert kinds <= {"impossible inertia", "refused", "unknown name"}

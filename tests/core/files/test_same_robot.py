@@ -1,0 +1,323 @@
+"""`fb.same_robot`: one robot in five formats, with frames, zeros and names of its own, is
+recognised; planted differences are found at their place with their size."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.robots import models
+from support.command import run
+from support.real_files import FILES, ROBOTS
+from support.written_robots import FORMATS, Written, bodies_of, disguised, rotation, toml, urdf
+
+ROBOTS_OF_TESTS = {"ur5e": None, "panda": 7, "puma560": None}
+"""Names, and how many bodies are written: the Panda's without its fingers."""
+NOT_IN = {"urdf": {"armature"}, "split.urdf": {"armature"}, "sdf": {"armature"}}
+"""What formats lack."""
+
+
+@cache
+def written(name: str) -> tuple[Written, ...]:
+    """The bodies of a bundled robot, with inertias that rigid bodies have."""
+    found = []
+    for body in bodies_of(fb.load(name, physical="ignore"), ROBOTS_OF_TESTS[name]):
+        mass = body.mass or 3.0
+        second = 0.5 * np.trace(body.tensor) * np.eye(3) - body.tensor
+        values, axes = np.linalg.eigh(second)
+        second = axes @ np.diag(np.maximum(values, 1e-4)) @ axes.T
+        found.append(replace(body, mass=mass, tensor=np.trace(second) * np.eye(3) - second))
+    return tuple(found)
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("name", ROBOTS_OF_TESTS)
+def test_one_robot_is_recognised_in_other_words_and_formats(name, suffix, tmp_path):
+    if suffix == "xml":
+        pytest.importorskip("mujoco")
+    first, path = tmp_path / "first.toml", tmp_path / f"second.{suffix}"
+    first.write_text(toml(written(name)), encoding="utf-8")
+    for seed in range(1 if suffix == "xml" else 2):
+        other = disguised(written(name), np.random.default_rng([seed, len(name)]))
+        path.write_text(FORMATS[suffix](other), encoding="utf-8")
+        found = fb.same_robot(first, path)
+        assert found, str(found)
+        assert found.joints == {a.joint: b.joint for a, b in zip(written(name), other, strict=True)}
+        said = "\n".join(found.regardless)
+        assert "the base of" in said
+        assert "joints have another zero: " in said
+        assert "joints are renamed: " in said
+        assert ("split differently" in said) == (suffix == "split.urdf")
+        assert ("no speed limits: not compared" in said) == (suffix == "xml" and name != "puma560")
+
+
+def test_a_tree_is_recognised_by_what_hangs_where():
+    model = fb.load("panda")
+    branched = [replace(x, parent=x.parent if k < 7 else 6) for k, x in enumerate(bodies_of(model))]
+    first = fb.load(text=urdf(branched), format="urdf")
+    for seed in range(3):
+        order = [0, 1, 2, 3, 4, 5, 6, 8, 7]
+        other = disguised(branched, np.random.default_rng(seed))
+        second = fb.load(text=urdf([other[k] for k in order]), format="urdf")
+        found = fb.same_robot(first, second)
+        assert found, str(found)
+        assert found.joints["panda_finger_joint2"] == "axis_9"
+
+
+TABLES = {
+    "ur5e": ("standard", [
+        (0, np.pi / 2, 0.1625), (-0.425, 0, 0), (-0.3922, 0, 0), (0, np.pi / 2, 0.1333),
+        (0, -np.pi / 2, 0.0997), (0, 0, 0.0996)]),
+    "panda": ("modified", [
+        (0, 0, 0.333), (0, -np.pi / 2, 0), (0, np.pi / 2, 0.316), (0.0825, np.pi / 2, 0),
+        (-0.0825, -np.pi / 2, 0.384), (0, np.pi / 2, 0), (0.088, np.pi / 2, 0)]),
+    "puma560": ("standard", [
+        (0, np.pi / 2, 0), (0.4318, 0, 0), (0.0203, -np.pi / 2, 0.15005),
+        (0, np.pi / 2, 0.4318), (0, -np.pi / 2, 0), (0, 0, 0)]),
+}  # fmt: skip
+"""Published DH tables: a, alpha and d of each joint."""
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_dh_table_is_recognised(name, tmp_path):
+    convention, rows = TABLES[name]
+    path = tmp_path / "table.csv"
+    lines = [f"# convention: {convention}", "a,alpha,d,theta"]
+    rng = np.random.default_rng(1)
+    lines += [",".join(map(repr, map(float, (*row, rng.uniform(-1, 1))))) for row in rows]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    other = disguised(written(name), np.random.default_rng(2))
+    found = fb.same_robot(path, fb.load(text=urdf(other), format="urdf"))
+    assert found, str(found)
+    said = "\n".join(found.regardless)
+    assert "'table' gives no masses: not compared" in said
+    assert "lower limits" in said.partition("'table' gives no masses: not compared")[2]
+    assert len(found.joints) == len(rows)
+
+
+def test_a_dh_table_with_masses_is_recognised(tmp_path):
+    """The Puma's table in freebody's TOML is a DH table, in whose frames its masses are."""
+    other = disguised(bodies_of(fb.load("puma560", physical="ignore")), np.random.default_rng(4))
+    found = fb.same_robot("puma560", fb.load(text=toml(other), format="toml", physical="ignore"))
+    assert found, str(found)
+
+
+@pytest.mark.parametrize("name", sorted(models()))
+def test_each_bundled_robot_is_itself(name):
+    if fb.load(name, physical="ignore").missing:
+        pytest.skip("it has parameters without value")
+    found = fb.same_robot(name, name)
+    assert found
+    assert found.regardless == ()
+
+
+# ------------------------------------------------------------ differences
+@dataclass(frozen=True)
+class Planted:
+    """A change of one body, the aspect in which it is found, its size where that is plain, and the
+    joint or body, counted from the one that is changed, that is named."""
+
+    aspect: str
+    change: Callable[[Written], Written]
+    size: float | None = None
+    says: str = ""
+    after: int = 0
+
+
+def moved(*by: float) -> Callable[[Written], Written]:
+    """The joint's frame elsewhere, in its own axes."""
+    return lambda x: replace(x, pose=(x.pose[0], x.pose[1] + x.pose[0] @ np.array(by)))
+
+
+def tilted(axis: int, angle: float) -> Callable[[Written], Written]:
+    """The joint's frame turned about its own x or y."""
+    turn = rotation(np.eye(3)[axis], angle)
+    return lambda x: replace(x, pose=(x.pose[0] @ turn, x.pose[1]))
+
+
+def limit(key: str, by: float) -> Callable[[Written], Written]:
+    return lambda x: replace(x, limits={**x.limits, key: x.limits[key] + by})
+
+
+def tensor(i: int, j: int, by: float) -> Callable[[Written], Written]:
+    """An entry of the inertia, with its mirror image."""
+    change = np.zeros((3, 3))
+    change[i, j] = change[j, i] = by
+    return lambda x: replace(x, tensor=x.tensor + change)
+
+
+def scaled(name: str, factor: float) -> Callable[[Written], Written]:
+    return lambda x: replace(x, **{name: getattr(x, name) * factor})
+
+
+PLANTED = (
+    Planted("geometry", moved(0.003, 0.0, 0.0), 0.003, "3 mm"),
+    Planted("geometry", moved(-0.0004, 0.0, 0.0), 0.0004, "0.4 mm"),
+    Planted("geometry", tilted(0, 0.01), 0.01, "0.01 rad (0.573°)"),
+    Planted("geometry", tilted(0, -0.0004), 0.0004),
+    Planted("masses", scaled("mass", 1.01), None, "its mass is "),
+    Planted("masses", scaled("mass", 0.5), None, "its mass is "),
+    Planted("masses", lambda x: replace(x, com=x.com + [0.002, 0.0, 0.001]), 5**0.5 / 1e3),
+    Planted("masses", lambda x: replace(x, com=x.com * [1.0, 1.0, -1.0]), None, "centre of mass"),
+    Planted("masses", tensor(0, 0, 1e-3), 1e-3, "its inertia differs"),
+    Planted("masses", tensor(1, 1, 2e-4), 2e-4),
+    Planted("masses", tensor(0, 2, 3e-4), 3e-4 * 2**0.5),
+    Planted("masses", scaled("tensor", 1.1), None, "its inertia differs"),
+    Planted("limits", limit("lower", 0.1), 0.1, "limit is "),
+    Planted("limits", limit("upper", -0.3), 0.3, "limit is "),
+    Planted("limits", limit("velocity", 0.5), 0.5, "its speed limit is "),
+    Planted("limits", limit("effort", -3.0), 3.0, "its effort limit is "),
+    Planted("friction", lambda x: replace(x, damping=x.damping + 0.2), 0.2),
+    Planted("friction", lambda x: replace(x, friction=x.friction + 0.1), 0.1),
+    Planted("joints", lambda x: replace(x, kind="prismatic"), None, "revolute and prismatic"),
+)
+PLACES = 3
+"""Joints that each difference is planted in: one of each robot."""
+
+
+def test_many_differences_are_planted():
+    assert len(PLANTED) * PLACES >= 40
+
+
+@pytest.mark.parametrize("number", range(len(PLANTED)))
+def test_planted_differences_are_found_at_their_place(number):
+    planted = PLANTED[number]
+    for which, name in enumerate(ROBOTS_OF_TESTS):
+        bodies = [
+            replace(x, damping=x.damping + 0.1, friction=x.friction + 0.1,
+                    limits={"effort": 50.0, "velocity": 3.0} | x.limits)
+            for x in written(name)
+        ]  # fmt: skip
+        k = 2 + (number + which) % 3
+        changed = list(bodies)
+        changed[k] = planted.change(bodies[k])
+        other = disguised(changed, np.random.default_rng([number, which]))
+        models = [fb.load(text=urdf(x), format="urdf", physical="ignore") for x in (bodies, other)]
+        found = fb.same_robot(*models)
+        first = found.first
+        assert first is not None, (name, k)
+        assert first.aspect == planted.aspect, str(found)
+        of_bodies = planted.aspect == "masses"
+        names = [(x.name if of_bodies else x.joint) for x in (bodies[k], other[k])]
+        assert list(first.place) == names, str(found)
+        assert planted.says in first.text
+        if planted.size is not None:
+            assert first.size == pytest.approx(planted.size, rel=1e-3)
+        if planted.aspect != "joints":
+            assert len(found.differences) == 1, str(found)
+
+
+def test_a_joint_more_is_named():
+    bodies = written("panda")
+    models = [fb.load(text=urdf(x), format="urdf") for x in (bodies, bodies[:-1])]
+    (only,) = fb.same_robot(*models).differences
+    assert only.place == ("panda_joint7", "")
+    assert "has no counterpart of" in only.text
+    (only,) = fb.same_robot(*reversed(models)).differences
+    assert only.place == ("", "panda_joint7")
+
+
+def test_rotors_are_what_the_joint_feels():
+    bodies = written("puma560")
+    model = fb.load(text=toml(bodies), format="toml")
+    geared = model.with_drive("joint2", rotor=bodies[1].armature / 100.0, gear=-10.0)
+    assert fb.same_robot(model, geared)
+    other = model.with_drive("joint2", rotor=1.1 * bodies[1].armature)
+    first = fb.same_robot(model, other).first
+    assert first is not None
+    assert first.aspect == "friction"
+    assert "its rotor's inertia is" in first.text
+
+
+def test_mimics_are_compared_through_zeros_and_directions():
+    text = """<robot name="hand"><link name="a"/>{links}
+<joint name="lead" type="prismatic"><parent link="a"/><child link="b"/><axis xyz="0 {s} 0"/>
+<origin xyz="0 {at} 0"/><limit lower="-9" upper="9"/></joint>
+<joint name="follow" type="prismatic"><parent link="a"/><child link="c"/><axis xyz="0 0 1"/>
+<limit lower="-9" upper="9"/><mimic joint="lead" multiplier="{m}" offset="{o}"/></joint></robot>"""
+    links = "".join(
+        f'<link name="{x}"><inertial><origin xyz="0 {y} 0"/><mass value="1"/><inertia ixx="1" '
+        f'ixy="0" ixz="0" iyy="1.1" iyz="0" izz="1.2"/></inertial></link>'
+        for x, y in (("b", "{c}"), ("c", "0"))
+    )
+
+    def hand(s: int, at: float, m: float, o: float, c: float) -> fb.Model:
+        return fb.load(
+            text=text.format(links=links.format(c=c), s=s, at=at, m=m, o=o), format="urdf",
+            physical="ignore",
+        )  # fmt: skip
+
+    model = hand(1, 0.0, 2.0, 0.1, 0.0)
+    # y = q = 0.3 - q': the follower is at 2 q + 0.1 = 0.7 - 2 q'
+    same = fb.same_robot(model, hand(-1, 0.3, -2.0, 0.7, 0.0))
+    assert [x for x in same.differences if x.aspect != "limits"] == []
+    other = fb.same_robot(model, hand(-1, 0.3, -2.0, 0.8, 0.0))
+    assert "an offset of 0.1 and 0.2" in str(other.first)
+
+
+WRONG_LINK4 = """<inertial><origin xyz="-0.05113 0.05825 0.01698"/><mass value="2.2037"/>
+<inertia ixx="0.00784585566" ixy="-0.00339591957" ixz="0.00158704074" iyy="0.00649543136"
+iyz="-0.00181477884" izz="0.01003079917"/></inertial>"""
+"""Link 4 of Franka's own description package for the FER, which is the Panda
+(https://github.com/frankarobotics/franka_description/issues/23)."""
+
+
+def test_wrong_inertias_in_public_files_of_franka_are_found(tmp_path):
+    bodies = bodies_of(fb.load("panda"), 7)
+    text = urdf(bodies)
+    begin = text.index("<inertial>", text.index('<link name="panda_link4">'))
+    end = text.index("</inertial>", begin) + len("</inertial>")
+    path = tmp_path / "fer.urdf"
+    path.write_text(text[:begin] + WRONG_LINK4 + text[end:], encoding="utf-8")
+    found = fb.same_robot("panda", path)
+    of_mass = [x for x in found.differences if x.aspect == "masses"]
+    assert of_mass[0].place == ("panda_link4", "panda_link4")
+    assert of_mass[0].text == "its mass is 3.5879 and 2.2037 kg"
+    # no rigid body has it, which Gazebo found too
+    kinds = [(x.kind, x.severity) for x in fb.doctor(path).findings]
+    assert ("inexact inertia", "notice") in kinds
+    # a sign that was lost in link 5 (https://github.com/JeanElsner/panda_mujoco/issues/6)
+    lost = [
+        replace(x, com=x.com * [-1.0, 1.0, 1.0]) if x.name == "panda_link5" else x for x in bodies
+    ]
+    models = [fb.load(text=urdf(x), format="urdf") for x in (bodies, lost)]
+    (only,) = fb.same_robot(*models).differences
+    assert only.place[0] == "panda_link5"
+    assert only.size == pytest.approx(2 * 0.011953)
+
+
+# ------------------------------------------------------------ the command
+def test_the_command_and_what_is_refused(tmp_path, capsys):
+    path = tmp_path / "arm.toml"
+    fb.save(fb.load("ur5e").with_payload(1.0), path)
+    assert run(["diff", "ur5e", "ur5e"]) == 0
+    assert capsys.readouterr().out == "ur5e and ur5e are the same robot.\n"
+    assert run(["diff", "ur5e", str(path)]) == 1
+    out = capsys.readouterr().out
+    assert "ur5e and ur5e differ in " in out
+    assert "masses: 'wrist_3_link': its mass is 0.365 and 1.365 kg" in out
+    assert run(["diff", "ur5e", str(path), "--json"]) == 1
+    data = json.loads(capsys.readouterr().out)
+    assert data["differences"][0]["place"] == ["wrist_3_link", "wrist_3_link"]
+    assert run(["diff", "ur5e", "2R"]) == 2
+    assert "is in the plane, the other in space" in capsys.readouterr().err
+    with pytest.raises(fb.FreebodyError, match="tolerance is 2"):
+        fb.same_robot("ur5e", "ur5e", tolerance=2)
+    with pytest.raises(fb.KindError):
+        fb.same_robot("ur5e", 7)  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", FILES)
+def test_robots_of_a_data_wheel_are_themselves(name):
+    try:
+        model = fb.load(ROBOTS / name, physical="ignore", mimic="free")
+    except fb.FileError:
+        return  # refused
+    assert fb.same_robot(model, model)
