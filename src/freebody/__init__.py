@@ -66,6 +66,7 @@ _PLACES = {
         "tip_wrench",
         "kinetic_energy",
         "potential_energy",
+        "strut_states",
         "momentum",
     ),
     "freebody.any_chain.dynamics": (

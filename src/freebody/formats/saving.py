@@ -20,6 +20,8 @@ from freebody.model.model import Model
 from freebody.model.parameter_formulas import used
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import Placement, Rotate, Shift
+from freebody.model.struts import NUMBERS as STRUT_NUMBERS
+from freebody.model.struts import Strut
 from freebody.model.tree import Attached
 from freebody.outputs.files import write
 
@@ -119,6 +121,7 @@ class _TomlWriter:
             ),
             *(self.payload(part) for part in self.loads),
             *map(_loop, self.model.loops),
+            *map(_strut, self.model.struts),
         ]
 
     def link(self, frame: Frame) -> str:
@@ -183,6 +186,16 @@ def _loop(loop: Loop) -> str:
     if loop.distance is not None:
         entries["distance"] = _quantity(loop.distance)
     return _section("loop", entries)
+
+
+def _strut(strut: Strut) -> str:
+    entries = {
+        "name": _text(strut.name),
+        "frames": f"[{', '.join(map(_text, strut.frames))}]",
+    }
+    for number, value in zip(STRUT_NUMBERS, strut.numbers, strict=True):
+        entries[number.name] = _quantity(value)
+    return _section("strut", entries)
 
 
 def _told(key: str, value: float) -> bool:

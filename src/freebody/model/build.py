@@ -37,6 +37,7 @@ from freebody.model.mimics import leaders
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
+from freebody.model.struts import Strut, checked_strut
 from freebody.model.tip import chosen, with_tip
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension, unit
@@ -163,6 +164,7 @@ class _Assembly:
             about=d.about,
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
+            struts=self.struts(movable),
         )
         known = set(model.position_names)
         for name, _ in d.home:
@@ -223,6 +225,19 @@ class _Assembly:
             except (ModelError, UnknownNameError) as error:
                 self.checks.refuse(str(error), loop.line)
             taken.add(loop.name)
+        return tuple(checked)
+
+    def struts(self, joints: list[Joint]) -> tuple[Strut, ...]:
+        """Struts of the description, each checked."""
+        body_of = {name: body for name, (body, _) in self.carrier.items()}
+        taken = {part.name for part in (*joints, *self.description.loops)}
+        checked = []
+        for strut in self.description.struts:
+            try:
+                checked.append(checked_strut(strut, body_of, taken))
+            except (ModelError, UnknownNameError) as error:
+                self.checks.refuse(str(error), strut.line)
+            taken.add(strut.name)
         return tuple(checked)
 
     def _unknown(self, what: str, name: str, where: str, known: Collection[str]) -> NoReturn:

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.algorithms.rnea import rnea
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
+from freebody.algorithms.struts import struts_alone
 from freebody.arrays import Array
 from freebody.elementary import Scalar, tanh
 from freebody.errors import FreebodyError
@@ -104,11 +106,22 @@ def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars
 
 
 def friction_torque(model: Model, q: Array, qd: Array) -> Array:
-    """The torque (..., nv) of all friction at q (..., nq) and qd (..., nv)."""
+    """The torque (..., nv) of all friction, struts' dampers included, at q (..., nq) and qd (...,
+    nv)."""
     found = np.zeros(qd.shape)
     for drive in _only(model, lambda law: law.feature == "friction"):
         found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
-    return found
+    return found + strut_damping(model, q, qd) if model.struts else found
+
+
+def strut_damping(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) that the dampers of struts need at q (..., nq) and qd (..., nv); linear
+    in qd."""
+    alone = struts_alone(model.tree)
+    dampers = tuple(replace(strut, stiffness=0.0, preload=0.0) for strut in alone.struts)
+    still = (0.0,) * model.nv
+    tau = rnea(replace(alone, struts=dampers), *_columns(q, qd), still).tau
+    return np.stack([np.broadcast_to(x, qd.shape[:-1]) for x in tau], axis=-1)
 
 
 def reflected_inertia(model: Model) -> Array:
