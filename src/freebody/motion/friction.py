@@ -114,14 +114,22 @@ def friction_torque(model: Model, q: Array, qd: Array) -> Array:
     return found + strut_damping(model, q, qd) if model.struts else found
 
 
-def strut_damping(model: Model, q: Array, qd: Array) -> Array:
-    """The torque (..., nv) that the dampers of struts need at q (..., nq) and qd (..., nv); linear
-    in qd."""
-    alone = struts_alone(model.tree)
-    dampers = tuple(replace(strut, stiffness=0.0, preload=0.0) for strut in alone.struts)
-    still = (0.0,) * model.nv
-    tau = rnea(replace(alone, struts=dampers), *_columns(q, qd), still).tau
+def strut_torque(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) that struts need at q (..., nq) and qd (..., nv)."""
+    tau = rnea(struts_alone(model.tree), *_columns(q, qd), (0.0,) * model.nv).tau
     return np.stack([np.broadcast_to(x, qd.shape[:-1]) for x in tau], axis=-1)
+
+
+def strut_damping(model: Model, q: Array, qd: Array) -> Array:
+    """The part of the struts' torque (..., nv) that their dampers need; linear in qd."""
+    dampers = tuple(replace(strut, stiffness=0.0, preload=0.0) for strut in model.struts)
+    return strut_torque(replace(model, struts=dampers), q, qd)
+
+
+def without_friction(model: Model) -> Model:
+    """The model without all that takes energy: friction of joints, dampers of struts."""
+    struts = tuple(replace(strut, damping=0.0) for strut in model.struts)
+    return replace(model.without("friction"), struts=struts)
 
 
 def reflected_inertia(model: Model) -> Array:

@@ -376,6 +376,27 @@ def test_a_strut_without_length_is_told():
     assert np.isfinite(fb.inverse_dynamics(model, [0.1], [0.1], [0.0])).all()
 
 
+def test_a_study_counts_struts_as_springs_and_friction():
+    model = flap().with_strut("gas", ("foot", "head"), **GAS)
+    study = fb.study(model)
+    assert all(check.passed for check in study.checks), [c for c in study.checks if not c.passed]
+    q, qd = study.data["q"].values, study.data["qd"].values
+    spring = fb.static_torque(model, q) - fb.gravity_torque(model, q)
+    close(study.data["tau_springs"], spring, 1e-9)
+    damping = fb.bias(model, q, qd) - fb.static_torque(model, q)  # a flap alone has no c
+    close(study.data["tau_viscous"], damping, 1e-9)
+    close(study.data["tau_friction"], damping, 1e-9)
+
+
+def test_free_bodies_show_the_forces_of_struts():
+    model = strutted(generate.model(1, 2), 1)
+    q, qd, qdd = fb.random_state(model, 1)
+    shown = fb.free_body_diagram(model, q, qd=qd, qdd=qdd)
+    assert len([load for body in shown.bodies for load in body.loads if load.other == "strut0"]) > 0
+    assert max(body.force_residual for body in shown.bodies) < 1e-9
+    assert max(body.moment_residual for body in shown.bodies) < 1e-9
+
+
 @pytest.mark.parametrize("language", ["c", "javascript"])
 def test_exported_code(language, tmp_path):
     require(language)
