@@ -220,7 +220,7 @@ for _number in (number for law in LAWS.values() if law.usual for number in law.n
 
 
 def _fixed(frame: Frame, parent: Frame, taken: set[str], dim: int) -> str:
-    name = f"{frame.name}_joint"
+    name = frame.joint or f"{frame.name}_joint"
     while name in taken:
         name += "_"
     taken.add(name)

@@ -200,10 +200,13 @@ class _Assembly:
         """The frames of links, then those mounted on them, which the carriers are completed
         with."""
         d, carrier = self.description, self.carrier
-        fixed_to = {joint.child: joint.parent for joint in joints if not KINDS[joint.kind].nv}
-        frames = [
-            Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links
-        ]
+        fixed = {joint.child: joint for joint in joints if not KINDS[joint.kind].nv}
+        frames = []
+        for link in d.links:
+            frame = Frame(link.name, *carrier[link.name])
+            if above := fixed.get(link.name):
+                frame = replace(frame, parent=above.parent, joint=above.name)
+            frames.append(frame)
         for mount in d.mounts:
             if mount.link not in carrier:
                 self._unknown("link", mount.link, f"frame {mount.name!r}", carrier)

@@ -116,6 +116,11 @@ class NamedParts:
         return (*self.joint_names, *(loop.name for loop in self.loops))
 
     @property
+    def fixed_joint_names(self) -> tuple[str, ...]:
+        """Names of the fixed joints, by which links are fixed to one another."""
+        return tuple(frame.joint for frame in self.frames if frame.joint)
+
+    @property
     def actuated(self) -> tuple[str, ...]:
         """Names of the independent joints that are driven: all that are not passive."""
         return tuple(
