@@ -262,12 +262,18 @@ def _mimic(table: TomlTable) -> Mimic | None:
     inner = table.table("mimic")
     if inner is None:
         return None
-    inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
-    return Mimic(
-        inner.text("joint"),
-        inner.number("ratio", default=1.0),
-        inner.number("offset", "angle", 0.0),
-    )
+    inner = inner.called(f"{table.where}, mimic")
+    several = inner.table("joints")
+    if several is None:
+        inner.only("joint", "ratio", "offset")
+        ratios = [(inner.text("joint"), inner.number("ratio", default=1.0))]
+    else:
+        inner.only("joints", "offset")
+        ratios = [(name, several.number(name)) for name in several.data]
+        if not ratios:
+            inner.refuse("joints is empty; give each leader its ratio.", "joints")
+    (first, ratio), *more = ratios
+    return Mimic(first, ratio, inner.number("offset", "angle", 0.0), tuple(more))
 
 
 def _inertia(table: TomlTable, dim: int) -> Inertia:
