@@ -69,6 +69,7 @@ _PLACES = {
         "tip_wrench",
         "kinetic_energy",
         "potential_energy",
+        "strut_states",
         "momentum",
         "centroidal_momentum_matrix",
     ),

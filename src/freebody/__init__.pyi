@@ -102,6 +102,7 @@ from freebody.trees.dynamics import mass_matrix as mass_matrix
 from freebody.trees.dynamics import mass_matrix_inverse as mass_matrix_inverse
 from freebody.trees.dynamics import momentum as momentum
 from freebody.trees.dynamics import potential_energy as potential_energy
+from freebody.trees.dynamics import strut_states as strut_states
 from freebody.trees.dynamics import tip_wrench as tip_wrench
 from freebody.trees.kinematics import acceleration as acceleration
 from freebody.trees.kinematics import center_of_mass as center_of_mass

@@ -35,8 +35,8 @@ def shown(model: Model) -> Shown | None:
 
 
 def _has_closed_form(model: Model) -> bool:
-    """Whether there are few joints of one coordinate each, none that follows another, and no
-    loop."""
+    """Whether there are few joints of one coordinate each, none that follows another, no
+    loop and no strut."""
     bodies = model.bodies
     simple = all(body.kind.turns or body.kind.slides for body in bodies)
     return (
@@ -44,4 +44,5 @@ def _has_closed_form(model: Model) -> bool:
         and simple
         and all(b.joint.mimic is None for b in bodies)
         and not model.loops
+        and not model.struts
     )

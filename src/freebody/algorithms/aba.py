@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from freebody.algorithms.crba import Composite, momentum_of, own_inertia
 from freebody.algorithms.kinematics import Column, Pose, joint_poses
 from freebody.algorithms.rnea import External
+from freebody.algorithms.struts import strut_loads
 from freebody.algorithms.world_axes import cross_force, cross_motion
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeBody
@@ -55,7 +56,8 @@ def aba(
         c.append(c_w + c_v)
         pA.append(n + f)
         IA.append(_inertia_matrix(space, own))
-    for i, force, moment in external:
+    loads = strut_loads(tree, joints, [_parts(space, x) for x in v])
+    for i, force, moment in (*external, *loads):
         pA[i] = sub(pA[i], moment + force)
     eliminated: list[list[tuple[int, Vector, Vector, Scalar, Scalar]]] = [[] for _ in tree.bodies]
     for i in reversed(range(len(tree.bodies))):

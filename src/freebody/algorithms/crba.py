@@ -171,8 +171,9 @@ def mass_product(tree: Tree, q: Vector, x: Vector) -> Vector:
 
 
 def only_inertia(tree: Tree) -> Tree:
-    """The tree without friction and springs; rotors stay."""
-    return with_drives(tree, lambda drive: drive.only(lambda law: law.inertia is not None))
+    """The tree without friction, springs and struts; rotors stay."""
+    inert = with_drives(tree, lambda drive: drive.only(lambda law: law.inertia is not None))
+    return replace(inert, struts=())
 
 
 def with_drives(tree: Tree, changed: Callable[[DriveScalars], DriveScalars]) -> Tree:

@@ -17,7 +17,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
-from freebody.algorithms.kinematics import Column, ancestors, weighted
+from freebody.algorithms.kinematics import (
+    Column,
+    along_every_direction,
+    ancestors,
+    weighted,
+)
+from freebody.algorithms.rnea import rnea
+from freebody.algorithms.struts import struts_alone
 from freebody.algorithms.world_axes import (
     Force,
     WorldTree,
@@ -29,6 +36,7 @@ from freebody.algorithms.world_axes import (
     plus_motion,
     world_tree,
 )
+from freebody.dual import Dual, slopes
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, dot, identity, neg, scale, transposed
@@ -45,8 +53,8 @@ class Derivatives:
 
 
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
-    """Derivatives of tau, those of the drives' laws included, under which the sign of a rate is
-    constant."""
+    """Derivatives of tau, those of the drives' laws, under which the sign of a rate is constant,
+    and of struts included."""
     space = tree.space
     world = world_tree(tree, q, qd)
     psi_rate, forces = _accelerations(tree, world, qd, qdd)
@@ -89,7 +97,26 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
             enter(by_q, k, k, square * by_position)
             enter(by_qd, k, k, square * by_rate)
             enter(by_qdd, k, k, square * body.drive.inertia)
+    if tree.struts:
+        _add_struts(tree, q, qd, enter, by_q, by_qd)
     return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
+
+
+def _add_struts(
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    enter: Callable[[list[list[Scalar]], int, int, Scalar], None],
+    by_q: list[list[Scalar]],
+    by_qd: list[list[Scalar]],
+) -> None:
+    """Enter what struts add to the derivatives, by forward mode."""
+    n = tree.nv
+    faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
+    torques = rnea(struts_alone(tree), along_every_direction(tree, q), faster, (0.0,) * n).tau
+    for k, torque in enumerate(torques):
+        for l, slope in enumerate(slopes(torque, 2 * n)):
+            enter(by_q if l < n else by_qd, k, l % n, slope)
 
 
 def forward_dynamics_derivatives(

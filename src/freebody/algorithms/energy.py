@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from freebody.algorithms.kinematics import joint_poses, outward, world_poses
+from freebody.algorithms.struts import strut_energy
 from freebody.elementary import Scalar
 from freebody.model.tree import Mass, Pose, Tree
 from freebody.spatial import Vector, add, dot, identity, scale, sub, times
@@ -28,13 +29,14 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
 
 def potential_energy(tree: Tree, q: Vector) -> Scalar:
     """-m g·r_c of every body (5.4), zero at the world's origin, and ½ k (q - rest)² of every spring
-    (5.5)."""
+    (5.5), struts included."""
     energy = resting_energy(tree)
-    for body, pose in zip(tree.bodies, world_poses(tree, joint_poses(tree, q)), strict=True):
+    world = world_poses(tree, joint_poses(tree, q))
+    for body, pose in zip(tree.bodies, world, strict=True):
         energy = energy + _of_weight(tree, body.masses, pose)
         if body.drive is not None:
             energy = energy + body.drive.energy(q)
-    return energy
+    return energy + strut_energy(tree, world) if tree.struts else energy
 
 
 def resting_energy(tree: Tree) -> Scalar:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from freebody.dual import Dual
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
 from freebody.model.joints.kind import Column
@@ -44,6 +45,12 @@ def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
         for k, rate in zip(at.q, own, strict=True):
             rates[k] = rate
     return tuple(rates)
+
+
+def along_every_direction(tree: Tree, q: Vector) -> Vector:
+    """q with slopes along each of the nv directions of the tangent space."""
+    along = [position_rates(tree, q, unit) for unit in identity(tree.nv)]
+    return tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))
 
 
 def moved(tree: Tree, q: Vector, v: Vector) -> Vector:

@@ -15,6 +15,7 @@ from functools import reduce
 from typing import NamedTuple
 
 from freebody.algorithms.kinematics import Pose, ancestors, frame_pose
+from freebody.algorithms.struts import strut_state
 from freebody.elementary import Scalar, absolute, maximum
 from freebody.model.tree import Mass, Tree
 from freebody.spatial import (
@@ -74,6 +75,11 @@ def balance(
         force, moment = wrench[: space.dim], wrench[space.dim :]
         acting.add(on, force, moment, place)
         acting.add(by, neg(force), neg(moment), place)
+    for strut in tree.struts:
+        (a, a_rate), (b, b_rate) = (_end(tree, moving, name) for name in strut.frames)
+        pull = strut_state(strut, sub(b, a), sub(b_rate, a_rate)).pull
+        for name, place, force in zip(strut.frames, (a, b), (pull, neg(pull)), strict=True):
+            acting.add(tree.frames[name][0], force, space.zero_angular, place)
     for name, wrench in external:
         place = frame_pose(tree, world, name)[1]
         acting.add(tree.frames[name][0], wrench[: space.dim], wrench[space.dim :], place)
@@ -97,6 +103,15 @@ class _Acting:
             turned = self.moment(sub(place, self.origins[body]), force)
             self.forces.setdefault(body, []).append(force)
             self.moments.setdefault(body, []).extend((moment, turned))
+
+
+def _end(tree: Tree, moving: Sequence[Moving], frame: str) -> tuple[Vector, Vector]:
+    """Place and velocity of a frame's origin."""
+    body, _, p = tree.frames[frame]
+    if body < 0:
+        return p, tree.space.zero
+    (R, o), (R_rate, o_rate) = moving[body].pose, moving[body].rate
+    return add(o, times(R, p)), add(o_rate, times(R_rate, p))
 
 
 def _needed(tree: Tree, i: int, body: Moving) -> tuple[Vector, Vector]:

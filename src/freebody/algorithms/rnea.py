@@ -10,6 +10,8 @@ i:
     n_i = N + c × F + Σ_k (R n_k + p × R f_k) - n_ext   (4.15)
     tau = column · (n_i, f_i) + rotor q̈ + friction + spring, by the laws of the joint's drive
 
+Struts act on bodies as external wrenches do.
+
 Where a mass is given about another point c than its centre, with first moment h about it, F gains
 ω̇ × h + ω × (ω × h) and N gains h × v̇_c.
 """
@@ -27,6 +29,7 @@ from freebody.algorithms.kinematics import (
     unnamed,
     world_poses,
 )
+from freebody.algorithms.struts import strut_loads
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree, TreeBody
 from freebody.spatial import Vector, add, dot, neg, scale, sub, times, transposed
@@ -90,7 +93,8 @@ def rnea(
         result.vd_com.append(centres)
         result.F.append(forces)
         result.N.append(moments)
-    for i, force, moment in external:
+    velocities = tuple(zip(motion.w, motion.v, strict=True))
+    for i, force, moment in (*external, *strut_loads(tree, motion.joints, velocities)):
         f[i], n[i] = sub(f[i], force), sub(n[i], moment)
     tau: list[Scalar] = [0.0] * tree.nv
     for i in reversed(range(len(tree.bodies))):

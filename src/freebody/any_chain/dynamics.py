@@ -9,12 +9,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Literal
 
+import numpy as np
+
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
+from freebody.lazy import kept
+from freebody.model.bodies import Frame
+from freebody.model.cut import cut, fixed_frame
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.spatial import of_dimension
 from freebody.trees.dynamics import refuse_singular, where_all_move_mass
+from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import (
     CallKey,
     FrameWrenchTable,
@@ -238,6 +245,7 @@ def joint_wrenches(
     qdd: JointVector,
     wrenches: FrameWrenchTable = None,
     reference: Literal["world", "child"] = "world",
+    joint: str | None = None,
 ) -> Array:
     """Reaction wrench of every joint in a motion: the total that the parent exerts on the child, at
     the child's joint origin.
@@ -254,10 +262,14 @@ def joint_wrenches(
         Motion and external wrenches, as for `inverse_dynamics`.
     reference : "world" or "child"
         Axes of the components.
+    joint : name, optional
+        One joint alone; also a fixed one (`model.fixed_joint_names`), as of a force and torque
+        sensor at the wrist, or a frame that is fixed to another: what holds it and all behind it,
+        at its origin.
 
     Returns
     -------
-    (..., nj, 6)
+    (..., nj, 6), or (..., 6) of one joint
         Force (N), then moment (N m); (..., nj, 3) in the plane. Row i belongs to joint_names[i].
         Of a closed chain a row for each loop follows, on the second frame's body by the first's;
         `reactions` also says which components are determined.
@@ -267,8 +279,43 @@ def joint_wrenches(
     LoopError, SingularError
         As `inverse_dynamics` does.
     """
-    key = "joint_wrenches", reference
-    return evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _WRENCHES)
+    if joint is not None:
+        require_model("joint_wrenches", model)
+    if joint is None or joint in model.reaction_names:
+        key = "joint_wrenches", reference
+        found = evaluate(key, model, (q, qd, qdd), _in_axes, wrenches, _WRENCHES)
+        return found if joint is None else found[..., model.reaction_names.index(joint), :]
+    frame = fixed_frame(model, joint, "joint_wrenches")
+    checked_reference(reference, ("world", "child"))
+    return _through_fixed(model, frame, (q, qd, qdd), wrenches, reference == "child")
+
+
+def _through_fixed(
+    model: Model,
+    frame: Frame,
+    motion: tuple[JointVector, JointVector, JointVector],
+    wrenches: FrameWrenchTable,
+    in_child: bool,
+) -> Array:
+    """The wrench (..., 6) by which what is before a frame holds it and all that is fixed to it, at
+    its origin: that of a hinge in its place, which stands still."""
+    given = dict(zip(("q", "qd", "qdd"), motion, strict=True))
+    _, (q, *rates) = checked_inputs("joint_wrenches", model, given, None)
+    apart = kept(model, f"_cut {frame.name}", cut, model, frame.name)
+    still = tuple(np.concatenate([x, np.zeros((*x.shape[:-1], 1))], axis=-1) for x in (q, *rates))
+    found = joint_wrenches(apart, *still, wrenches)[..., len(model.bodies), :]
+    d = model.dim
+    T = forward_kinematics(model, q, frame.name)
+    body = next(f.name for f in model.frames if f.body == frame.body and not f.parent)
+    arm = T[..., :d, d] - forward_kinematics(model, q, body)[..., :d, d]
+    force, moment = found[..., :d], found[..., d:]
+    lever = of_dimension(d).moment(tuple(np.moveaxis(arm, -1, 0)), tuple(np.moveaxis(force, -1, 0)))
+    moment = moment - np.stack(lever, axis=-1)
+    if in_child:
+        force = np.einsum("...ji,...j->...i", T[..., :d, :d], force)
+        if d == 3:
+            moment = np.einsum("...ji,...j->...i", T[..., :d, :d], moment)
+    return np.concatenate([force, moment], axis=-1)
 
 
 def _in_axes(model: Model, reference: str) -> Option:

@@ -97,7 +97,8 @@ def kinematics(model: Model, frame: str | None = None, numbers: bool = False) ->
     model.require_tree("kinematics")
     if numbers:
         model.require_values("kinematics in numbers")
-    return Kinematics(symbols(model, numbers), model.frame(frame).name)
+    bare = model.without("struts") if model.struts else model
+    return Kinematics(symbols(bare, numbers), model.frame(frame).name)
 
 
 # ---------------------------------------------------------------- Jacobians from nearby

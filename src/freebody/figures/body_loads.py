@@ -1,8 +1,9 @@
 """Every force and moment on each body at one instant, and what they add up to.
 
 On body i act: the parent's reaction, the opposite of what it does to its children, those of loops,
-its weight and external wrenches, all called as in the equations (`Naming`). Their sum is m a_c, and
-their moment about the centre of mass the rate of angular momentum there (4.12-4.15, 6.28, 6.29).
+struts, its weight and external wrenches, all called as in the equations (`Naming`). Their sum is
+m a_c, and their moment about the centre of mass the rate of angular momentum there (4.12-4.15,
+6.28, 6.29).
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from freebody.figures.skeleton import BodyPlace, Skeleton, extent
 from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
+from freebody.trees.dynamics import strut_states
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 NOISE = 1e-9
@@ -39,15 +41,15 @@ class Load:
     """The force's name in the notes' notation."""
     moment_name: str
     role: str
-    """reaction (by the parent), counter (by a child), weight, or external."""
+    """reaction (by the parent), counter (by a child), weight, or external (struts too)."""
     other: str
     """Name of what exerts the load."""
     place: Array
     force: Array
     moment: Array
     joint: int | None = None
-    """Index among `model.reaction_names` of what it is a reaction of; None for weights and external
-    wrenches."""
+    """Index among `model.reaction_names` of what it is a reaction of; None for weights, struts and
+    external wrenches."""
     kind: JointKind | None = None
     """The kind of the joint that it is a reaction of."""
 
@@ -86,7 +88,7 @@ def body_loads(
     first, second, third = (tuple(map(float, x)) for x in (q, qd, qdd))
     recursion = rnea(model.tree, first, second, third, gravity="explicit")
     joined, applied = _transmitted(names, pose, reactions), _external(names, pose, given)
-    acting = [*joined, *_weights(names, pose), *applied]
+    acting = [*joined, *_weights(names, pose), *_struts(model, pose, q, qd), *applied]
     found, cleared = [], _without_noise([load for _, load in acting], extent([pose]))
     for body in pose.bodies:
         at = [k for k, (on, _) in enumerate(acting) if on == body.index]
@@ -175,6 +177,20 @@ def _weights(names: Naming, pose: Skeleton) -> Iterator[tuple[int, Load]]:
         if body.mass:
             name, force = f"{label(names.mass(body.number))} g", body.mass * names.model.gravity
             yield body.index, Load(name, "", "weight", "gravity", body.com, force, nothing)
+
+
+def _struts(model: Model, pose: Skeleton, q: Array, qd: Array) -> Iterator[tuple[int, Load]]:
+    """(index of the body, load) of the force of each strut at each of its ends."""
+    if not pose.struts:
+        return
+    nothing = np.zeros(1 if model.dim == 2 else 3)
+    tensions = strut_states(model, q, qd)[2]
+    for k, (strut, tension) in enumerate(zip(pose.struts, tensions, strict=True), 1):
+        name = f"f_{{s{k}}}" if len(pose.struts) > 1 else "f_s"
+        way = strut.ends[1] - strut.ends[0]
+        pull = tension / np.linalg.norm(way) * way
+        for body, place, force in zip(strut.bodies, strut.ends, (pull, -pull), strict=True):
+            yield body, Load(name, "", "external", strut.name, place, force, nothing)
 
 
 def _external(names: Naming, pose: Skeleton, given: dict[str, Array]) -> Iterator[tuple[int, Load]]:

@@ -16,6 +16,7 @@ from freebody.model.description import Loop
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
+from freebody.model.struts import Strut
 from freebody.model.tree import Mass, Tree
 from freebody.trees.public_calls import single_vector
 
@@ -92,6 +93,16 @@ class LoopPlace(DrawnJoint):
 
 
 @dataclass(frozen=True)
+class StrutPlace:
+    """A strut in the world."""
+
+    name: str
+    bodies: tuple[int, int]
+    """Indices of the bodies of its ends; -1: the base."""
+    ends: tuple[Array, Array]
+
+
+@dataclass(frozen=True)
 class Skeleton:
     """All bodies; `tip` is None where the robot has no single tip."""
 
@@ -100,6 +111,7 @@ class Skeleton:
     frames: Mapping[str, Array]
     """Place of each frame of the model."""
     loops: tuple[LoopPlace, ...]
+    struts: tuple[StrutPlace, ...]
     tip: Array | None
     tip_rotation: Array | None
 
@@ -110,6 +122,7 @@ class Skeleton:
         for body in self.bodies:
             ends = (end.place for end in body.ends)
             found += [body.carrier, body.origin, *ends, *(b for _, b in body.outline)]
+        found += [end for strut in self.struts for end in strut.ends]
         return np.array(found)
 
     @property
@@ -129,8 +142,9 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
     places = {name: p for name, (_, p) in frames.items()}
     bodies = tuple(_body(model, tree, world, places, i) for i in range(len(model.bodies)))
     loops = tuple(_loop(model, frames, loop) for loop in model.loops)
+    struts = tuple(_strut(model, places, strut) for strut in model.struts)
     tip = (None, None) if model.tip is None else frames[model.tip]
-    return Skeleton(model.dim, bodies, places, loops, tip[1], tip[0])
+    return Skeleton(model.dim, bodies, places, loops, struts, tip[1], tip[0])
 
 
 def _pose(world: list[tuple[Array, Array]], body: int, R: Any, p: Any) -> tuple[Array, Array]:
@@ -146,6 +160,12 @@ def _loop(model: Model, frames: dict[str, tuple[Array, Array]], loop: Loop) -> L
     kind = LOOP_KINDS[loop.kind]
     symbol, rod = KINDS[kind.symbol(model.dim)], kind.needs_distance
     return LoopPlace(second, loop.name, symbol, first, p, R, carrier, carrier_R, axis, rod)
+
+
+def _strut(model: Model, places: dict[str, Array], strut: Strut) -> StrutPlace:
+    first, second = strut.frames
+    bodies = model.frame(first).body, model.frame(second).body
+    return StrutPlace(strut.name, bodies, (places[first], places[second]))
 
 
 def extent(poses: Sequence[Skeleton], path: Array | None = None) -> float:

@@ -20,6 +20,8 @@ from freebody.model.model import Model
 from freebody.model.parameter_formulas import used
 from freebody.model.parameters import Parameter, Quantity
 from freebody.model.placement import Placement, Rotate, Shift
+from freebody.model.struts import NUMBERS as STRUT_NUMBERS
+from freebody.model.struts import Strut
 from freebody.model.tree import Attached
 from freebody.outputs.files import write
 
@@ -116,6 +118,7 @@ class _TomlWriter:
             ),
             *(self.payload(part) for part in self.loads),
             *map(_loop, self.model.loops),
+            *map(_strut, self.model.struts),
         ]
 
     def link(self, frame: Frame) -> str:
@@ -182,6 +185,16 @@ def _loop(loop: Loop) -> str:
     return _section("loop", entries)
 
 
+def _strut(strut: Strut) -> str:
+    entries = {
+        "name": _text(strut.name),
+        "frames": f"[{', '.join(map(_text, strut.frames))}]",
+    }
+    for number, value in zip(STRUT_NUMBERS, strut.numbers, strict=True):
+        entries[number.name] = _quantity(value)
+    return _section("strut", entries)
+
+
 def _told(key: str, value: float) -> bool:
     """Whether an infinite limit differs from the default."""
     return value != getattr(Limits(), key)
@@ -204,7 +217,7 @@ for _number in (number for law in LAWS.values() if law.usual for number in law.n
 
 
 def _fixed(frame: Frame, parent: Frame, taken: set[str]) -> str:
-    name = f"{frame.name}_joint"
+    name = frame.joint or f"{frame.name}_joint"
     while name in taken:
         name += "_"
     taken.add(name)

@@ -38,6 +38,7 @@ _GENERAL = (
     "payload",
     "loop",
     "loop_tolerance",
+    "strut",
     "home",
     *(kind.key for kind in _TOLD_KINDS),
 )
@@ -77,6 +78,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         name=top.text("name", name),
         mounts=mounts,
         loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
+        struts=tuple(map(parts.strut, top.tables("strut"))),
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", _BASES, "fixed"),
         loop_tolerance=parts.loop_tolerance(top),

@@ -42,6 +42,8 @@ from freebody.model.placement import (
     shift,
     turn,
 )
+from freebody.model.struts import NUMBERS as STRUT_NUMBERS
+from freebody.model.struts import Strut
 from freebody.outputs.number_text import compared
 
 DRIVE = tuple(dict.fromkeys(number.place[0] for number in NUMBERS.values()))
@@ -91,18 +93,31 @@ def loop(table: TomlTable, dim: int) -> Loop:
     table = table.called(f"loop {table.text('name')!r}").only(
         "name", "kind", "frames", "axis", "distance"
     )
-    ends = table.listed(table.get("frames", None), "frames", 2)
-    if not all(isinstance(end, str) for end in ends):
-        table.refuse("frames must be the names of two frames.", "frames")
+    frames = _two_frames(table)
     kind = LOOP_KINDS[table.choice("kind", LOOP_KINDS)]
     return Loop(
         table.text("name"),
         kind.name,
-        (ends[0], ends[1]),
+        frames,
         _direction(table, dim) if "axis" in table else (),
         table.quantity("distance") if "distance" in table else None,
         table.line,
     )
+
+
+def strut(table: TomlTable) -> Strut:
+    """The strut that a table [[strut]] puts between two frames."""
+    numbers = [number.name for number in STRUT_NUMBERS]
+    table = table.called(f"strut {table.text('name')!r}").only("name", "frames", *numbers)
+    given = {key: table.quantity(key, default=0.0) for key in numbers}
+    return Strut(table.text("name"), _two_frames(table), **given, line=table.line)
+
+
+def _two_frames(table: TomlTable) -> tuple[str, str]:
+    first, second = table.listed(table.get("frames", None), "frames", 2)
+    if not isinstance(first, str) or not isinstance(second, str):
+        table.refuse("frames must be the names of two frames.", "frames")
+    return first, second
 
 
 def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
@@ -247,12 +262,18 @@ def _mimic(table: TomlTable) -> Mimic | None:
     inner = table.table("mimic")
     if inner is None:
         return None
-    inner = inner.called(f"{table.where}, mimic").only("joint", "ratio", "offset")
-    return Mimic(
-        inner.text("joint"),
-        inner.number("ratio", default=1.0),
-        inner.number("offset", "angle", 0.0),
-    )
+    inner = inner.called(f"{table.where}, mimic")
+    several = inner.table("joints")
+    if several is None:
+        inner.only("joint", "ratio", "offset")
+        ratios = [(inner.text("joint"), inner.number("ratio", default=1.0))]
+    else:
+        inner.only("joints", "offset")
+        ratios = [(name, several.number(name)) for name in several.data]
+        if not ratios:
+            inner.refuse("joints is empty; give each leader its ratio.", "joints")
+    (first, ratio), *more = ratios
+    return Mimic(first, ratio, inner.number("offset", "angle", 0.0), tuple(more))
 
 
 def _inertia(table: TomlTable, dim: int) -> Inertia:

@@ -49,6 +49,15 @@ def require_few_rows(function: str, model: Model, rows: Sequence[int]) -> None:
         )
 
 
+def refuse_struts(function: str, model: Model) -> None:
+    """Refuse a model with struts, which a function leaves out."""
+    if model.struts:
+        raise FreebodyError(
+            f"{function}: {model.name!r} has struts ({', '.join(model.strut_names)}), whose forces "
+            f'are left out here; take model.without("struts").'
+        )
+
+
 def require_square(function: str, model: Model) -> None:
     """Raise SingularError where a wrench has not as many components as there are torques."""
     rows = wrench_rows(model.nv, len(motion_row_names(model)), model.dim)

@@ -153,6 +153,7 @@ def shape(
             - len(option.partition.rows if option.partition else ())
         ),
         "reactions": lambda: len(model.bodies) + len(model.loops),
+        "struts": lambda: len(model.struts),
         "branches": lambda: known_branches(tree or model.tree, option).count,
         "parameters": lambda: len(
             parameter_names(model) if tree is None else parameter_values(tree)

@@ -49,7 +49,13 @@ from freebody.loops.scaled_equations import (
 from freebody.model.families import member_at
 from freebody.model.geometry import first_member
 from freebody.model.model import Model
-from freebody.trees.public_calls import FrameWrenchTable, JointVector, attempt, checked_inputs
+from freebody.trees.public_calls import (
+    FrameWrenchTable,
+    JointVector,
+    attempt,
+    checked_inputs,
+    refuse_without_length,
+)
 from freebody.trees.special_joints import massless
 from freebody.trees.states import difference, integrate
 
@@ -96,6 +102,7 @@ def definite_accelerations(
     no way leads on."""
     qdd = _by_kernel(model, "state", frames, q, qd, tau, *loads)
     with_care = np.asarray(np.isnan(qdd).any(axis=-1))
+    refuse_without_length(function, model, q)
     for taken, part in branches(model, q, with_care):
         require_closed(function, taken, q, qd, part)
         _complete(taken, frames, qdd, part, q, qd, tau, *loads)

@@ -31,7 +31,13 @@ from freebody.loops.scaled_equations import (
     row_scale,
 )
 from freebody.model.model import Model
-from freebody.trees.public_calls import FrameWrenchTable, JointVector, attempt, checked_inputs
+from freebody.trees.public_calls import (
+    FrameWrenchTable,
+    JointVector,
+    attempt,
+    checked_inputs,
+    refuse_without_length,
+)
 
 _ADDED = 20.0  # times what rounding changes in the equations, for what it may change in wrenches
 _DETERMINED = 1e-7
@@ -84,6 +90,7 @@ def motion_torques(
     if forces.any():
         tau = tau - _by_drives("drive_torques", model, driven, (), (q, forces))
     with_care = np.asarray(np.isnan(tau).any(axis=-1))
+    refuse_without_length(function, model, q)
     for taken, part in branches(model, q, with_care):
         require_closed(function, taken, q, qd, part)
         require_consistent(function, taken, q, qd, qdd, _WOULD_OPEN, part)
@@ -101,6 +108,7 @@ def static_torque(model: Model, q: JointVector, wrenches: FrameWrenchTable) -> A
     tau = _by_drives("static_torque", model, model.driven, frames, tuple(arrays))
     with_care = np.asarray(np.isnan(tau).any(axis=-1))
     q = np.broadcast_to(arrays[0], (*tau.shape[:-1], model.nq))
+    refuse_without_length("static_torque", model, q)
     for taken, part in branches(model, q, with_care):
         require_closed("static_torque", taken, q, among=part)
         needed = fetch(model.opened, ("static_torque",), Option(wrench_frames=frames))(*arrays)

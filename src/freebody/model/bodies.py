@@ -21,7 +21,8 @@ class Frame:
     """A named frame fixed to a body (index; -1 is the base), placed in the body's frame.
 
     `parent` is the frame it is fixed to, empty for the frame of a body's first link or of the base.
-    It belongs to a link unless it is `mounted`.
+    It belongs to a link unless it is `mounted`; `joint` is the name of the fixed joint above that
+    link.
     """
 
     name: str
@@ -29,6 +30,7 @@ class Frame:
     placement: Placement = Placement()
     parent: str = ""
     mounted: bool = False
+    joint: str = ""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from freebody.errors import (
     ModelError,
     PhysicalWarning,
     UnknownNameError,
+    listed,
     warn,
 )
 from freebody.model import changes
@@ -26,6 +27,7 @@ from freebody.model.description import (
     MOST_LINKS,
     Drive,
     Joint,
+    Limits,
     Link,
     Loop,
     Notice,
@@ -33,10 +35,11 @@ from freebody.model.description import (
 )
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
-from freebody.model.mimics import leaders
+from freebody.model.mimics import Mimic, leaders, one_by_one
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
+from freebody.model.struts import Strut, checked_strut
 from freebody.model.tip import chosen, with_tip
 from freebody.model.tree import Attached
 from freebody.spatial import of_dimension, unit
@@ -76,6 +79,10 @@ class _Assembly:
         self, description: RobotDescription, physical: Policy, mimic: MimicPolicy, base: BasePolicy
     ):
         self.description, self.mimic, self.base = description, mimic, base
+        self.links = list(description.links)
+        """Links of the description, and those between joints that together follow several."""
+        self.taken = {part.name for part in (*description.links, *description.joints)}
+        """Names of links and joints."""
         self.checks = _DescriptionChecks(description, physical)
         self.carrier: dict[str, tuple[int, Placement]] = {}
         """Index of the body that carries a link or frame, -1 for the base, and the placement there,
@@ -101,11 +108,37 @@ class _Assembly:
                 joints.insert(0, Joint("base", "free", "", root))
             checks.unique("joint", joints)
             above[root] = joints[0]
+        if self.mimic == "follow":
+            followers = leaders(joints, checks.refuse)
+            joints = [part for joint in joints for part in self.following(joint, followers)]
+            above = {joint.child: joint for joint in joints}
         order = [joint.child for joint in joints if KINDS[joint.kind].nv]
         index = {name: i for i, name in enumerate(order)}
-        for link in d.links:
+        for link in self.links:
             self.carry(link.name, above, index)
         return self.finished(joints, tip)
+
+    def following(self, joint: Joint, followers: dict[str, Mimic]) -> tuple[Joint, ...]:
+        """The joint with the independent one that it follows; where it follows several, a joint for
+        each, with links between them."""
+        mimic = followers.get(joint.name)
+        if mimic is None or not mimic.more:
+            return (replace(joint, mimic=mimic),)
+        several = f"joint {joint.name!r} follows {listed([name for name, _ in mimic.ratios])}"
+        if joint.drive != Drive():
+            self.checks.refuse(
+                f"{several}: friction, rotors and springs of a joint that follows several are not "
+                f"known; give them to these joints, or load with mimic='free'.",
+                joint.line,
+            )
+        if joint.limits != Limits():
+            text = f"{several}: its own limits are left out, since no range of one of them keeps it"
+            notice = Notice("limits", f"{text} within.", self.description.file, joint.line)
+            self.checks.notices.append(notice)
+        parts = one_by_one(joint, mimic, self.taken)
+        self.links += [Link(part.child) for part in parts[:-1]]
+        self.taken.update(name for part in parts for name in (part.name, part.child))
+        return parts
 
     def carry(self, link: str, above: dict[str, Joint], index: dict[str, int]) -> None:
         """Notes the body that a link is part of, and the link's frame in it: found by walking its
@@ -139,15 +172,13 @@ class _Assembly:
         first."""
         d = self.description
         frames = self.frames(joints)
-        followers = leaders(joints, self.checks.refuse) if self.mimic == "follow" else {}
         movable = [joint for joint in joints if KINDS[joint.kind].nv]
         parts = self.parts(len(movable))
         bodies = []
         for joint, attached in zip(movable, parts, strict=False):
             parent, placement = self.carrier[joint.parent] if joint.parent else (-1, Placement())
-            mounted = replace(
-                joint, placement=placement.then(joint.placement), mimic=followers.get(joint.name)
-            )
+            mimic = joint.mimic if self.mimic == "follow" else None
+            mounted = replace(joint, placement=placement.then(joint.placement), mimic=mimic)
             bodies.append(Body(joint.child, mounted, parent, tuple(attached)))
         model = Model(
             d.name,
@@ -163,6 +194,7 @@ class _Assembly:
             about=d.about,
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
+            struts=self.struts(movable),
         )
         known = set(model.position_names)
         for name, _ in d.home:
@@ -198,10 +230,13 @@ class _Assembly:
         """The frames of links, then those mounted on them, which the carriers are completed
         with."""
         d, carrier = self.description, self.carrier
-        fixed_to = {joint.child: joint.parent for joint in joints if not KINDS[joint.kind].nv}
-        frames = [
-            Frame(link.name, *carrier[link.name], fixed_to.get(link.name, "")) for link in d.links
-        ]
+        fixed = {joint.child: joint for joint in joints if not KINDS[joint.kind].nv}
+        frames = []
+        for link in self.links:
+            frame = Frame(link.name, *carrier[link.name])
+            if above := fixed.get(link.name):
+                frame = replace(frame, parent=above.parent, joint=above.name)
+            frames.append(frame)
         for mount in d.mounts:
             if mount.link not in carrier:
                 self._unknown("link", mount.link, f"frame {mount.name!r}", carrier)
@@ -223,6 +258,19 @@ class _Assembly:
             except (ModelError, UnknownNameError) as error:
                 self.checks.refuse(str(error), loop.line)
             taken.add(loop.name)
+        return tuple(checked)
+
+    def struts(self, joints: list[Joint]) -> tuple[Strut, ...]:
+        """Struts of the description, each checked."""
+        body_of = {name: body for name, (body, _) in self.carrier.items()}
+        taken = {part.name for part in (*joints, *self.description.loops)}
+        checked = []
+        for strut in self.description.struts:
+            try:
+                checked.append(checked_strut(strut, body_of, taken))
+            except (ModelError, UnknownNameError) as error:
+                self.checks.refuse(str(error), strut.line)
+            taken.add(strut.name)
         return tuple(checked)
 
     def _unknown(self, what: str, name: str, where: str, known: Collection[str]) -> NoReturn:

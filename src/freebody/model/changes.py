@@ -33,25 +33,27 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
+from freebody.model.struts import Strut, checked_strut
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
 
 _FEATURES = tuple(dict.fromkeys(law.feature for law in LAWS.values()))
+_PARTS = ("loops", "struts")
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
     """The model without some features, see `Model.without`."""
     for feature in features:
-        if feature != "loops" and feature not in _FEATURES:
-            raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, "loops"))
+        if feature not in _FEATURES and feature not in _PARTS:
+            raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, *_PARTS))
     off = {law.strength: 0.0 for law in LAWS.values() if law.feature in features}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies
     )
-    return replace(model, bodies=bodies, loops=() if "loops" in features else model.loops)
+    return replace(model, bodies=bodies, **{part: () for part in _PARTS if part in features})
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
@@ -269,9 +271,24 @@ def with_frame(
 def with_loop(model: Model, loop: Loop) -> Model:
     """The model with one loop more, see `Model.with_loop`."""
     body_of = {frame.name: frame.body for frame in model.frames}
-    taken = (*model.joint_names, *(other.name for other in model.loops))
+    taken = (*model.reaction_names, *model.strut_names)
     loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
     return with_symbols_known(replace(model, loops=loops), loop)
+
+
+def with_strut(
+    model: Model, name: str, frames: tuple[str, str], numbers: Mapping[str, Any]
+) -> Model:
+    """The model with one strut more, see `Model.with_strut`."""
+    given = {
+        key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
+        for key, x in numbers.items()
+    }
+    body_of = {frame.name: frame.body for frame in model.frames}
+    taken = (*model.reaction_names, *model.strut_names)
+    strut = checked_strut(Strut(name, frames, **given), body_of, taken)
+    result = with_symbols_known(replace(model, struts=(*model.struts, strut)), strut)
+    return one_family(result, model, strut)
 
 
 # ---------------------------------------------------------------- the twin in space

@@ -19,6 +19,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
+from freebody.model.struts import Strut
 from freebody.outputs.number_text import compared
 
 INFINITE = float("inf")
@@ -284,3 +285,4 @@ class RobotDescription:
     and shapes."""
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default."""
+    struts: tuple[Strut, ...] = ()

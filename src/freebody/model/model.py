@@ -29,6 +29,7 @@ from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.quantity_reader import VALUES
 from freebody.model.structure import Structure, numbers_of, structure_of
+from freebody.model.struts import Strut
 from freebody.model.tip import requested_tip, with_tip
 from freebody.model.tree import Attached, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
@@ -60,6 +61,8 @@ class Model(NamedParts, Tabled, ByValue):
     loop_tolerance: tuple[float, float] | None = None
     """(m, rad): by how much rounded numbers may keep loops from closing; None: the default, 1 mm or
     a thousandth of the loop's size, and 1 mrad."""
+    struts: tuple[Strut, ...] = ()
+    """Springs and dampers between two points."""
     _aside = (
         "name",
         "source",
@@ -338,8 +341,8 @@ class Model(NamedParts, Tabled, ByValue):
         return inertial_parameters.with_inertial_parameters(self, pi)
 
     def without(self, *features: str) -> Model:
-        """The model without "friction", "rotors", "springs", or "loops" (the tree that is left when
-        they are cut)."""
+        """The model without "friction", "rotors", "springs" (those of joints), "struts", or "loops"
+        (the tree that is left when they are cut)."""
         return changed.without(self, features)
 
     def with_payload(
@@ -451,6 +454,45 @@ class Model(NamedParts, Tabled, ByValue):
         looped = changed.with_loop(self, Loop(name, kind, frames, along, given))
         return looped if loop_tolerance is None else looped.replace(loop_tolerance=loop_tolerance)
 
+    def with_strut(
+        self,
+        name: str,
+        frames: tuple[str, str],
+        *,
+        stiffness: Any = 0.0,
+        rest: Any = 0.0,
+        damping: Any = 0.0,
+        preload: Any = 0.0,
+    ) -> Model:
+        """The model with a strut more, a spring and damper between two points, such as a gas
+        spring.
+
+        It pulls the frames' origins together with preload + stiffness (L - rest) + damping L̇ (N),
+        L being their distance; below 0 it pushes. Numbers, names, or arrays with a number for each
+        member of a family.
+
+        Parameters
+        ----------
+        name
+            The strut's name; its numbers are then called name.stiffness, name.rest, ….
+        frames
+            Names of the two frames, on different bodies or one on the base; `with_frame` makes
+            frames at points.
+        stiffness, rest
+            N/m, and the length (m) without spring force.
+        damping
+            N s/m.
+        preload
+            N, the force at the rest length: above 0 it pulls, below 0 it pushes as a gas spring
+            does.
+
+        Raises
+        ------
+        ModelError, UnknownNameError
+        """
+        numbers = {"stiffness": stiffness, "rest": rest, "damping": damping, "preload": preload}
+        return changed.with_strut(self, name, frames, numbers)
+
     def to_space(self) -> Model:
         """The twin in space of a planar model: its plane is xy, z points to the reader."""
         return self if self.dim == 3 else changed.in_space(self)
@@ -465,7 +507,8 @@ class Model(NamedParts, Tabled, ByValue):
 
     def _table(self) -> TextTable:
         loops = [f"loop {x.name}: {x.kind}, {x.frames[0]} and {x.frames[1]}" for x in self.loops]
-        return replaced(joint_table.table(self), notes=loops)
+        struts = [f"strut {x.name}: {x.frames[0]} and {x.frames[1]}" for x in self.struts]
+        return replaced(joint_table.table(self), notes=[*loops, *struts])
 
 
 edits.make_lazy(Model)

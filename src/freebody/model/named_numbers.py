@@ -136,10 +136,10 @@ def parameters(model: Model) -> Parameters:
     1 again afterwards); elbow.placement.x … yaw (where the joint sits in its parent link);
     elbow.friction.viscous, elbow.rotor.gear, elbow.spring.stiffness, elbow.limits.upper; elbow.a,
     elbow.alpha of a DH table; gravity (the field's size), gravity.direction.z; loop.distance;
-    tool.placement.z of frames; payload.mass at the tip, zero where there is no load; and the
-    model's own symbols (l1), which stand for the names of the places where they occur. Joints' axes
-    and mimic ratios are structure and have no name. Names shared by two things are told apart by
-    what they belong to: "joint:elbow.placement.x".
+    gas_spring.stiffness of struts; tool.placement.z of frames; payload.mass at the tip, zero where
+    there is no load; and the model's own symbols (l1), which stand for the names of the places
+    where they occur. Joints' axes and mimic ratios are structure and have no name. Names shared by
+    two things are told apart by what they belong to: "joint:elbow.placement.x".
     """
     return Parameters(model)
 
@@ -348,15 +348,12 @@ def _check(old: Model, new: Model) -> None:
     if new.loops is not old.loops:
         for loop in new.loops:
             checked_distance(loop)
-    for b, a in bodies:
-        if a.joint.limits is not b.joint.limits:
-            problem = a.joint.limits.fault()
-            if problem:
-                raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
-        if a.joint.drive is not b.joint.drive:
-            problem = a.joint.drive.fault()
-            if problem:
-                raise ModelError(f"{new.name!r}: joint {a.joint.name!r}: {problem}.")
+    of = [(f"joint {a.joint.name!r}", b.joint.limits, a.joint.limits) for b, a in bodies]
+    of += [(f"joint {a.joint.name!r}", b.joint.drive, a.joint.drive) for b, a in bodies]
+    of += [(f"strut {a.name!r}", b, a) for b, a in zip(old.struts, new.struts, strict=True)]
+    for what, before, after in of:
+        if after is not before and (problem := after.fault()):
+            raise ModelError(f"{new.name!r}: {what}: {problem}.")
 
 
 def _pairs(old: Model, new: Model, bodies: list[tuple[Any, Any]]) -> Iterable[tuple[Any, Any]]:

@@ -10,6 +10,7 @@ from freebody.lazy import cached_property
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import TIP, Loop, Notice
 from freebody.model.joints import JointKind
+from freebody.model.struts import Strut
 from freebody.model.tree import Coordinates
 
 
@@ -21,6 +22,7 @@ class NamedParts:
     bodies: tuple[Body, ...]
     frames: tuple[Frame, ...]
     loops: tuple[Loop, ...]
+    struts: tuple[Strut, ...]
     tip: str | None
     notices: tuple[Notice, ...]
 
@@ -114,6 +116,11 @@ class NamedParts:
         return (*self.joint_names, *(loop.name for loop in self.loops))
 
     @property
+    def fixed_joint_names(self) -> tuple[str, ...]:
+        """Names of the fixed joints, by which links are fixed to one another."""
+        return tuple(frame.joint for frame in self.frames if frame.joint)
+
+    @property
     def actuated(self) -> tuple[str, ...]:
         """Names of the independent joints that are driven: all that are not passive."""
         return tuple(
@@ -121,6 +128,11 @@ class NamedParts:
             for body in self.bodies
             if body.joint.mimic is None and not body.joint.passive
         )
+
+    @property
+    def strut_names(self) -> tuple[str, ...]:
+        """Names of the struts."""
+        return tuple(strut.name for strut in self.struts)
 
     @property
     def frame_names(self) -> tuple[str, ...]:

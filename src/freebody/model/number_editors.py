@@ -17,6 +17,7 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
+from freebody.model.cut import behind, rides
 from freebody.model.families import Members, NamedNumber, changed
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import LARGEST, Parameter, ParameterProduct, Quantity, each_parameter
@@ -355,14 +356,7 @@ def steps_to(model: Model, frame: str) -> int:
 def _riders(model: Model, name: str) -> list[PiecePath]:
     """Paths of the placements that begin with that of a frame: of frames, inertias, loads and
     joints fixed to it."""
-    on: dict[str, list[str]] = {}
-    for frame in model.frames:
-        on.setdefault(frame.parent, []).append(frame.name)
-    reached, waiting = {name}, [name]
-    while waiting:
-        below = on.get(waiting.pop(), [])
-        reached.update(below)
-        waiting += below
+    reached = behind(model, name)
     paths: list[PiecePath] = [
         ("frames", k, "placement")
         for k, f in enumerate(model.frames)
@@ -374,8 +368,7 @@ def _riders(model: Model, name: str) -> list[PiecePath]:
         if body.joint.parent in reached:
             paths.append(("bodies", i, "joint", "placement"))
     for path in parts:
-        part = get(model, path)
-        if (part.frame if part.load else part.link) in reached:
+        if rides(get(model, path), reached):
             paths.append((*path, "placement"))
     return paths
 

@@ -19,6 +19,7 @@ from freebody.model.number_editors import (
     PoseEditor,
 )
 from freebody.model.piece_paths import PiecePath, get, is_plain, named_leaves
+from freebody.model.struts import NUMBERS as STRUT_NUMBERS
 from freebody.model.tree import Attached
 from freebody.spatial import AnySpace, of_dimension
 
@@ -38,7 +39,7 @@ class ModelNumber:
 
     parts: tuple[str, ...]
     owner: str
-    """Kind of what it belongs to: joint, link, load, frame, loop, model, symbol."""
+    """Kind of what it belongs to: joint, link, load, frame, loop, strut, model, symbol."""
     editor: Editor
     field: str
     unit: str
@@ -146,6 +147,10 @@ def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, PieceP
         if loop.distance is not None:
             name, what = (loop.name, "distance"), f"between the frames of loop {loop.name!r}"
             yield _entry(("loops", k), "distance", name, "loop", "m", what)
+    for k, strut in enumerate(model.struts):
+        for number in STRUT_NUMBERS:
+            name, what = (strut.name, number.name), f"{number.what} of strut {strut.name!r}"
+            yield _entry(("struts", k), number.name, name, "strut", number.unit, what)
     loaded = any(part.link == PAYLOAD and part.load for part in _loads(model))
     if model.tip is not None and not loaded:
         editor = NewPayloadEditor(PAYLOAD, model.tip, space)

@@ -23,6 +23,7 @@ from freebody.model.inertia import in_shape
 from freebody.model.piece_paths import PiecePath
 from freebody.model.placement import Placement, Shift
 from freebody.model.quantity_reader import VALUES
+from freebody.model.structure import own_frames
 from freebody.model.tree import Attached
 from freebody.spatial import Matrix, Vector, add, identity, of_dimension, times
 
@@ -114,9 +115,12 @@ class NumberRows:
         yield self._gravity(start)
         start += len(gravity_part(model)[1])
         start += sum(loop.distance is not None for loop in model.loops)
+        start += sum(len(strut.numbers) for strut in model.struts)
         end = start + (10 if dim == 3 else 4)
         yield self._inertial(model.base_inertias, ("base_inertias",), slice(start, end))
-        for k, frame in enumerate(model.frames if model.loops else ()):
+        at = {name: k for k, name in enumerate(model.frame_names)}
+        for name in own_frames(model):
+            k, frame = at[name], model.frame(name)
             part = pose_part(frame.placement, dim)
             start, end = end, end + len(part.numbers)
             shift = slice(end - np.count_nonzero(part.pose[1]), end)

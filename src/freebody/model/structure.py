@@ -2,14 +2,16 @@
 structure.
 
 Structure: the tree, the kinds, axes, mimic ratios and laws of drives of joints, the kinds of loops,
-and of placements and of gravity's direction the entries that are exactly 0 or ±1 (of positions and
-gravity: exactly 0). Names are not part of it.
+the frames of struts, and of placements and of gravity's direction the entries that are exactly 0 or
+±1 (of positions and gravity: exactly 0). Names are not part of it.
 
 Numbers, in the order of `numbers`: of each body, parents first, the entries of its joint's
 placement that are not exact (of a rotation about a coordinate axis its cosine and sine), what its
 kind has besides, such as a pitch, its mass, first moment and inertia about its origin, and, if any
 joint of the model has a drive, the scalars of the laws that count; then gravity, the loops'
-distances and the mass of the base, and of closed chains the frames' poses. They are numbers whether
+distances, the
+numbers of struts and the mass of the base, and the poses of the struts' frames, of closed chains of
+all frames. They are numbers whether
 zero or not. What each piece of a model contributes is found once and kept with the piece, so that a
 changed copy of a model costs what was changed.
 """
@@ -152,6 +154,7 @@ def _structure(model: Model) -> Structure:
         _followers(model),
         gravity_part(model)[0],
         _loops(model) if model.loops else (),
+        _struts(model) if model.struts else (),
         _laws(joints),
     )
     found = _structures.get(key)
@@ -184,15 +187,19 @@ def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
     for loop in model.loops:
         if loop.distance is not None:
             yield as_row([VALUES.quantity(loop.distance)]), True
+    for strut in model.struts:
+        yield as_row([VALUES.quantity(x) for x in strut.numbers]), False
     yield inertial(model.base_inertias, model.dim), False
-    for name in _own_frames(model):
+    for name in own_frames(model):
         yield pose_part(model.frame(name).placement, model.dim).numbers, True
 
 
-def _own_frames(model: Model) -> tuple[str, ...]:
-    """The frames that belong to the structure: of a tree none, since a call brings along those that
-    it asks for."""
-    return model.frame_names if model.loops else ()
+def own_frames(model: Model) -> tuple[str, ...]:
+    """The frames that belong to the structure: of a tree those of its struts alone, since a call
+    brings along those that it asks for."""
+    if model.loops:
+        return model.frame_names
+    return tuple(dict.fromkeys([name for strut in model.struts for name in strut.frames]))
 
 
 class ScalarPieces(Pieces):
@@ -244,6 +251,9 @@ class ScalarPieces(Pieces):
     def distance(self, distance: Quantity) -> Scalar:
         return self._next(1)[0]
 
+    def strut(self, numbers: tuple[Quantity, ...]) -> Vector:
+        return tuple(self._next(len(numbers)))
+
     def frames(self, model: Model) -> tuple[Frame, ...]:
         return tuple(model.frame(name) for name in self.chosen)
 
@@ -260,11 +270,11 @@ def tree_over(
 ) -> Tree:
     """The tree of a model's structure over scalars in the place of its numbers.
 
-    It holds `frames`, and of closed chains all others; the former's numbers stand at the end, one
-    after the other. shown: for each body the laws of its drive, where that counts; else those of
-    the structure.
+    It holds `frames`, those of struts, and of closed chains all others; the former's numbers stand
+    at the end, one after the other. shown: for each body the laws of its drive, where that counts;
+    else those of the structure.
     """
-    return tree_of(model, ScalarPieces(model, scalars, (*_own_frames(model), *frames), shown))
+    return tree_of(model, ScalarPieces(model, scalars, (*own_frames(model), *frames), shown))
 
 
 def laws_shown(model: Model) -> tuple[tuple[str, ...], ...]:
@@ -295,6 +305,13 @@ def _loops(model: Model) -> tuple[Any, ...]:
     at = {name: i for i, name in enumerate(model.frame_names)}
     loops = [(loop.kind, loop.axis, *(at[name] for name in loop.frames)) for loop in model.loops]
     return tuple(loops), tuple(frame_form(model, name) for name in at)
+
+
+def _struts(model: Model) -> tuple[Any, ...]:
+    """The frames of each strut."""
+    at = {name: i for i, name in enumerate(own_frames(model))}
+    ends = tuple([tuple([at[name] for name in strut.frames]) for strut in model.struts])
+    return ends, tuple([frame_form(model, name) for name in at])
 
 
 def frame_form(model: Model, name: str) -> tuple[int, SharedForm]:

@@ -133,8 +133,9 @@ class _TreeBranches:
         for k, body in enumerate(self.bodies):
             self.carried.setdefault(body.parent, []).append(k)
         self.order = parents_first(self.bodies)
-        followers = {joint.name: joint.mimic.joint for joint in joints if joint.mimic is not None}
-        in_step = {*followers, *followers.values()}
+        followers = [joint for joint in joints if joint.mimic is not None]
+        in_step = {joint.name for joint in followers}
+        in_step |= {name for x in followers if x.mimic for name, _ in x.mimic.ratios}
         self.length = dict.fromkeys(self.order, 1)
         self.coupled = {k: self.bodies[k].joint.name in in_step for k in self.order}
         for k in reversed(self.order):

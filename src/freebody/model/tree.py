@@ -117,6 +117,18 @@ class TreeLoop:
 
 
 @dataclass(frozen=True)
+class TreeStrut:
+    """A strut between the origins of two frames, with its numbers."""
+
+    name: str
+    frames: tuple[str, str]
+    stiffness: Scalar
+    rest: Scalar
+    damping: Scalar
+    preload: Scalar
+
+
+@dataclass(frozen=True)
 class Tree:
     """Bodies, parents first, and gravity, in scalars."""
 
@@ -131,6 +143,7 @@ class Tree:
     """For each frame its body here (-1: base) and its constant pose in it."""
     base: tuple[Mass, ...]
     loops: tuple[TreeLoop, ...] = ()
+    struts: tuple[TreeStrut, ...] = ()
 
     @property
     def constraints(self) -> int:
@@ -183,6 +196,10 @@ class Pieces:
         """The distance at which a loop keeps two frames."""
         return self.reader.quantity(distance)
 
+    def strut(self, numbers: tuple[Quantity, ...]) -> Vector:
+        """The numbers of a strut."""
+        return tuple(map(self.reader.quantity, numbers))
+
     def frames(self, model: Model) -> tuple[Frame, ...]:
         """The frames that the tree is to hold."""
         return model.frames
@@ -195,7 +212,7 @@ def lower(model: Model, reader: QuantityReader) -> Tree:
 
 def tree_of(model: Model, pieces: Pieces) -> Tree:
     """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity;
-    loops; base; frames."""
+    loops; struts; base; frames."""
     space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}
@@ -242,6 +259,9 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
         )
         for loop in model.loops
     )
+    struts = tuple(
+        TreeStrut(strut.name, strut.frames, *pieces.strut(strut.numbers)) for strut in model.struts
+    )
     base = pieces.masses(model.base_inertias)
     return Tree(
         space,
@@ -253,6 +273,7 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
         {f.name: (body_of[f.body], *pieces.pose(f.placement)) for f in pieces.frames(model)},
         base,
         loops,
+        struts,
     )
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from freebody.algorithms.rnea import rnea
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
+from freebody.algorithms.struts import struts_alone
 from freebody.arrays import Array
 from freebody.elementary import Scalar, tanh
 from freebody.errors import FreebodyError
@@ -104,11 +106,30 @@ def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars
 
 
 def friction_torque(model: Model, q: Array, qd: Array) -> Array:
-    """The torque (..., nv) of all friction at q (..., nq) and qd (..., nv)."""
+    """The torque (..., nv) of all friction, struts' dampers included, at q (..., nq) and qd (...,
+    nv)."""
     found = np.zeros(qd.shape)
     for drive in _only(model, lambda law: law.feature == "friction"):
         found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
-    return found
+    return found + strut_damping(model, q, qd) if model.struts else found
+
+
+def strut_torque(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) that struts need at q (..., nq) and qd (..., nv)."""
+    tau = rnea(struts_alone(model.tree), *_columns(q, qd), (0.0,) * model.nv).tau
+    return np.stack([np.broadcast_to(x, qd.shape[:-1]) for x in tau], axis=-1)
+
+
+def strut_damping(model: Model, q: Array, qd: Array) -> Array:
+    """The part of the struts' torque (..., nv) that their dampers need; linear in qd."""
+    dampers = tuple(replace(strut, stiffness=0.0, preload=0.0) for strut in model.struts)
+    return strut_torque(replace(model, struts=dampers), q, qd)
+
+
+def without_friction(model: Model) -> Model:
+    """The model without all that takes energy: friction of joints, dampers of struts."""
+    struts = tuple(replace(strut, damping=0.0) for strut in model.struts)
+    return replace(model.without("friction"), struts=struts)
 
 
 def reflected_inertia(model: Model) -> Array:

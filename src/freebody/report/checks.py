@@ -18,6 +18,7 @@ from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import length
 from freebody.model.model import Model
+from freebody.motion.friction import strut_torque
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulation.simulate import simulate
@@ -143,9 +144,12 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
 
 
 def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
-    """S·w of joints of one coordinate with rotor, friction and spring, against tau."""
+    """S·w of joints of one coordinate with rotor, friction and spring, against tau; what struts do
+    the reactions tell."""
     tau = data["tau"].values
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
+    if model.struts:
+        along -= strut_torque(model, data["q"].values, data["qd"].values)
     single = np.ones(model.nv, dtype=bool)
     force, moment = data["reaction_force_child"].values, data["reaction_moment_child"].values
     bodies = zip(model.bodies, model.coordinates, model.tree.body_of, strict=True)

@@ -22,7 +22,13 @@ from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
-from freebody.motion.friction import friction_torque, reflected_inertia, viscous_friction
+from freebody.motion.friction import (
+    friction_torque,
+    reflected_inertia,
+    strut_damping,
+    viscous_friction,
+    without_friction,
+)
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, with_drive
 from freebody.report import jacobians
@@ -102,6 +108,8 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
         "tau_springs": springs,
         "tau_rotors": rotors,
     }
+    if model.struts:
+        parts["tau_viscous"] = parts["tau_viscous"] + strut_damping(model, q, qd)
     if model.loops:  # what the drives feel of each part through the loops
         parts |= {
             name: drive_torques("study", model, q, value)
@@ -173,7 +181,7 @@ def _energies(model: Model, motion: Motion) -> dict[str, Any]:
 def supplied_work(model: Model, motion: Motion) -> Array:
     """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
     longer changes."""
-    smooth = model.without("friction")  # τ - τ_friction, free of the jumps of sign(q̇)
+    smooth = without_friction(model)  # τ - τ_friction, free of the jumps of sign(q̇)
     parts, coarse = 1, _integral(smooth, motion, 1)
     while parts < _MOST_PARTS:
         parts *= 2

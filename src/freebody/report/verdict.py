@@ -288,6 +288,8 @@ def _no_other_pace(names: Sequence[str], slower: bool) -> str:
 
 def _holds_more(model: Model) -> bool:
     """Whether more than gravity is there at any pace: springs, dry friction."""
+    if any(strut.stiffness or strut.preload for strut in model.struts):
+        return True
     laws = (x for b in model.tree.bodies if b.drive is not None for x in b.drive.laws)
     return any(bool(x.p[0]) and (x.law.energy is not None or x.law.power == 0) for x in laws)
 

@@ -11,6 +11,7 @@ from freebody.algorithms.crba import Composite
 from freebody.algorithms.regressor import drives, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
+from freebody.kernels.options import refuse_struts
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.model.tree import Tree
@@ -70,6 +71,7 @@ def base_parameters(model: Model) -> BaseParameters:
     no value.
     """
     model.require_tree("base_parameters")
+    refuse_struts("base_parameters", model)
     values = inertial_parameters(model)
     tree = model.tree
     names = tuple(values)

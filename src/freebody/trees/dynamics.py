@@ -201,6 +201,16 @@ def potential_energy(model: Model, q: JointVector) -> Array:
     return evaluate("potential_energy", model, (q,))
 
 
+def strut_states(model: Model, q: JointVector, qd: JointVector) -> tuple[Array, Array, Array]:
+    """(length m, its rate m/s, tension N) of the struts, each (..., struts) in the order of
+    `model.strut_names`; q: (..., nq), qd: (..., nv).
+
+    A strut pulls its ends together with its tension, preload + stiffness (L - rest) + damping L̇;
+    where it is below 0 it pushes.
+    """
+    return evaluate("strut_states", model, (q, qd))
+
+
 def momentum(
     model: Model, q: JointVector, qd: JointVector, about: ArrayLike | None = None
 ) -> Array:

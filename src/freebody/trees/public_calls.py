@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
-from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.errors import FreebodyError, ShapeError, SingularError, UnknownNameError
 from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
+from freebody.kernels.options import refuse_struts
 from freebody.kernels.tracing import shape
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.model import Model
@@ -121,6 +122,8 @@ def careful(
     require_model(function, model)
     if FORMULAS[function].chains == "open":
         model.require_tree(function)
+    if FORMULAS[function].without_struts:
+        refuse_struts(function, model)
     chosen = structural.PLAIN if option is None else option(model, *choice)
     place = _place(key, wrenches)
     if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):
@@ -141,6 +144,8 @@ def careful(
         for name, array in named.items():
             _refuse_not_finite(function, model, name, array)
         refuse_overflow(function, named)
+        if "q" in named:
+            refuse_without_length(function, model, named["q"])
     model.compiled[place] = bound.checked()
     return result
 
@@ -220,6 +225,22 @@ def refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
     if sizes[name] > HUGE:
         raise FreebodyError(
             f"{function}: {name} reaches {sizes[name]:.3g}; the result overflows. Check its units."
+        )
+
+
+def refuse_without_length(function: str, model: Model, q: Array) -> None:
+    """Raise SingularError where both ends of a strut are at one place at finite q (..., nq): its
+    force has no direction."""
+    if not model.struts:
+        return
+    lengths = structural.fetch(model, ("strut_states",), structural.PLAIN)(q, np.zeros(model.nv))[0]
+    bad = np.argwhere(lengths == 0.0)
+    if len(bad):
+        *sample, k = map(int, bad[0])
+        raise SingularError(
+            f"{function}: strut {model.strut_names[k]!r} of {model.name!r} has no "
+            f"length{at_sample(sample)}: both its ends are at one place, and its force has no "
+            f"direction. Choose another q, or move an end."
         )
 
 

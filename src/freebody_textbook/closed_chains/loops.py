@@ -190,4 +190,5 @@ def loop_equations(model: Model, numbers: bool = False) -> LoopEquations:
         )
     if numbers:
         model.require_values("loop equations in numbers")
-    return LoopEquations(symbols(model, numbers))
+    bare = model.without("struts") if model.struts else model
+    return LoopEquations(symbols(bare, numbers))

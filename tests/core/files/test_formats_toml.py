@@ -243,7 +243,7 @@ def test_loops():
         ("name = 'a'\nnme = 'b'\n[[link]]\n",
          "arm.toml:2: no key 'nme' in the file. Did you mean 'name'? Keys: "
          "name, dim, source, about, "
-         "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, home, "
+         "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, strut, home, "
          "masses_missing, masses_doubtful, masses_estimated, limits_estimated, link, joint, "
          "planar, dh."),
         ("name = 'a'\n",
@@ -504,7 +504,13 @@ def test_examples_of_the_reference():
     page = (Path(__file__).parents[3] / "docs/formats.md").read_text(encoding="utf-8")
     examples = re.findall(r"^```toml\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     models = [read(example) for example in examples]
-    assert [(model.name, model.nv) for model in models] == [("crane", 2), ("2R", 2), ("arm", 2)]
+    assert [(model.name, model.nv) for model in models] == [
+        ("crane", 2),
+        ("palletiser", 2),
+        ("flap", 1),
+        ("2R", 2),
+        ("arm", 2),
+    ]
     (table,) = re.findall(r"^```text\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     assert len(dh_csv.describe("arm.csv", table, name="arm", convention=None).joints) == 3
 

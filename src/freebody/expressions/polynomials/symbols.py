@@ -257,6 +257,11 @@ def symbols(
     `Symbols`. euler: put yaw, pitch and roll in
     the place of quaternions, which are refused otherwise.
     """
+    if model.struts:
+        raise FreebodyError(
+            f"{model.name!r} has struts ({', '.join(model.strut_names)}), whose lengths are no "
+            f'polynomials in sines and cosines; closed forms are of model.without("struts").'
+        )
     given, following = model, names_by_formulas(model)
     model = with_parameters(model, lambda p: 0.0 if p.value == 0 and p.name not in following else p)
     model = with_single_joints(model, euler)

@@ -25,6 +25,7 @@ RING, _SIDES = 0.09, 40
 """Radius of the ring that a body without extent is drawn as, of the drawing's size."""
 _FAR = 0.33  # of the depth: what is farther is paler
 _CROWDED = 12  # bodies; more are drawn thinner
+_TURNS, _COIL = 9, 0.012  # of a strut's coil: the number, their half width of the drawing's size
 _PIN, _LARGER = 6.0, 8.0  # pixels: the mark of a joint, and those of others
 
 
@@ -128,8 +129,7 @@ def _rings(drawing: Drawing, seen: Snapshot) -> None:
             continue
         u, v = np.eye(seen.model.dim)[:2]
         if body.axis is not None:
-            u = np.cross(body.axis, np.eye(3)[int(np.argmin(abs(body.axis)))])
-            u /= np.linalg.norm(u)
+            u = _across(body.axis)
             v = np.cross(body.axis, u)
         angles = 2 * math.pi * np.arange(_SIDES) / _SIDES
         rim = RING * seen.size * (np.outer(np.cos(angles), u) + np.outer(np.sin(angles), v))
@@ -141,6 +141,28 @@ def _rods(drawing: Drawing, seen: Snapshot) -> None:
     for loop in seen.pose.loops:
         if np.linalg.norm(loop.origin - loop.carrier) > SAME:
             drawing.line((loop.carrier, loop.origin), loop.symbol, "rail")
+
+
+def _struts(drawing: Drawing, seen: Snapshot) -> None:
+    """A coil between the ends of each strut."""
+    for strut in seen.pose.struts:
+        a, b = strut.ends
+        length = float(np.linalg.norm(b - a))
+        if length <= SAME:
+            continue
+        x = (b - a) / length
+        side = np.array([-x[1], x[0]]) if len(x) == 2 else _across(x)
+        middle = [
+            a + (0.25 + 0.5 * k / _TURNS) * (b - a) + (-1) ** k * _COIL * seen.size * side
+            for k in range(_TURNS + 1)
+        ]
+        drawing.line((a, a + 0.2 * (b - a), *middle, a + 0.8 * (b - a), b), strut.name, "rail")
+
+
+def _across(x: Array) -> Array:
+    """A direction (3,) at right angles to the unit vector x."""
+    found = np.cross(x, np.eye(3)[int(np.argmin(abs(x)))])
+    return found / np.linalg.norm(found)
 
 
 # ---------------------------------------------------------------- the plane
@@ -161,6 +183,7 @@ def _flat_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
         drawing.add(*joint(body))
     _rings(drawing, seen)
     _rods(drawing, seen)
+    _struts(drawing, seen)
     for loop in seen.pose.loops:
         drawing.add(*joint(loop))
     if seen.pose.tip is not None:
@@ -254,6 +277,7 @@ def _solid_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
     drawing.add(*_by_depth(elements, drawing.view))
     _rings(drawing, seen)
     _rods(drawing, seen)
+    _struts(drawing, seen)
     triad(drawing, np.zeros(3), np.eye(3), 0.16 * seen.size, ("X", "Y", "Z"))
     if pose.tip is not None:
         drawing.mark(pose.tip, "dot", seen.names.tip, "position-head", 3.5)

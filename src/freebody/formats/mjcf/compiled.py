@@ -16,28 +16,66 @@ EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
 
 def compiled(model, mujoco):
     """The parts of a compiled model, each as a dict of names, numbers and lists."""
+    named = model.names[: model.names.index(b"\0")].decode(errors="replace")
+    weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    return {
+        "name": named if named != "MuJoCo Model" else "",
+        "gravity": [0.0] * 3 if weightless else model.opt.gravity.tolist(),
+        "bodies": bodies(model, mujoco),
+        "joints": joints(model, mujoco),
+        "sites": sites(model, mujoco),
+        "equalities": equalities(model, mujoco),
+        "actuators": actuators(model, mujoco),
+        "tendons": tendons(model, mujoco),
+        "left_out": {
+            "what is flexible": model.nflex,
+            "a fluid": int(model.opt.density > 0 or model.opt.viscosity > 0),
+        },
+    }
 
-    def name(kind, index):
-        return mujoco.mj_id2name(model, kind, index) or "" if index >= 0 else ""
 
-    def rows(count, of, **columns):
-        return [
-            {
-                "name": name(of, i) if of is not None else "",
-                **{
-                    key: column[i].tolist() if hasattr(column[i], "tolist") else column[i]
-                    for key, column in columns.items()
-                },
-            }
-            for i in range(count)
-        ]
+def rows(model, mujoco, kind, count, **columns):
+    """A dict for each of the parts of a kind: its name, and its entry of each column."""
+    of = getattr(mujoco.mjtObj, f"mjOBJ_{kind}")
+    return [
+        {
+            "name": mujoco.mj_id2name(model, of, i) or "",
+            **{
+                key: column[i].tolist() if hasattr(column[i], "tolist") else column[i]
+                for key, column in columns.items()
+            },
+        }
+        for i in range(count)
+    ]
 
-    objects = mujoco.mjtObj
-    m = model
+
+def bodies(m, mujoco):
+    """Each body's parent, pose in it, and inertia in principal axes."""
+    return rows(
+        m,
+        mujoco,
+        "BODY",
+        m.nbody,
+        parent=m.body_parentid,
+        pos=m.body_pos,
+        quat=m.body_quat,
+        mass=m.body_mass,
+        com=m.body_ipos,
+        axes=m.body_iquat,
+        inertia=m.body_inertia,
+        compensated=m.body_gravcomp,
+        mocap=m.body_mocapid,
+    )
+
+
+def joints(m, mujoco):
+    """Each joint's body, kind, axis, limits, and what acts on it."""
     dofs, no_powers = m.jnt_dofadr, [[0.0, 0.0]] * m.njnt
-    joints = rows(
+    found = rows(
+        m,
+        mujoco,
+        "JOINT",
         m.njnt,
-        objects.mjOBJ_JOINT,
         body=m.jnt_bodyid,
         type=m.jnt_type,
         pos=m.jnt_pos,
@@ -56,38 +94,42 @@ def compiled(model, mujoco):
         more_stiffness=getattr(m, "jnt_stiffnesspoly", no_powers),
         more_damping=m.dof_dampingpoly[dofs] if hasattr(m, "dof_dampingpoly") else no_powers,
     )
-    for joint in joints:
+    for joint in found:
         joint["type"] = KINDS[joint["type"]]
-    bodies = rows(
-        m.nbody,
-        objects.mjOBJ_BODY,
-        parent=m.body_parentid,
-        pos=m.body_pos,
-        quat=m.body_quat,
-        mass=m.body_mass,
-        com=m.body_ipos,
-        axes=m.body_iquat,
-        inertia=m.body_inertia,
-        compensated=m.body_gravcomp,
-        mocap=m.body_mocapid,
-    )
-    sites = rows(m.nsite, objects.mjOBJ_SITE, body=m.site_bodyid, pos=m.site_pos, quat=m.site_quat)
-    equalities = rows(
+    return found
+
+
+def sites(m, mujoco):
+    """Each site's body and pose there."""
+    return rows(m, mujoco, "SITE", m.nsite, body=m.site_bodyid, pos=m.site_pos, quat=m.site_quat)
+
+
+def equalities(m, mujoco):
+    """What each equality constraint joins, and its numbers."""
+    found = rows(
+        m,
+        mujoco,
+        "EQUALITY",
         m.neq,
-        objects.mjOBJ_EQUALITY,
         type=m.eq_type,
         first=m.eq_obj1id,
         second=m.eq_obj2id,
-        of_sites=m.eq_objtype == objects.mjOBJ_SITE,
+        of_sites=m.eq_objtype == mujoco.mjtObj.mjOBJ_SITE,
         active=m.eq_active0,
         data=m.eq_data,
     )
-    for equality in equalities:
+    for equality in found:
         equality["type"] = EQUALITIES[equality["type"]]
-    transmission = mujoco.mjtTrn
-    actuators = rows(
+    return found
+
+
+def actuators(m, mujoco):
+    """What each actuator drives, with which limits, and whether its input is a force."""
+    found = rows(
+        m,
+        mujoco,
+        "ACTUATOR",
         m.nu,
-        objects.mjOBJ_ACTUATOR,
         joint=m.actuator_trnid[:, 0],
         gear=m.actuator_gear[:, 0],
         force_limited=m.actuator_forcelimited,
@@ -100,28 +142,39 @@ def compiled(model, mujoco):
         transmission=m.actuator_trntype,
         armature=getattr(m, "actuator_armature", [0.0] * m.nu),
     )
-    direct = (int(transmission.mjTRN_JOINT), int(transmission.mjTRN_JOINTINPARENT))
-    for actuator in actuators:
-        actuator["transmission"] = "joint" if actuator["transmission"] in direct else "other"
+    at_joints = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    for actuator in found:
+        direct = actuator["transmission"] in map(int, at_joints)
+        actuator["transmission"] = "joint" if direct else "other"
         actuator["direct"] = not (actuator.pop("bias") or actuator.pop("gain_type"))
-    flags = m.opt.disableflags
-    named = m.names[: m.names.index(b"\0")].decode(errors="replace")
-    return {
-        "name": named if named != "MuJoCo Model" else "",
-        "gravity": [0.0] * 3
-        if flags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
-        else m.opt.gravity.tolist(),
-        "bodies": bodies,
-        "joints": joints,
-        "sites": sites,
-        "equalities": equalities,
-        "actuators": actuators,
-        "left_out": {
-            "what tendons pull": m.ntendon,
-            "what is flexible": m.nflex,
-            "a fluid": int(m.opt.density > 0 or m.opt.viscosity > 0),
-        },
-    }
+    return found
+
+
+def tendons(m, mujoco):
+    """Each tendon's spring and damper; the two sites between which it runs, none of one that runs
+    otherwise; and whether it has anything more."""
+    found = rows(
+        m,
+        mujoco,
+        "TENDON",
+        m.ntendon,
+        start=m.tendon_adr,
+        points=m.tendon_num,
+        stiffness=m.tendon_stiffness,
+        damping=m.tendon_damping,
+        rest=m.tendon_lengthspring,
+    )
+    # partly in later versions alone
+    keys = ("limited", "actfrclimited", "frictionloss", "armature", "stiffnesspoly", "dampingpoly")
+    more = [getattr(m, f"tendon_{key}") for key in keys if hasattr(m, f"tendon_{key}")]
+    site = mujoco.mjtWrap.mjWRAP_SITE
+    for i, tendon in enumerate(found):
+        start, points = tendon.pop("start"), tendon.pop("points")
+        through = range(start, start + points)
+        straight = points == 2 and all(m.wrap_type[k] == site for k in through)
+        tendon["ends"] = [int(m.wrap_objid[k]) for k in through] if straight else []
+        tendon["more"] = any(bool(x[i].any()) for x in more)
+    return found
 
 
 def main():

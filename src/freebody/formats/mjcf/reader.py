@@ -34,6 +34,7 @@ from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, shift
+from freebody.model.struts import Strut
 from freebody.spatial import space
 
 _SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
@@ -93,6 +94,7 @@ class _MjcfReader:
     joints: list[Joint] = field(default_factory=list)
     mounts: list[Mount] = field(default_factory=list)
     loops: list[Loop] = field(default_factory=list)
+    struts: list[Strut] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
 
     def description(self, name: str) -> RobotDescription:
@@ -107,12 +109,17 @@ class _MjcfReader:
         if len(self.links) < 2:
             self.refuse("it has no bodies; a robot needs at least one.")
         site_names = self.names(self.given["sites"], "site")
-        for site, called in zip(self.given["sites"], site_names, strict=True):
-            if site["name"]:
+        pulled = {k for tendon in self.given["tendons"] for k in tendon["ends"]}
+        self.sites: dict[int, str] = {}
+        """The frame of each site that has one."""
+        for k, (site, called) in enumerate(zip(self.given["sites"], site_names, strict=True)):
+            if site["name"] or k in pulled:
                 at = self.in_link(site["body"], site["pos"], site["quat"])
-                self.mount(called, site["body"], at)
+                self.sites[k] = self.mount(called, site["body"], at)
         for equality in self.given["equalities"]:
             self.equality(equality)
+        for tendon in self.given["tendons"]:
+            self.tendon(tendon)
         self.name_left_out()
         g = np.array(self.given["gravity"])
         size = float(np.linalg.norm(g))
@@ -130,6 +137,7 @@ class _MjcfReader:
             notices=tuple(self.notices),
             file=self.file,
             real=True,
+            struts=tuple(self.struts),
         )
 
     def home(self) -> tuple[tuple[str, float], ...]:
@@ -312,16 +320,37 @@ class _MjcfReader:
         closing = "spherical" if kind == "connect" else "fixed"
         self.loops.append(Loop(called, closing, (frames[0], frames[1])))
 
+    def tendon(self, given: dict[str, Any]) -> None:
+        """A strut, from a tendon between sites of two bodies."""
+        if not (given["stiffness"] or given["damping"] or given["more"]):
+            return
+        name = given["name"] or f"tendon{len(self.struts) + 1}"
+        (lower, upper), ends = given["rest"], given["ends"]
+        bodies = {self.given["sites"][k]["body"] for k in ends}
+        if len(bodies) < 2 or given["more"] or lower != upper:
+            self.note(
+                f"warning: what the tendon {name!r} does is left out: read is one between sites of "
+                f"two bodies, its stiffness, damping and springlength, one number, alone."
+            )
+            return
+        parts = (*self.joints, *self.loops, *self.struts)
+        while name in {part.name for part in parts}:
+            name += "_tendon"
+        frames = (self.sites[ends[0]], self.sites[ends[1]])
+        self.struts.append(Strut(name, frames, given["stiffness"], lower, given["damping"]))
+
     # ------------------------------------------------------------ frames and notices
     def in_link(self, body: int, position: Any, quaternion: Any) -> Placement:
         """A pose given in a body's frame, in its link's."""
         return _moved(np.array(position) - self.at[body]).then(_turned(quaternion))
 
-    def mount(self, name: str, body: int, placement: Placement) -> None:
+    def mount(self, name: str, body: int, placement: Placement) -> str:
+        """Fix a frame to a body's link; the name that it has."""
         taken = {*self.body_names, *(mount.name for mount in self.mounts)}
         while name in taken:
             name += "_site"
         self.mounts.append(Mount(name, self.body_names[body], placement))
+        return name
 
     def name_left_out(self) -> None:
         for what, count in self.given["left_out"].items():

@@ -12,7 +12,7 @@ from freebody.algorithms.derivatives import (
     forward_dynamics_derivatives,
     inverse_dynamics_derivatives,
 )
-from freebody.algorithms.kinematics import position_rates
+from freebody.algorithms.kinematics import along_every_direction, position_rates
 from freebody.algorithms.rnea import rnea
 from freebody.arrays import Array
 from freebody.dual import Dual, slopes
@@ -22,7 +22,6 @@ from freebody.kernels.formulas.record import (
     Formula,
     Option,
     Output,
-    along_every_direction,
     one,
     seeded,
 )

@@ -36,6 +36,7 @@ from freebody.algorithms.loop_forces import loose_recursions
 from freebody.algorithms.newton_euler_residuals import Moving, balance
 from freebody.algorithms.operational_space import mass_matrix_inverse
 from freebody.algorithms.rnea import External, joint_wrenches, rnea
+from freebody.algorithms.struts import strut_states
 from freebody.arrays import Array
 from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
@@ -113,6 +114,11 @@ def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
 
 def _static(tree: Tree, o: Option, q: Vector, wrenches: Any = ()) -> tuple[Any, ...]:
     return _inverse(tree, o, q, still(tree), still(tree), wrenches)
+
+
+def _strut_states(tree: Tree, o: Option, q: Vector, qd: Vector) -> tuple[Any, ...]:
+    states = strut_states(tree, q, qd)
+    return tuple(tuple(x[k] for x in states) for k in range(3))
 
 
 def _wrenches(
@@ -271,6 +277,18 @@ FORMULAS = {
         _static,
         settled="partition",
         touches=(MASSES,),
+    ),
+    "strut_states": Formula(
+        ("q", "qd"),
+        {
+            "length": Output(("struts",), "length of each strut (m)"),
+            "rate": Output(("struts",), "rate of its length (m/s)"),
+            "tension": Output(
+                ("struts",), "force with which it pulls its ends together; it pushes below 0 (N)"
+            ),
+        },
+        _strut_states,
+        touches=(),
     ),
     "joint_wrenches": Formula(
         ("q", "qd", "qdd", "wrenches"),

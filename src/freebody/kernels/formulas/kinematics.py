@@ -10,7 +10,6 @@ from freebody.dual import slopes
 from freebody.kernels.formulas.record import (
     Formula,
     Option,
-    along_every_direction,
     frame_of,
     one,
     still,
@@ -55,7 +54,9 @@ def _jacobian_dot(tree: Tree, o: Option, q: Vector, qd: Vector) -> tuple[Any, ..
 
 def _jacobian_by_position(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
     """Derivatives of every entry of the Jacobian along every direction of q."""
-    J = kinematics.jacobian(tree, along_every_direction(tree, q), frame_of(o), o.reference)
+    J = kinematics.jacobian(
+        tree, kinematics.along_every_direction(tree, q), frame_of(o), o.reference
+    )
     return (tuple(tuple(slopes(x, tree.nv) for x in row) for row in J),)
 
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
-from freebody.algorithms.kinematics import position_rates
 from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition, drive_torques
 from freebody.algorithms.rnea import External, external_on_frame
@@ -15,12 +14,12 @@ from freebody.arrays import Array
 from freebody.dual import Dual
 from freebody.model.doubts import DYNAMIC
 from freebody.model.tree import Tree
-from freebody.spatial import Vector, identity
+from freebody.spatial import Vector
 
 Dimensions = tuple[str | int, ...]
 """Numbers, or names that a model turns into numbers: nq, nv, nj, six, dim, angular (3 or 1), pose
 (dim + 1), rows, parameters, constraints (loop equations), equations (those that count), loose
-(those that the partition leaves out), reactions (joints and loops), branches (of inverse
+(those that the partition leaves out), reactions (joints and loops), struts, branches (of inverse
 kinematics)."""
 
 Evaluation = Callable[..., tuple[Any, ...]]
@@ -90,6 +89,7 @@ class Formula:
     chain is chosen near home, once for all positions of a kernel: the "equations" that tell all,
     those left out that depend on others, or the "partition" of equations and coordinates by its
     drives, or one for what the "loops" do, to which drives do not matter.
+    without_struts: whether it leaves struts out, so that no model with some must be given to it.
     by_columns: how a matrix of a large robot is made column by column.
     touches: what of the robot it depends on besides geometry, of what a doubt may be on
     (`model.doubts`).
@@ -108,6 +108,7 @@ class Formula:
     free_rows: bool = False
     chains: Literal["all", "open", "closed", "arm", "square"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
+    without_struts: bool = False
     by_columns: ByColumns | None = None
     touches: tuple[str, ...] = DYNAMIC
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -155,10 +156,3 @@ def still(tree: Tree) -> Vector:
 def seeded(values: Vector, rates: Vector) -> Vector:
     """Values, each with a slope."""
     return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))
-
-
-def along_every_direction(tree: Tree, q: Vector) -> Vector:
-    """q with slopes along each of the nv directions of the tangent space."""
-    units = identity(tree.nv)
-    along = [position_rates(tree, q, unit) for unit in units]
-    return tuple(Dual(x, {k: rates[i] for k, rates in enumerate(along)}) for i, x in enumerate(q))

@@ -27,6 +27,7 @@ FORMULAS = {
         one("Y", ("nv", "parameters"), "factors of the inertial parameters in the torques"),
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
+        without_struts=True,
         touches=(),
     ),
     "energy_regressor": Formula(
@@ -37,6 +38,7 @@ FORMULAS = {
             "factors of the inertial parameters in the kinetic, then the potential energy",
         ),
         lambda t, o, q, qd: (energy_regressor(t, q, qd),),
+        without_struts=True,
         touches=(),
     ),
     "forward_dynamics_parameter_derivatives": Formula(

@@ -12,7 +12,7 @@ from scipy.optimize import linprog
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import simple_friction
+from freebody.motion.friction import simple_friction, strut_damping
 from freebody.motion.optimal.geometric_path import PathSamples, sampled
 from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
@@ -197,7 +197,10 @@ def path_problem(
     h = 2.0 * np.diff(s, axis=0)
     speed = _speed_limits(limits, found, len(s))
     rows = PathRows(h, speed, a, b, (lo, lo_end), (hi, hi_end))
-    drag = limits.friction(at.q, viscous * at.first) if viscous.any() else None
+    rated = viscous * at.first
+    if limits.model.struts:
+        rated = rated + strut_damping(limits.model, at.q, at.first)
+    drag = limits.friction(at.q, rated) if rated.any() else None
     return PathProblem(limits, at, between, rows, drag)
 
 

@@ -144,7 +144,9 @@ def contacts_of(
     if model.loops:
         raise FreebodyError(
             f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "
-            f"loops: leave them out, and give stops as part of the torque."
+            f"loops, in which several joints hold one motion and what each of them holds is not "
+            f"determined: leave them out (friction is then smooth), and give stops as part of the "
+            f"torque."
         )
     contacts = joint_contacts(model, friction == "dry", share)
     if share is not None and not np.isfinite([contacts.lower, contacts.upper]).any():

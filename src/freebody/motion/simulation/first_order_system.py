@@ -31,7 +31,7 @@ from freebody.loops.equations import (
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import rate_scale
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, DryFriction, smooth_friction
+from freebody.motion.friction import WIDTH, DryFriction, smooth_friction, strut_damping
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.special_joints import refuse_massless
@@ -205,12 +205,13 @@ def decay_rate(model: Model, friction: DryFriction, q: Array) -> float:
         if body.drive is not None:
             k, ratio = body.coordinates.v[0], body.coordinates.ratio
             damping[k] += ratio**2 * max(0.0, body.drive.slopes(*at_rest)[1])
-    if not damping.any():
+    D = np.diag(np.abs(damping))
+    if model.struts:
+        D = D + strut_damping(model, np.broadcast_to(q, (model.nv, model.nq)), np.eye(model.nv))
+    if not D.any():
         return 0.0
-    root = np.sqrt(np.abs(damping))
     M = mass_matrix(model, normalised(layout(model), q))
-    similar = root[:, None] * np.linalg.inv(M) * root  # the same eigenvalues, symmetric
-    return float(np.abs(np.linalg.eigvalsh(similar)).max())
+    return float(np.abs(np.linalg.eigvals(np.linalg.solve(M, D))).max())
 
 
 def step_tolerance(method: str, tolerance: float) -> float:
