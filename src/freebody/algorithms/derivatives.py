@@ -14,9 +14,10 @@ with Ψ̇ = v_parent × S, Ψ̈ = a_parent × S + v_parent × Ψ̇, Ṡ = v × S
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
+from freebody.algorithms.crba import factor, momentum_of, substitute
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.kinematics import Column, ancestors, weighted
 from freebody.algorithms.world_axes import (
     Force,
@@ -42,6 +43,9 @@ class Derivatives:
     by_q: Matrix
     by_qd: Matrix
     by_last: Matrix
+    factors: dict[int, Scalar] = field(default_factory=dict)
+    """By coordinate, where a joint loses a part of the torque that it transmits, tau for each unit
+    transmitted; by q̈ it is then no longer M, nor symmetric."""
 
 
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
@@ -83,13 +87,25 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
                     enter(by_qd, l, k, ratio * (dot(r[0], back) + dot_motion(rates, carried)))
                     swing = dot(world.psi[i][a][0], back) + dot_motion(psi_rate[i][a], carried)
                     enter(by_q, l, k, ratio * swing)
-        if body.drive is not None:
-            k, square = inner.v[0], inner.ratio * inner.ratio
-            by_position, by_rate = body.drive.slopes(q, qd)
+    factors = {}
+    for j, body in enumerate(tree.bodies):
+        drive, k = body.drive, body.coordinates.v[0]
+        if drive is not None and drive.lossy:
+            transmitted = dot_motion(world.S[j][0], forces[j]) + drive.at_joint.torque(q, qd)
+            factors[k] = 1.0 + drive.lost_part(qd, transmitted)
+            for table, slope in zip((by_q, by_qd), drive.at_joint.slopes(q, qd), strict=True):
+                enter(table, k, k, slope)
+            for table in (by_q, by_qd, by_qdd):
+                table[k] = [factors[k] * x for x in table[k]]
+            drive = drive.at_motor
+        if drive is not None:
+            square = body.coordinates.ratio * body.coordinates.ratio
+            by_position, by_rate = drive.slopes(q, qd)
             enter(by_q, k, k, square * by_position)
             enter(by_qd, k, k, square * by_rate)
-            enter(by_qdd, k, k, square * body.drive.inertia)
-    return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
+            enter(by_qdd, k, k, square * drive.inertia)
+    tables = (tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd))
+    return Derivatives(*tables, factors)
 
 
 def forward_dynamics_derivatives(
@@ -105,9 +121,19 @@ def forward_dynamics_derivatives(
     causes."""
     qdd = forward_dynamics(tree, q, qd, tau)
     inverse = inverse_derivatives(tree, q, qd, qdd)
-    factors = factor(tree, inverse.by_last)
+
+
+    def transmitted(table: Matrix) -> Matrix:
+        """Rows for each unit that joints transmit: so the last derivative is symmetric."""
+        gain = inverse.factors
+        return tuple(
+            scale(1.0 / gain[k], row) if k in gain else row for k, row in enumerate(table)
+        )
+
+    factors = factor(tree, transmitted(inverse.by_last))
 
     def solved(right: Matrix) -> Matrix:
+        right = transmitted(right)
         return transposed(tuple(substitute(tree, factors, column) for column in transposed(right)))
 
     by_q, by_qd = (

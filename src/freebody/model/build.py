@@ -335,6 +335,8 @@ class _DescriptionChecks:
     def check_drive(self, joint: Joint) -> None:
         """Warn about friction that pushes and rotors that no motor has, or refuse them, as the
         policy on inertias has it."""
+        if problem := joint.drive.fault(bounded=True):
+            self.refuse(f"joint {joint.name!r}: {problem}.", joint.line)
         if self.physical != "ignore":
             self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
 

@@ -46,7 +46,7 @@ def without(model: Model, features: Sequence[str]) -> Model:
     for feature in features:
         if feature != "loops" and feature not in _FEATURES:
             raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, "loops"))
-    off = {law.strength: 0.0 for law in LAWS.values() if law.feature in features}
+    off = {k: x for law in LAWS.values() if law.feature in features for k, x in law.off.items()}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies

@@ -143,6 +143,11 @@ class Tree:
         used = [k for body in self.bodies for k in body.coordinates.v]
         return len(used) != len(set(used))
 
+    @property
+    def lossy(self) -> bool:
+        """Whether some joint loses part of the torque that it transmits."""
+        return any(body.drive is not None and body.drive.lossy for body in self.bodies)
+
     def children(self, i: int) -> tuple[int, ...]:
         """Indices of the bodies that hang on body i."""
         return tuple(k for k, body in enumerate(self.bodies) if body.parent == i)

@@ -89,7 +89,7 @@ def _signed_laws(model: Model, keeps: Callable[[DriveLaw], bool], width: float) 
 
 def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
     """The model without some laws of drives."""
-    off = {law.strength: 0.0 for law in LAWS.values() if gone(law)}
+    off = {k: x for law in LAWS.values() if gone(law) for k, x in law.off.items()}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies

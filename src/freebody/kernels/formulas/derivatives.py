@@ -37,6 +37,8 @@ def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
 def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
     """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds
     well."""
+    if tree.lossy:  # then the derivative by q̈ is not M
+        return inverse_dynamics_derivatives(tree, q, qd, qdd)
     n = tree.nv
     faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
     rows = [slopes(t, 2 * n) for t in rnea(tree, along_every_direction(tree, q), faster, qdd).tau]
