@@ -10,6 +10,7 @@ from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.formulas.inverse import known_branches
 from freebody.kernels.options import motion_rows, require_few_rows, require_square, several
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 
 
@@ -56,6 +57,8 @@ def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> N
             raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
         if FORMULAS[name].chains in ("open", "arm", "square"):
             model.require_tree(f"{function}: {name}")
+        if FORMULAS[name].lossless:
+            require_lossless(f"{function}: {name}", model)
         if FORMULAS[name].chains == "square":
             require_square(function, model)
         if FORMULAS[name].chains == "closed" and not model.loops:

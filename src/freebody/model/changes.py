@@ -31,6 +31,7 @@ from freebody.model.parameters import (
     one_value_each,
     quantity,
 )
+from freebody.model.losses import loss_fault
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
 from freebody.model.tree import Attached
@@ -176,6 +177,8 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))
     result = with_symbols_known(put(model, ("bodies", k), driven), *numbers.values())
+    if problem := loss_fault(result.bodies, result.loops):
+        raise ModelError(f"with_drive: {problem}.")
     return one_family(result, model, *numbers.values())
 
 
@@ -271,6 +274,8 @@ def with_loop(model: Model, loop: Loop) -> Model:
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.joint_names, *(other.name for other in model.loops))
     loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
+    if problem := loss_fault(model.bodies, loops):
+        raise ModelError(f"with_loop: {problem}.")
     return with_symbols_known(replace(model, loops=loops), loop)
 
 

@@ -11,11 +11,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
+from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.drives.acting import ActingLaw, DriveScalars, counted, every_law
 from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
+from freebody.model.losses import loss_fault
 from freebody.model.loop_kinds import LOOP_KINDS, Closure
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
@@ -201,6 +203,8 @@ def lower(model: Model, reader: QuantityReader) -> Tree:
 def tree_of(model: Model, pieces: Pieces) -> Tree:
     """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity;
     loops; base; frames."""
+    if problem := loss_fault(model.bodies, model.loops):
+        raise ModelError(f"{model.name!r}: {problem}.")
     space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}

@@ -12,6 +12,7 @@ from freebody.algorithms.regressor import drives, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
 from freebody.model.inertial_parameters import body_parameters
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
@@ -70,6 +71,7 @@ def base_parameters(model: Model) -> BaseParameters:
     no value.
     """
     model.require_tree("base_parameters")
+    require_lossless("base_parameters", model)
     values = inertial_parameters(model)
     tree = model.tree
     names = tuple(values)

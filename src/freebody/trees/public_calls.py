@@ -16,6 +16,7 @@ from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.tracing import shape
 from freebody.labels import aligned, refuse_other_times
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.number_text import compared
@@ -121,6 +122,8 @@ def careful(
     require_model(function, model)
     if FORMULAS[function].chains == "open":
         model.require_tree(function)
+    if FORMULAS[function].lossless:
+        require_lossless(function, model)
     chosen = structural.PLAIN if option is None else option(model, *choice)
     place = _place(key, wrenches)
     if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):

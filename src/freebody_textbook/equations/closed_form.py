@@ -404,6 +404,8 @@ def _law_torque(body: TreeBody, law: DriveLaw, q: Vector, qd: Vector) -> Any:
     """The torque of a law of a drive. Raises FreebodyError for one that is no polynomial."""
     assert body.drive is not None
     try:
+        if law.losses is not None:
+            raise FreebodyError(law.words)
         return body.drive.only(lambda other: other is law).torque(q, qd)
     except FreebodyError:
         raise FreebodyError(

@@ -110,6 +110,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_inverse_derivatives,
+        columns_lossless=True,
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
@@ -133,6 +134,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_forward_derivatives,
+        columns_lossless=True,
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),
@@ -144,6 +146,7 @@ FORMULAS = {
         },
         _second,
         chains="open",
+        lossless=True,
     ),
     "inverse_dynamics_along": Formula(
         ("q", "qd", "qdd", "dq", "dqd"),

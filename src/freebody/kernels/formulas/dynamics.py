@@ -195,6 +195,7 @@ FORMULAS = {
         one("bias", ("nv",), "torques at zero accelerations (N m, N)"),
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
+        lossless=True,
         touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(

@@ -91,6 +91,8 @@ class Formula:
     those left out that depend on others, or the "partition" of equations and coordinates by its
     drives, or one for what the "loops" do, to which drives do not matter.
     by_columns: how a matrix of a large robot is made column by column.
+    lossless: whether it says nothing of robots whose joints lose a part of the torque that they
+    transmit; columns_lossless: whether the way by columns does not.
     touches: what of the robot it depends on besides geometry, of what a doubt may be on
     (`model.doubts`).
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
@@ -109,6 +111,8 @@ class Formula:
     chains: Literal["all", "open", "closed", "arm", "square"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
     by_columns: ByColumns | None = None
+    lossless: bool = False
+    columns_lossless: bool = False
     touches: tuple[str, ...] = DYNAMIC
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 

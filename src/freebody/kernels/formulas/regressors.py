@@ -28,6 +28,7 @@ FORMULAS = {
         one("Y", ("nv", "parameters"), "factors of the inertial parameters in the torques"),
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
+        lossless=True,
         touches=(),
     ),
     "energy_regressor": Formula(
@@ -49,5 +50,6 @@ FORMULAS = {
         ),
         _forward_by_parameters,
         chains="open",
+        lossless=True,
     ),
 }

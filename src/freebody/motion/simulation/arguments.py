@@ -15,6 +15,7 @@ from freebody.errors import FreebodyError, UnknownNameError, shown, warn
 from freebody.labels import is_labelled
 from freebody.loops.equations import taken_at
 from freebody.model.drives import LAWS
+from freebody.model.losses import lossy_joints, require_lossless
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import FINEST
@@ -115,7 +116,7 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 
 def has_friction(model: Model) -> bool:
     """Whether the friction of a drive of the model depends on the sign of a rate."""
-    return smooth_friction(model)[1].acts
+    return smooth_friction(model)[1].acts or bool(lossy_joints(model.bodies))
 
 
 def times_of(t: ArrayLike) -> Array:
@@ -149,6 +150,7 @@ def contacts_of(
             )
     if friction == "smooth" and share is None:
         return None
+    require_lossless("simulate: friction='dry' and restitution=", model)
     if model.loops:
         raise FreebodyError(
             f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "
