@@ -122,13 +122,10 @@ def forward_dynamics_derivatives(
     qdd = forward_dynamics(tree, q, qd, tau)
     inverse = inverse_derivatives(tree, q, qd, qdd)
 
-
     def transmitted(table: Matrix) -> Matrix:
         """Rows for each unit that joints transmit: so the last derivative is symmetric."""
         gain = inverse.factors
-        return tuple(
-            scale(1.0 / gain[k], row) if k in gain else row for k, row in enumerate(table)
-        )
+        return tuple(scale(1.0 / gain[k], row) if k in gain else row for k, row in enumerate(table))
 
     factors = factor(tree, transmitted(inverse.by_last))
 

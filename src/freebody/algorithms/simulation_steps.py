@@ -174,8 +174,7 @@ def _implicit_euler(
     damping, stiffness = add(damping, given.damping), add(stiffness, given.stiffness)
     added = scale(h, add(damping, drag, scale(h, stiffness)))
     M = tuple(
-        tuple(x + added[i] if i == j else x for j, x in enumerate(row))
-        for i, row in enumerate(M)
+        tuple(x + added[i] if i == j else x for j, x in enumerate(row)) for i, row in enumerate(M)
     )
     factors, forces = factor(tree, M), sub(forces, scale(h, ahead))
     if tree.loops:

@@ -21,6 +21,7 @@ from freebody.model.families import Members, is_array, is_nested, members, one_f
 from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
+from freebody.model.losses import loss_fault
 from freebody.model.number_names import PAYLOAD
 from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import (
@@ -31,7 +32,6 @@ from freebody.model.parameters import (
     one_value_each,
     quantity,
 )
-from freebody.model.losses import loss_fault
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
 from freebody.model.tree import Attached

@@ -27,7 +27,9 @@ def lossy_joints(bodies: Sequence[Body]) -> dict[str, DriveLaw]:
 def loss_fault(bodies: Sequence[Body], loops: Sequence[object]) -> str | None:
     """Why a model cannot have the losses of its joints, or None."""
     joints = lossy_joints(bodies)
-    coupled = {name for b in bodies if b.joint.mimic for name in (b.joint.name, b.joint.mimic.joint)}
+    coupled = {
+        name for b in bodies if b.joint.mimic for name in (b.joint.name, b.joint.mimic.joint)
+    }
     for name, law in joints.items():
         if loops:
             why = "in a closed chain that depends on how its loops share the forces"

@@ -17,8 +17,8 @@ from freebody.model.drives.acting import ActingLaw, DriveScalars, counted, every
 from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
-from freebody.model.losses import loss_fault
 from freebody.model.loop_kinds import LOOP_KINDS, Closure
+from freebody.model.losses import loss_fault
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import QuantityReader

@@ -76,8 +76,9 @@ class DriveScalars:
         return self.lost_part(qd, transmitted) * transmitted
 
     def lost_part(self, qd: Vector, direction: Scalar) -> Scalar:
-        """Which part of the torque that the joint transmits the motor gives besides, friction aside:
-        below 0 where the joint drives the motor. direction: a number with that torque's sign."""
+        """Which part of the torque that the joint transmits the motor gives besides, friction
+        aside: below 0 where the joint drives the motor. direction: a number with that torque's
+        sign."""
         (rate,), part = self.at.rates(qd), None
         for x in self.laws:
             if x.law.losses is not None:

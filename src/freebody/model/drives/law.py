@@ -33,8 +33,9 @@ class LawNumber:
     name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
     the table and its key. unit: with {effort}, {position} and {inertia} of the joint. what: in
     words. short: in tables of symbols, where that differs. refused: why no joint has such a number,
-    or None. needed: whether a file that has its table gives it too. below: of a number within bounds
-    the upper one; where it is refused no motion follows from torques, so no policy accepts it.
+    or None. needed: whether a file that has its table gives it too. below: of a number within
+    bounds the upper one; where it is refused no motion follows from torques, so no policy accepts
+    it.
     """
 
     name: str
@@ -121,8 +122,8 @@ class DriveLaw:
     signed: whether the torque depends on s. losses: (scalars) -> which part of the torque that the
     joint transmits is lost while the motor drives it, and which of it the motor is spared while the
     joint drives the motor. at_joint: whether the torque acts on the joint itself, so that what is
-    transmitted has it; friction and rotors are the motor's. usual: whether it is counted wherever any law acts, so
-    that kernels and regressors do not depend on which of the usual ones are 0.
+    transmitted has it; friction and rotors are the motor's. usual: whether it is counted wherever
+    any law acts, so that kernels and regressors do not depend on which of the usual ones are 0.
     """
 
     name: str
