@@ -104,8 +104,8 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
             enter(by_q, k, k, square * by_position)
             enter(by_qd, k, k, square * by_rate)
             enter(by_qdd, k, k, square * drive.inertia)
-    tables = (tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd))
-    return Derivatives(*tables, factors)
+    q_rows, qd_rows, qdd_rows = (tuple(map(tuple, table)) for table in (by_q, by_qd, by_qdd))
+    return Derivatives(q_rows, qd_rows, qdd_rows, factors)
 
 
 def forward_dynamics_derivatives(

@@ -18,7 +18,7 @@ from freebody.algorithms.forward_dynamics import under_losses
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, less, sqrt, where
+from freebody.elementary import Scalar, absolute, less, sqrt, where
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
@@ -249,9 +249,9 @@ def _losses(
     for body in tree.bodies:
         if body.drive is not None and body.drive.lossy:
             k = body.coordinates.v[0]
-            sense = where(less(qd[k], 0.0), -1.0, 1.0)
-            whole = replace(body.drive, sign=lambda law, rate, sense=sense: sense)
-            found[k] = sense * whole.lost_part(qd, sent[k]) * sent[k] / size(qd[k])
+            driving, driven = body.drive.losses
+            part = where(less(0.0, qd[k] * sent[k]), driving, driven)
+            found[k] = part * absolute(sent[k]) / size(qd[k])
     return tuple(found)
 
 

@@ -218,7 +218,7 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
 
 
 def drive(table: TomlTable) -> Drive:
-    """The drive that friction, rotor and spring describe."""
+    """The drive that friction, rotor, spring and transmission describe."""
     found: dict[str, Quantity] = {}
     for key in DRIVE:
         inner = table.table(key)

@@ -33,6 +33,7 @@ from freebody.model.description import (
 )
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
+from freebody.model.losses import loss_fault
 from freebody.model.mimics import leaders
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
@@ -164,6 +165,8 @@ class _Assembly:
             notices=tuple(self.checks.notices),
             loop_tolerance=d.loop_tolerance,
         )
+        if problem := loss_fault(model.bodies, model.loops):
+            self.checks.refuse(f"{problem}.")
         known = set(model.position_names)
         for name, _ in d.home:
             if name not in known:

@@ -79,14 +79,23 @@ class DriveScalars:
         """Which part of the torque that the joint transmits the motor gives besides, friction
         aside: below 0 where the joint drives the motor. direction: a number with that torque's
         sign."""
-        (rate,), part = self.at.rates(qd), None
+        lossy = [x for x in self.laws if x.law.losses is not None]
+        if not lossy:
+            return 0.0
+        (rate,) = self.at.rates(qd)
+        s, (driving, driven) = self.sign(lossy[0].law, rate), self.losses
+        return where(less(0.0, s * direction), absolute(s) * driving, -(absolute(s) * driven))
+
+    @property
+    def losses(self) -> tuple[Scalar, Scalar]:
+        """Which part of what is transmitted is lost while the motor drives the joint, and which
+        the motor is spared while the joint drives it: of all laws, one behind the other."""
+        driving, driven = 0.0, 0.0
         for x in self.laws:
             if x.law.losses is not None:
-                (driving, driven), s = x.law.losses(x.p), self.sign(x.law, rate)
-                size = absolute(s)
-                own = where(less(0.0, s * direction), size * driving, -(size * driven))
-                part = own if part is None else part + own + part * own  # one behind the other
-        return 0.0 if part is None else part
+                lost, spared = x.law.losses(x.p)
+                driving, driven = driving + lost + driving * lost, driven + spared - driven * spared
+        return driving, driven
 
     def energy(self, q: Vector) -> Scalar:
         """The energy that is stored at a position."""

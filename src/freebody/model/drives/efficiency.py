@@ -3,7 +3,7 @@ joint, and η' tau while the joint drives the motor."""
 
 from __future__ import annotations
 
-from freebody.elementary import Scalar, equal, where
+from freebody.elementary import Scalar
 from freebody.model.drives.law import NO_PARAMETERS, DriveLaw, LawNumber
 from freebody.spatial import Vector
 
@@ -26,12 +26,9 @@ def _back(efficiency: float) -> str | None:
     )
 
 
-def _scalars(forward: Scalar, back: Scalar) -> Vector:
-    """1/η and η', which are 1 where a member of a family has no losses."""
-    if isinstance(forward, float):
-        return 1.0 / forward, back
-    without = equal(forward, 0.0)
-    return 1.0 / where(without, 1.0, forward), where(without, 1.0, back)
+def _losses(p: Vector) -> tuple[Scalar, Scalar]:
+    forward, back = p
+    return 1.0 / forward - 1.0, 1.0 - back
 
 
 LAW = DriveLaw(
@@ -59,7 +56,6 @@ LAW = DriveLaw(
             below=1.0,
         ),
     ),
-    scalars=_scalars,
-    losses=lambda p: (p[0] - 1.0, 1.0 - p[1]),
+    losses=_losses,
     form=NO_PARAMETERS,
 )

@@ -150,7 +150,11 @@ def contacts_of(
             )
     if friction == "smooth" and share is None:
         return None
-    require_lossless("simulate: friction='dry' and restitution=", model)
+    require_lossless(
+        "simulate: friction='dry' and restitution=",
+        model,
+        " (friction='smooth' and method='implicit' are)",
+    )
     if model.loops:
         raise FreebodyError(
             f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "
