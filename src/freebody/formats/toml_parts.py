@@ -25,6 +25,7 @@ from freebody.model.description import (
     Payload,
 )
 from freebody.model.drives import LAWS, NUMBERS
+from freebody.model.flexible_joints import split
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -155,7 +156,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
     table = table.called(f"joint {table.text('name')!r}")
     table.only(
         *("name", "kind", "parent", "child", *_PLACE, "axis", *_OWN),
-        *("limits", *DRIVE, "mimic", "passive"),
+        *("limits", *DRIVE, "flexible", "mimic", "passive"),
     )
     kind = table.choice("kind", KINDS)
     one = KINDS[kind].nv == 1
@@ -163,7 +164,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
     taken = {
         "axis": KINDS[kind].needs_axis,
         "limits": one,
-        **dict.fromkeys(DRIVE, one),
+        **dict.fromkeys((*DRIVE, "flexible"), one),
         **{name: name in own for name in _OWN},
         "mimic": one,
     }
@@ -190,6 +191,21 @@ def joint(table: TomlTable, dim: int) -> Joint:
         table.flag("passive"),
         tuple(map(table.quantity, own)),
     )
+
+
+def flexible(table: TomlTable, joint: Joint) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
+    """(joints, links) that a joint of a table [[joint]] becomes, whose shaft may twist."""
+    inner = table.table("flexible")
+    if inner is None:
+        return (joint,), ()
+    inner = inner.called(f"joint {joint.name!r}, flexible").only("stiffness", "damping")
+    try:
+        rotor, link, twist = split(
+            joint, inner.quantity("stiffness"), inner.quantity("damping", default=0.0)
+        )
+    except ModelError as error:
+        inner.refuse(str(error))
+    return (rotor, twist), (link,)
 
 
 def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
