@@ -59,15 +59,27 @@ class _Gear:
         """Whether its rotor may have inertia."""
         return not (isinstance(self.inertia, float) and self.inertia == 0.0)
 
+    def sent(self, qdd: Vector, part: Scalar) -> Scalar:
+        """What is transmitted at these accelerations, where this part of it is lost."""
+        return (self.given - self._rotor(qdd)) / (1.0 + part)
+
+    def settled(self, qd: Vector, qdd: Vector, part: Scalar, sent: Scalar) -> Scalar:
+        """A margin, positive where the part that was taken as lost is that of what was found to be
+        transmitted, or that is nothing."""
+        size = absolute(self.given) + absolute(self._rotor(qdd))
+        tiny = less_equal(absolute(sent), _ROUNDED * epsilon(size) * size)
+        return where(tiny, 1.0, equal(part, self.drive.lost_part(qd, sent))) - 0.5
+
+    def _rotor(self, qdd: Vector) -> Scalar:
+        return self.inertia * qdd[self.k] if self.heavy else 0.0
+
 
 @dataclass(frozen=True)
 class LossyMotion:
-    """Accelerations of a tree whose joints lose a part of what they transmit. lost: by coordinate
-    the torque that is lost. transmitted: by coordinate the torque that is transmitted, of those
-    joints."""
+    """Accelerations of a tree some of whose joints lose a part of the torque that they transmit,
+    and that torque, by coordinate, of those joints."""
 
     qdd: Vector
-    lost: dict[int, Scalar]
     transmitted: dict[int, Scalar]
 
 
@@ -75,37 +87,29 @@ def under_losses(
     tree: Tree, q: Vector, qd: Vector, tau: Vector, M: Matrix, forces: Vector
 ) -> LossyMotion:
     """The motion under the torques tau; forces: what is left of them for M q̈, before losses."""
-    gears = [
-        _Gear(
-            body.coordinates.v[0],
-            body.drive,
-            tau[body.coordinates.v[0]] - body.drive.at_motor.torque(q, qd),
-            body.drive.inertia,
-        )
-        for body in tree.bodies
-        if body.drive is not None and body.drive.lossy
-    ]
-    directions = [gear.given for gear in gears]
+    gears = _gears(tree, q, qd, tau)
     heavy = any(gear.heavy for gear in gears)
-    settled: list[Scalar] = []
-    for sweep in range(_SWEEPS if heavy else 1):
+    directions = [gear.given for gear in gears]
+    for _ in range(_SWEEPS if heavy else 1):
         parts = [g.drive.lost_part(qd, x) for g, x in zip(gears, directions, strict=True)]
         qdd = _accelerations(tree, M, forces, gears, parts)
-        rotors = [gear.inertia * qdd[gear.k] if gear.heavy else 0.0 for gear in gears]
-        sent = [
-            (gear.given - rotor) / (1.0 + part)
-            for gear, rotor, part in zip(gears, rotors, parts, strict=True)
-        ]
-        if heavy and sweep == _SWEEPS - 1:
-            for gear, part, now, rotor in zip(gears, parts, sent, rotors, strict=True):
-                size = absolute(gear.given) + absolute(rotor)
-                tiny = less_equal(absolute(now), _ROUNDED * epsilon(size) * size)
-                same = equal(part, gear.drive.lost_part(qd, now))
-                settled += [where(tiny, 1.0, same) - 0.5] if gear.heavy else []
-        directions = [x if g.heavy else u for g, x, u in zip(gears, sent, directions, strict=True)]
-    qdd = sure(qdd, settled) if heavy else qdd
-    lost = {gear.k: part * x for gear, part, x in zip(gears, parts, sent, strict=True)}
-    return LossyMotion(qdd, lost, {gear.k: x for gear, x in zip(gears, sent, strict=True)})
+        sent = [g.sent(qdd, part) for g, part in zip(gears, parts, strict=True)]
+        directions = [x if g.heavy else g.given for g, x in zip(gears, sent, strict=True)]
+    if heavy:
+        each = zip(gears, parts, sent, strict=True)
+        qdd = sure(qdd, [g.settled(qd, qdd, part, x) for g, part, x in each if g.heavy])
+    return LossyMotion(qdd, {g.k: x for g, x in zip(gears, sent, strict=True)})
+
+
+def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_Gear]:
+    """The joints that lose a part of what they transmit."""
+    found = []
+    for body in tree.bodies:
+        if body.drive is not None and body.drive.lossy:
+            k = body.coordinates.v[0]
+            given = tau[k] - body.drive.at_motor.torque(q, qd)
+            found.append(_Gear(k, body.drive, given, body.drive.inertia))
+    return found
 
 
 def _accelerations(
