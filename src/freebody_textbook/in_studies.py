@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody_textbook.equations.base_parameters import short_by_base
 from freebody_textbook.equations.equations import equations
@@ -45,4 +46,5 @@ def _has_closed_form(model: Model) -> bool:
         and all(b.joint.mimic is None for b in bodies)
         and not model.loops
         and not model.struts
+        and not lossy_joints(bodies)
     )

@@ -35,7 +35,9 @@ from freebody.spatial import (
 def aba(
     tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()
 ) -> Vector:
-    """q̈, for trees whose coordinates move one joint each. Gravity is a base acceleration."""
+    """q̈, for trees whose coordinates move one joint each, and whose joints lose nothing of what
+    they transmit. Gravity is a base acceleration."""
+    assert not tree.lossy, "what is lost depends on all accelerations"
     assert not tree.follows, (
         "a coordinate that moves several joints makes the tree's inertia global"
     )

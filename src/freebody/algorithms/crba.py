@@ -176,6 +176,13 @@ def only_inertia(tree: Tree) -> Tree:
     return replace(inert, struts=())
 
 
+def without_losses(tree: Tree) -> Tree:
+    """The tree without what is lost of torques that joints transmit."""
+    if not tree.lossy:
+        return tree
+    return with_drives(tree, lambda drive: drive.only(lambda law: law.losses is None))
+
+
 def with_drives(tree: Tree, changed: Callable[[DriveScalars], DriveScalars]) -> Tree:
     """The tree with other drives."""
     bodies = tuple(
@@ -246,12 +253,6 @@ def substitute(tree: Tree, factors: Factors, right: Vector) -> Vector:
 
 
 def bias(tree: Tree, q: Vector, qd: Vector, external: Sequence[External] = ()) -> Vector:
-    """Velocity, gravity, friction and spring torques: the inverse dynamics at q̈ = 0."""
-    return rnea(tree, q, qd, (0.0,) * tree.nv, external).tau
-
-
-def forward_dynamics(
-    tree: Tree, q: Vector, qd: Vector, tau: Vector, external: Sequence[External] = ()
-) -> Vector:
-    """q̈ from M q̈ = tau - bias (3.29)."""
-    return solve(tree, crba(tree, q), sub(tau, bias(tree, q, qd, external)))
+    """Velocity, gravity, friction and spring torques: the inverse dynamics at q̈ = 0, without what
+    is lost of torques that joints transmit."""
+    return rnea(without_losses(tree), q, qd, (0.0,) * tree.nv, external).tau

@@ -14,9 +14,10 @@ with Ψ̇ = v_parent × S, Ψ̈ = a_parent × S + v_parent × Ψ̇, Ṡ = v × S
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from freebody.algorithms.crba import factor, forward_dynamics, momentum_of, substitute
+from freebody.algorithms.crba import factor, momentum_of, substitute
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.kinematics import (
     Column,
     along_every_direction,
@@ -50,6 +51,9 @@ class Derivatives:
     by_q: Matrix
     by_qd: Matrix
     by_last: Matrix
+    factors: dict[int, Scalar] = field(default_factory=dict)
+    """By coordinate, where a joint loses a part of the torque that it transmits, tau for each unit
+    transmitted; by q̈ it is then no longer M, nor symmetric."""
 
 
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
@@ -91,15 +95,27 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
                     enter(by_qd, l, k, ratio * (dot(r[0], back) + dot_motion(rates, carried)))
                     swing = dot(world.psi[i][a][0], back) + dot_motion(psi_rate[i][a], carried)
                     enter(by_q, l, k, ratio * swing)
-        if body.drive is not None:
-            k, square = inner.v[0], inner.ratio * inner.ratio
-            by_position, by_rate = body.drive.slopes(q, qd)
+    pulls = _add_struts(tree, q, qd, enter, by_q, by_qd) if tree.struts else (0.0,) * n
+    factors = {}
+    for j, body in enumerate(tree.bodies):
+        drive, k = body.drive, body.coordinates.v[0]
+        if drive is not None and drive.lossy:
+            needed = dot_motion(world.S[j][0], forces[j]) + pulls[k]
+            transmitted = needed + drive.at_joint.torque(q, qd)
+            factors[k] = 1.0 + drive.lost_part(qd, transmitted)
+            for table, slope in zip((by_q, by_qd), drive.at_joint.slopes(q, qd), strict=True):
+                enter(table, k, k, slope)
+            for table in (by_q, by_qd, by_qdd):
+                table[k] = [factors[k] * x for x in table[k]]
+            drive = drive.at_motor
+        if drive is not None:
+            square = body.coordinates.ratio * body.coordinates.ratio
+            by_position, by_rate = drive.slopes(q, qd)
             enter(by_q, k, k, square * by_position)
             enter(by_qd, k, k, square * by_rate)
-            enter(by_qdd, k, k, square * body.drive.inertia)
-    if tree.struts:
-        _add_struts(tree, q, qd, enter, by_q, by_qd)
-    return Derivatives(*(tuple(tuple(row) for row in table) for table in (by_q, by_qd, by_qdd)))
+            enter(by_qdd, k, k, square * drive.inertia)
+    q_rows, qd_rows, qdd_rows = (tuple(map(tuple, table)) for table in (by_q, by_qd, by_qdd))
+    return Derivatives(q_rows, qd_rows, qdd_rows, factors)
 
 
 def _add_struts(
@@ -109,14 +125,16 @@ def _add_struts(
     enter: Callable[[list[list[Scalar]], int, int, Scalar], None],
     by_q: list[list[Scalar]],
     by_qd: list[list[Scalar]],
-) -> None:
-    """Enter what struts add to the derivatives, by forward mode."""
+) -> Vector:
+    """The torques that struts need; what they add to the derivatives, by forward mode, is
+    entered."""
     n = tree.nv
     faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
     torques = rnea(struts_alone(tree), along_every_direction(tree, q), faster, (0.0,) * n).tau
     for k, torque in enumerate(torques):
         for l, slope in enumerate(slopes(torque, 2 * n)):
             enter(by_q if l < n else by_qd, k, l % n, slope)
+    return tuple(torque.value if isinstance(torque, Dual) else torque for torque in torques)
 
 
 def forward_dynamics_derivatives(
@@ -132,9 +150,16 @@ def forward_dynamics_derivatives(
     causes."""
     qdd = forward_dynamics(tree, q, qd, tau)
     inverse = inverse_derivatives(tree, q, qd, qdd)
-    factors = factor(tree, inverse.by_last)
+
+    def transmitted(table: Matrix) -> Matrix:
+        """Rows for each unit that joints transmit: so the last derivative is symmetric."""
+        gain = inverse.factors
+        return tuple(scale(1.0 / gain[k], row) if k in gain else row for k, row in enumerate(table))
+
+    factors = factor(tree, transmitted(inverse.by_last))
 
     def solved(right: Matrix) -> Matrix:
+        right = transmitted(right)
         return transposed(tuple(substitute(tree, factors, column) for column in transposed(right)))
 
     by_q, by_qd = (

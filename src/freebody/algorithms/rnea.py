@@ -8,7 +8,8 @@ i:
     F = m v̇_c,  N = I ω̇ + ω × I ω                      (4.12, 4.13), (6.28, 6.29)
     f_i = F + Σ_k R f_k - f_external                    (4.14)
     n_i = N + c × F + Σ_k (R n_k + p × R f_k) - n_ext   (4.15)
-    tau = column · (n_i, f_i) + rotor q̈ + friction + spring, by the laws of the joint's drive
+    tau = column · (n_i, f_i) + rotor q̈ + friction + spring, by the laws of the joint's drive,
+          and what is lost of column · (n_i, f_i) + spring, which the joint transmits
 
 Struts act on bodies as external wrenches do.
 
@@ -121,7 +122,11 @@ def joint_torque(
     """The torque that the motor of a joint must give, along each of its columns."""
     torques = [dot(w, n) + dot(v, f) for w, v in body.columns]
     if body.drive is not None:
-        torques[0] = torques[0] + body.drive.torque(q, qd) + body.drive.inertia * body.rates(qdd)[0]
+        drive = body.drive
+        lost = drive.lost(torques[0], q, qd) if drive.lossy else None
+        torques[0] = torques[0] + drive.torque(q, qd) + drive.inertia * body.rates(qdd)[0]
+        if lost is not None:
+            torques[0] = torques[0] + lost
     return tuple(torques)
 
 

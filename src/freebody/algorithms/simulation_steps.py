@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from freebody.algorithms.crba import bias, crba, factor, substitute, with_drives
+from freebody.algorithms.forward_dynamics import under_losses
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, sqrt
+from freebody.elementary import Scalar, absolute, less, sqrt, where
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
@@ -163,15 +164,17 @@ def _implicit_euler(
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
     them.
     """
+    M = crba(tree, q)
+    lost = _losses(tree, q, qd, M, given.tau, loads, width) if tree.lossy else None
     tree = with_signs(tree, lambda rate: 0.0)  # what depends on them comes as drag
     damping, stiffness, drag = _slopes(tree, q, qd, width)
+    drag = drag if lost is None else add(drag, lost)
     forces = sub(sub(given.tau, bias(tree, q, qd, loads)), _each(drag, qd))
     ahead = add(_each(stiffness, qd), given.ahead)
     damping, stiffness = add(damping, given.damping), add(stiffness, given.stiffness)
     added = scale(h, add(damping, drag, scale(h, stiffness)))
     M = tuple(
-        tuple(x + added[i] if i == j else x for j, x in enumerate(row))
-        for i, row in enumerate(crba(tree, q))
+        tuple(x + added[i] if i == j else x for j, x in enumerate(row)) for i, row in enumerate(M)
     )
     factors, forces = factor(tree, M), sub(forces, scale(h, ahead))
     if tree.loops:
@@ -222,6 +225,34 @@ def _slopes(tree: Tree, q: Vector, qd: Vector, width: Scalar) -> tuple[Vector, V
             stiffness[k] = stiffness[k] + square * by_position
             drag[k] = drag[k] + square * (body.drive.drag(q, qd) / size)
     return tuple(damping), tuple(stiffness), tuple(drag)
+
+
+def _losses(
+    tree: Tree,
+    q: Vector,
+    qd: Vector,
+    M: Matrix,
+    tau: Vector,
+    loads: Sequence[External],
+    width: Scalar,
+) -> Vector:
+    """The torque that joints lose of what they transmit, over the rate: what they transmit is that
+    under the torques tau at the state."""
+
+    def size(rate: Scalar) -> Scalar:
+        return sqrt(rate * rate + width * width)
+
+    rubbing = with_signs(tree, lambda rate: rate / size(rate))
+    forces = sub(tau, bias(rubbing, q, qd, loads))
+    sent = under_losses(rubbing, q, qd, tau, M, forces).transmitted
+    found: list[Scalar] = [0.0] * tree.nv
+    for body in tree.bodies:
+        if body.drive is not None and body.drive.lossy:
+            k = body.coordinates.v[0]
+            driving, driven = body.drive.losses
+            part = where(less(0.0, qd[k] * sent[k]), driving, driven)
+            found[k] = part * absolute(sent[k]) / size(qd[k])
+    return tuple(found)
 
 
 def _each(factors: Vector, values: Vector) -> Vector:

@@ -17,6 +17,7 @@ from freebody.kernels.formulas import Option
 from freebody.lazy import kept
 from freebody.model.bodies import Frame
 from freebody.model.cut import cut, fixed_frame
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.spatial import of_dimension
@@ -87,6 +88,7 @@ def _opened_forward(function: str, model: Model, *arguments: Any) -> Array:
     return result
 
 
+_AT_JOINT = " (wrenches= and springs of joints are)"
 _INVERSE, _STATIC = _by_chain(_closed_inverse), _by_chain(_closed_static)
 _FORWARD, _WRENCHES = _by_chain(_closed_forward, _opened_forward), _by_chain(_closed_wrenches)
 
@@ -148,6 +150,7 @@ def inverse_dynamics(
             f"inverse_dynamics: actuated= chooses among the joints of a closed chain; "
             f"{model.name!r} has no loops."
         )
+    require_lossless("inverse_dynamics: forces=", model, _AT_JOINT)
     given = {"q": q, "qd": qd, "qdd": qdd, "forces": forces}
     (*motion, acting), loads = _checked("inverse_dynamics", model, given, wrenches)
     return evaluate("inverse_dynamics", model, tuple(motion), None, loads, _INVERSE) - acting
@@ -195,6 +198,7 @@ def forward_dynamics(
         refuse_passive("forward_dynamics", model, tau)
     if forces is not None:
         require_model("forward_dynamics", model)
+        require_lossless("forward_dynamics: forces=", model, _AT_JOINT)
         given = {"q": q, "qd": qd, "tau": tau, "forces": forces}
         (q, qd, tau, acting), wrenches = _checked("forward_dynamics", model, given, wrenches)
         tau = tau + acting

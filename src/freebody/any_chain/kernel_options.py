@@ -16,6 +16,7 @@ from freebody.kernels.options import (
     require_square,
     several,
 )
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 
 
@@ -64,6 +65,8 @@ def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> N
             model.require_tree(f"{function}: {name}")
         if FORMULAS[name].without_struts:
             refuse_struts(f"{function}: {name}", model)
+        if FORMULAS[name].lossless:
+            require_lossless(f"{function}: {name}", model)
         if FORMULAS[name].chains == "square":
             require_square(function, model)
         if FORMULAS[name].chains == "closed" and not model.loops:

@@ -208,7 +208,8 @@ def _drive(drive: Drive) -> dict[str, str]:
             for number, x in given.items():
                 table, key = number.place
                 groups.setdefault(table, {})[key] = _quantity(x)
-    return {table: _inline(group) for table, group in groups.items() if group != _NOTHING[table]}
+    given = {table: group for table, group in groups.items() if group != _NOTHING.get(table)}
+    return {table: _inline(group) for table, group in given.items()}
 
 
 _NOTHING: dict[str, dict[str, str]] = {}

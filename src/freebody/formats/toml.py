@@ -115,7 +115,15 @@ def _tree(top: TomlTable) -> RobotDescription:
     links = tuple(parts.link(t, dim) for t in top.tables("link"))
     if not links:
         top.refuse("there are no links; write a [[link]] for each body, the base included.")
-    joints = tuple(parts.joint(t, dim) for t in top.tables("joint"))
+    tables = top.tables("joint")
+    whole = [parts.flexible(table, parts.joint(table, dim)) for table in tables]
+    joints = tuple(joint for found, _ in whole for joint in found)
+    flexible = [found[0].name for found, _ in whole if len(found) > 1]
+    for table, joint in zip(tables, (found[0] for found, _ in whole), strict=True):
+        if joint.mimic is not None and joint.mimic.joint in flexible:
+            problem = f"joint {joint.mimic.joint!r} is flexible, and its rotor would be followed"
+            table.refuse(f"joint {joint.name!r}: {problem}; leave one of the two out.", "mimic")
+    links = (*links, *(link for _, found in whole for link in found))
     return RobotDescription("", dim, links, joints, parts.gravity(top, dim))
 
 

@@ -25,6 +25,7 @@ from freebody.model.description import (
     Payload,
 )
 from freebody.model.drives import LAWS, NUMBERS
+from freebody.model.flexible_joints import split
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
@@ -170,7 +171,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
     table = table.called(f"joint {table.text('name')!r}")
     table.only(
         *("name", "kind", "parent", "child", *_PLACE, "axis", *_OWN),
-        *("limits", *DRIVE, "mimic", "passive"),
+        *("limits", *DRIVE, "flexible", "mimic", "passive"),
     )
     kind = table.choice("kind", KINDS)
     one = KINDS[kind].nv == 1
@@ -178,7 +179,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
     taken = {
         "axis": KINDS[kind].needs_axis,
         "limits": one,
-        **dict.fromkeys(DRIVE, one),
+        **dict.fromkeys((*DRIVE, "flexible"), one),
         **{name: name in own for name in _OWN},
         "mimic": one,
     }
@@ -207,6 +208,21 @@ def joint(table: TomlTable, dim: int) -> Joint:
     )
 
 
+def flexible(table: TomlTable, joint: Joint) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
+    """(joints, links) that a joint of a table [[joint]] becomes, whose shaft may twist."""
+    inner = table.table("flexible")
+    if inner is None:
+        return (joint,), ()
+    inner = inner.called(f"joint {joint.name!r}, flexible").only("stiffness", "damping")
+    try:
+        rotor, link, twist = split(
+            joint, inner.quantity("stiffness"), inner.quantity("damping", default=0.0)
+        )
+    except ModelError as error:
+        inner.refuse(str(error))
+    return (rotor, twist), (link,)
+
+
 def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
     """A joint's axis: a vector, or "x", "-z"; in the plane 1 (counterclockwise) or -1."""
     if KINDS[kind].axis_size(dim) == 1:
@@ -233,7 +249,7 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
 
 
 def drive(table: TomlTable) -> Drive:
-    """The drive that friction, rotor and spring describe."""
+    """The drive that friction, rotor, spring and transmission describe."""
     found: dict[str, Quantity] = {}
     for key in DRIVE:
         inner = table.table(key)

@@ -22,6 +22,7 @@ from freebody.kernels.formulas.record import Fetch
 from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.tracing import arguments, program
 from freebody.lazy import cached_property
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.named_numbers import Name
 from freebody.program import Argument, Program
@@ -92,7 +93,11 @@ def in_columns(
 
 def _large(model: Model, names: tuple[str, ...]) -> list[str]:
     """The quantities that are made column by column, for so many coordinates."""
-    return [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
+    large = [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
+    for name in large:
+        if FORMULAS[name].columns_lossless:
+            require_lossless(name, model, f" of more than {LARGEST} coordinates")
+    return large
 
 
 def _with_inputs(

@@ -35,6 +35,7 @@ from freebody.model.description import (
 )
 from freebody.model.joints import KINDS
 from freebody.model.loops import checked_loop
+from freebody.model.losses import loss_fault
 from freebody.model.mimics import Mimic, leaders, one_by_one
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
@@ -196,6 +197,8 @@ class _Assembly:
             loop_tolerance=d.loop_tolerance,
             struts=self.struts(movable),
         )
+        if problem := loss_fault(model.bodies, model.loops):
+            self.checks.refuse(f"{problem}.")
         known = set(model.position_names)
         for name, _ in d.home:
             if name not in known:
@@ -383,6 +386,8 @@ class _DescriptionChecks:
     def check_drive(self, joint: Joint) -> None:
         """Warn about friction that pushes and rotors that no motor has, or refuse them, as the
         policy on inertias has it."""
+        if problem := joint.drive.fault(bounded=True):
+            self.refuse(f"joint {joint.name!r}: {problem}.", joint.line)
         if self.physical != "ignore":
             self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)
 

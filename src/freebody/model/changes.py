@@ -21,6 +21,7 @@ from freebody.model.families import Members, is_array, is_nested, members, one_f
 from freebody.model.inertia import Inertia, faults
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.loops import checked_loop
+from freebody.model.losses import loss_fault
 from freebody.model.number_names import PAYLOAD
 from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import (
@@ -48,7 +49,7 @@ def without(model: Model, features: Sequence[str]) -> Model:
     for feature in features:
         if feature not in _FEATURES and feature not in _PARTS:
             raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, *_PARTS))
-    off = {law.strength: 0.0 for law in LAWS.values() if law.feature in features}
+    off = {k: x for law in LAWS.values() if law.feature in features for k, x in law.off.items()}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies
@@ -178,6 +179,8 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))
     result = with_symbols_known(put(model, ("bodies", k), driven), *numbers.values())
+    if problem := loss_fault(result.bodies, result.loops):
+        raise ModelError(f"with_drive: {problem}.")
     return one_family(result, model, *numbers.values())
 
 
@@ -273,6 +276,8 @@ def with_loop(model: Model, loop: Loop) -> Model:
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.reaction_names, *model.strut_names)
     loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
+    if problem := loss_fault(model.bodies, loops):
+        raise ModelError(f"with_loop: {problem}.")
     return with_symbols_known(replace(model, loops=loops), loop)
 
 

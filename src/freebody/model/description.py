@@ -3,6 +3,7 @@ of."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, make_dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -131,14 +132,29 @@ class Drive(_LawNumbers, Keeps):
         """The numbers of these laws."""
         return tuple([number for law in self.listed_laws for number in law.numbers])
 
-    def fault(self) -> str | None:
-        """Why no joint has this drive, or None; of a family, of the first member that has none."""
+    def fault(self, bounded: bool = False) -> str | None:
+        """Why no joint has this drive, or None; of a family, of the first member that has none.
+
+        bounded: look at numbers within bounds alone, without which no motion follows.
+        """
+        for strength, name in _TOGETHER:
+            if _is_given(getattr(self, name)) and not _is_given(getattr(self, strength)):
+                return f"{name} is given without {strength}; give both"
         for number in self.listed:
-            if number.refused is not None:
+            if number.refused is not None and (not bounded or number.below < math.inf):
                 for x in _values(getattr(self, number.name)):
                     if fault := number.refused(x):
                         return fault
         return None
+
+
+_TOGETHER = tuple(
+    (law.strength, number.name)
+    for law in LAWS.values()
+    for number in law.numbers[1:]
+    if number.below < math.inf
+)
+"""Pairs of a strength and a further number that is bounded, too."""
 
 
 def _is_given(number: Quantity) -> bool:

@@ -269,7 +269,7 @@ class NumberLayout:
         """Whether the inertias that these slots belong to surely are those of rigid bodies, and
         the drives those of motors."""
         for slot in slots:
-            if slot in self.rows.positive and values[slot] <= 0.0:
+            if slot in self.rows.below and not 0.0 < values[slot] < self.rows.below[slot]:
                 return False
             for take in self.rows.inertias.get(slot, ()):
                 mass, *tensor = take(values)

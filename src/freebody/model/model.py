@@ -15,7 +15,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingValueError, ModelError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
-from freebody.model import edits, inertial_parameters, joint_table, named_numbers
+from freebody.model import edits, flexible_joints, inertial_parameters, joint_table, named_numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.description import Loop, Notice
 from freebody.model.doubts import ALL, ESTIMATED, Doubt, doubts_on, doubts_used, named, read_doubts
@@ -328,6 +328,33 @@ class Model(NamedParts, Tabled, ByValue):
             rest, rad (m); and those of friction, such as viscous, N m s/rad (N s/m).
         """
         return edits.driven(self, joint, {k: x for k, x in numbers.items() if x is not None})
+
+    def with_flexible_joint(self, joint: str, *, stiffness: Any, damping: Any = 0.0) -> Model:
+        """The model with a shaft that twists between the rotor of a joint and its link.
+
+        The joint's coordinate is then the angle of its rotor, seen behind the gear, where motor,
+        friction and losses act; a passive joint "<joint>_twist" behind it, on a link
+        "<joint>_rotor" without mass, has the twist as its coordinate. The link's angle is their
+        sum. Numbers, names, or arrays over the members of a family.
+
+        Parameters
+        ----------
+        joint
+            Name of a joint of one coordinate, with a rotor that has inertia.
+        stiffness
+            Of the shaft, seen at the joint: N m/rad (N/m of a prismatic joint).
+        damping
+            N m s/rad (N s/m), of the twist.
+
+        Raises
+        ------
+        ModelError
+            Nothing turns before the shaft twists, a spring acts on the link's angle, or another
+            joint follows.
+        UnknownNameError
+        """
+        given = {"stiffness": stiffness, "damping": damping}
+        return flexible_joints.with_flexible_joint(self, joint, given)
 
     def with_inertial_parameters(self, pi: Any) -> Model:
         """The model with other inertial parameters π (..., k), in the order and units of

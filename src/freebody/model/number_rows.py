@@ -4,7 +4,7 @@ arithmetic as in `contributions`, so to the last bit."""
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from itertools import chain, compress
+from itertools import chain
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -81,8 +81,9 @@ class NumberRows:
         self.inertias: dict[int, list[TakeSlots]] = {}
         """Functions that pick mass and tensor of the inertias to which a number belongs, by its
         slot."""
-        self.positive: set[int] = set()
-        """Slots whose numbers, where they are not above 0, have to be looked at closely."""
+        self.below: dict[int, float] = {}
+        """By slot the bound such that numbers not above 0, or not below it, have to be looked at
+        closely."""
         self.positions: list[ShiftSum] = []
         self.places: list[Vector] = []
         """The points of `positions`."""
@@ -204,7 +205,9 @@ class NumberRows:
             for law in laws
         ]
         for law, slots in zip(laws, own, strict=True):
-            self.positive.update(compress(slots, [x.refused is not None for x in law.numbers]))
+            for slot, x in zip(slots, law.numbers, strict=True):
+                if x.refused is not None:
+                    self.below[slot] = min(x.below, self.below.get(slot, x.below))
         strengths = [slots[0] for slots in own]
         kept, usual = names or USUAL, sum(law.usual for law in laws)
         each = [_scalars(law, s) for law, s in zip(laws, own, strict=True) if law.name in kept]

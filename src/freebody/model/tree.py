@@ -11,12 +11,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
+from freebody.errors import ModelError
 from freebody.lazy import Keeps
 from freebody.model.drives.acting import ActingLaw, DriveScalars, counted, every_law
 from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
 from freebody.model.joints.kind import Column, Primitive
 from freebody.model.loop_kinds import LOOP_KINDS, Closure
+from freebody.model.losses import loss_fault
 from freebody.model.parameters import Quantity, each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import QuantityReader
@@ -156,6 +158,11 @@ class Tree:
         used = [k for body in self.bodies for k in body.coordinates.v]
         return len(used) != len(set(used))
 
+    @property
+    def lossy(self) -> bool:
+        """Whether some joint loses part of the torque that it transmits."""
+        return any(body.drive is not None and body.drive.lossy for body in self.bodies)
+
     def children(self, i: int) -> tuple[int, ...]:
         """Indices of the bodies that hang on body i."""
         return tuple(k for k, body in enumerate(self.bodies) if body.parent == i)
@@ -213,6 +220,8 @@ def lower(model: Model, reader: QuantityReader) -> Tree:
 def tree_of(model: Model, pieces: Pieces) -> Tree:
     """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity;
     loops; struts; base; frames."""
+    if problem := loss_fault(model.bodies, model.loops):
+        raise ModelError(f"{model.name!r}: {problem}.")
     space = pieces.space
     bodies: list[TreeBody] = []
     body_of: dict[int, int] = {-1: -1}

@@ -17,6 +17,7 @@ from freebody.errors import FreebodyError
 from freebody.lazy import kept
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.drives.acting import DriveScalars
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 
 WIDTH = FRICTION_WIDTH
@@ -91,7 +92,7 @@ def _signed_laws(model: Model, keeps: Callable[[DriveLaw], bool], width: float) 
 
 def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
     """The model without some laws of drives."""
-    off = {law.strength: 0.0 for law in LAWS.values() if gone(law)}
+    off = {k: x for law in LAWS.values() if gone(law) for k, x in law.off.items()}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
         for body in model.bodies
@@ -165,6 +166,7 @@ def _each(model: Model, of: Callable[[DriveScalars], Scalar]) -> Array:
 def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
     """Viscous friction, and the largest dry friction that does not depend on the rate, of each
     coordinate (nv,). Raises FreebodyError where a joint has any other."""
+    require_lossless(function, model)
     for body in model.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:
             if x.law.feature == "friction" and x.law.power not in (0, 1) and np.any(x.p[0]):

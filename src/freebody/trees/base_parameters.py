@@ -13,6 +13,7 @@ from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
 from freebody.kernels.options import refuse_struts
 from freebody.model.inertial_parameters import body_parameters
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
@@ -72,6 +73,7 @@ def base_parameters(model: Model) -> BaseParameters:
     """
     model.require_tree("base_parameters")
     refuse_struts("base_parameters", model)
+    require_lossless("base_parameters", model)
     values = inertial_parameters(model)
     tree = model.tree
     names = tuple(values)

@@ -10,10 +10,11 @@ from numpy.typing import ArrayLike
 
 from freebody.algorithms.kinematics import NO_CENTRE
 from freebody.arrays import Array, at_sample
-from freebody.errors import FreebodyError, SingularError
+from freebody.errors import FreebodyError, SingularError, listed
 from freebody.kernels.formulas import Option
 from freebody.kernels.options import require_square
 from freebody.model.geometry import fact
+from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.model.tree import about_origin
@@ -45,11 +46,18 @@ def where_all_move_mass(
 
 
 def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
-    """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there."""
+    """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there, or in
+    gears that lose torque the directions of power were not found."""
     single = accelerations.ndim == 1  # plain Python is quicker there
     if math.isfinite(sum(accelerations.tolist())) if single else np.isfinite(accelerations).all():
         return
     *sample, k = map(int, np.argwhere(~np.isfinite(accelerations))[0])
+    if lossy := lossy_joints(model.bodies):
+        raise SingularError(
+            f"{function}: which way power flows through {listed(lossy)} of {model.name!r}, whose "
+            f"losses depend on it, did not settle{at_sample(sample)}, or the mass matrix is "
+            f"singular."
+        )
     raise SingularError(
         f"{function}: the mass matrix of {model.name!r} is singular{at_sample(sample)}: "
         f"joint coordinate {model.velocity_names[k]!r} has no finite acceleration."

@@ -17,6 +17,7 @@ from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.options import refuse_struts
 from freebody.kernels.tracing import shape
 from freebody.labels import aligned, refuse_other_times
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.number_text import compared
@@ -124,6 +125,8 @@ def careful(
         model.require_tree(function)
     if FORMULAS[function].without_struts:
         refuse_struts(function, model)
+    if FORMULAS[function].lossless:
+        require_lossless(function, model)
     chosen = structural.PLAIN if option is None else option(model, *choice)
     place = _place(key, wrenches)
     if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):

@@ -18,6 +18,7 @@ from freebody.errors import FreebodyError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.lookup import LARGEST
 from freebody.kernels.tracing import program as formula_program
+from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.program import Program, trace
@@ -128,7 +129,8 @@ def of_quantities(request: QuantityRequest) -> Differentiable:
             )
     traced = formula_program(model, names, option, p, over, by)
     formulas = FORMULAS[names[0]].derivatives
-    if not formulas or len(names) > 1 or by or model.loops or option.wrench_frames:
+    lossy = bool(lossy_joints(model.bodies))  # then ∂tau/∂q̈ is not M
+    if not formulas or lossy or len(names) > 1 or by or model.loops or option.wrench_frames:
         return Differentiable(traced)
 
     @cache

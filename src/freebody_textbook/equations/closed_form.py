@@ -400,10 +400,19 @@ _TERMS: dict[str, type[_VelocityTerms]] = {
 }
 
 
+def require_polynomial_drives(symbols: Symbols) -> None:
+    """Refuse, by its name, a law of a drive that is no polynomial."""
+    for body in symbols.tree.bodies:
+        for x in () if body.drive is None else body.drive.laws:
+            _law_torque(body, x.law, symbols.q, symbols.qd)
+
+
 def _law_torque(body: TreeBody, law: DriveLaw, q: Vector, qd: Vector) -> Any:
     """The torque of a law of a drive. Raises FreebodyError for one that is no polynomial."""
     assert body.drive is not None
     try:
+        if law.losses is not None:
+            raise FreebodyError(law.words)
         return body.drive.only(lambda other: other is law).torque(q, qd)
     except FreebodyError:
         raise FreebodyError(

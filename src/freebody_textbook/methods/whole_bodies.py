@@ -18,6 +18,7 @@ from freebody.expressions.polynomials.symbols import RATE, Formulas, Symbols, sy
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.bodies import Body
 from freebody.model.inertia import Inertia, combined
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.parameters import Parameter, Quantity, each_parameter
 from freebody.model.placement import Placement
@@ -40,6 +41,7 @@ def symbols_of_bodies(
 ) -> Symbols:
     """The symbols of a model that is told body by body, each body's parts as one; refuses what is
     not written for. Arguments as of `symbols`."""
+    require_lossless(what, model)
     how = {"extra": extra, "euler": euler, "formulas": formulas}
     how |= {"turned": turned, "quarters": quarters}
     made = symbols(model, **how)

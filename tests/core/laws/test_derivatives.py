@@ -8,7 +8,7 @@ import pytest
 
 import freebody as fb
 from freebody.algorithms import kinematics
-from freebody.algorithms.crba import forward_dynamics
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.rnea import rnea
 from support.branched import MODELS, difference_along
 from support.reference import reference

@@ -13,7 +13,7 @@ import pytest
 import freebody as fb
 from freebody import Inertia, Model, SingularError
 from freebody.algorithms.aba import aba
-from freebody.algorithms.crba import forward_dynamics
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.rnea import External, external_on_frame, rnea
 from freebody.model.inertia import combined
 from support import generate

@@ -42,6 +42,7 @@ FORMULAS = {
         of_frame=True,
         of_rows=True,
         chains="open",
+        lossless=True,
     ),
     "impedance": Formula(
         ("q", "qd", "pose_ref", "V_ref", "stiffness", "damping"),
@@ -70,5 +71,6 @@ FORMULAS = {
         },
         lambda t, o, **inputs: momentum_observer(t, **inputs),
         chains="open",
+        lossless=True,
     ),
 }

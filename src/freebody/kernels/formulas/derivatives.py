@@ -36,6 +36,8 @@ def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
 def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
     """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds
     well."""
+    if tree.lossy:  # then the derivative by q̈ is not M
+        return inverse_dynamics_derivatives(tree, q, qd, qdd)
     n = tree.nv
     faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
     rows = [slopes(t, 2 * n) for t in rnea(tree, along_every_direction(tree, q), faster, qdd).tau]
@@ -107,6 +109,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_inverse_derivatives,
+        columns_lossless=True,
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
@@ -130,6 +133,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_forward_derivatives,
+        columns_lossless=True,
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),
@@ -141,6 +145,7 @@ FORMULAS = {
         },
         _second,
         chains="open",
+        lossless=True,
     ),
     "inverse_dynamics_along": Formula(
         ("q", "qd", "qdd", "dq", "dqd"),

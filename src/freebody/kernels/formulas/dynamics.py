@@ -14,11 +14,11 @@ from freebody.algorithms.crba import (
     bias,
     crba,
     factor,
-    forward_dynamics,
     mass_product,
     only_inertia,
     supports,
 )
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.loop_checks import (
     closure_margins,
     consistent_margin,
@@ -105,7 +105,7 @@ def _prefers_articulated_bodies(tree: Tree) -> bool:
     """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are
     long."""
     longest = max((len(above) for above in supports(tree).values()), default=0)
-    return longest >= 24 and not tree.follows
+    return longest >= 24 and not tree.follows and not tree.lossy
 
 
 def _gravity(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
@@ -263,6 +263,7 @@ FORMULAS = {
         one("bias", ("nv",), "torques at zero accelerations (N m, N)"),
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
+        lossless=True,
         touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(

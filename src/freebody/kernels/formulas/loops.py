@@ -111,6 +111,7 @@ FORMULAS = {
             ),
         },
         _constrained,
+        lossless=True,
     ),
     "loop_velocity": _by_loops(
         ("q", "x"),

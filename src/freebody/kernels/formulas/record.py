@@ -91,6 +91,8 @@ class Formula:
     drives, or one for what the "loops" do, to which drives do not matter.
     without_struts: whether it leaves struts out, so that no model with some must be given to it.
     by_columns: how a matrix of a large robot is made column by column.
+    lossless: whether it says nothing of robots whose joints lose a part of the torque that they
+    transmit; columns_lossless: whether the way by columns does not.
     touches: what of the robot it depends on besides geometry, of what a doubt may be on
     (`model.doubts`).
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
@@ -110,6 +112,8 @@ class Formula:
     settled: Literal["equations", "partition", "loops"] | None = None
     without_struts: bool = False
     by_columns: ByColumns | None = None
+    lossless: bool = False
+    columns_lossless: bool = False
     touches: tuple[str, ...] = DYNAMIC
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 

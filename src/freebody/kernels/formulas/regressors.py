@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from freebody.algorithms.crba import crba, factor, forward_dynamics, substitute
+from freebody.algorithms.crba import crba, factor, substitute
+from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.regressor import energy_regressor, regressor
 from freebody.kernels.formulas.record import Formula, Option, one
 from freebody.model.tree import Tree
@@ -28,6 +29,7 @@ FORMULAS = {
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
         without_struts=True,
+        lossless=True,
         touches=(),
     ),
     "energy_regressor": Formula(
@@ -50,5 +52,6 @@ FORMULAS = {
         ),
         _forward_by_parameters,
         chains="open",
+        lossless=True,
     ),
 }

@@ -7,7 +7,9 @@ from freebody.model.drives import (
     asymmetric,
     coulomb,
     cube_root,
+    efficiency,
     hardening,
+    load,
     offset,
     quadratic,
     rotor,
@@ -30,6 +32,8 @@ LAWS: dict[str, DriveLaw] = {
         quadratic.LAW,
         cube_root.LAW,
         hardening.LAW,
+        load.LAW,
+        efficiency.LAW,
     )
 }
 

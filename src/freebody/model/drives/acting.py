@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from freebody.dual import Dual, slopes
-from freebody.elementary import Scalar, sign
+from freebody.elementary import Scalar, absolute, less, sign, where
 from freebody.model.drives import LAWS
 from freebody.model.drives.law import DriveLaw
 from freebody.spatial import Vector
@@ -49,9 +49,53 @@ class DriveScalars:
         return inertia_of(self.laws)
 
     def torque(self, q: Vector, qd: Vector) -> Scalar:
-        """The torque that friction, springs and the like need, without inertia."""
+        """The torque that friction, springs and the like need, without inertia and without what is
+        lost of the torque transmitted."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
         return self._torque(position, rate, rate)
+
+    @property
+    def lossy(self) -> bool:
+        """Whether part of the torque that the joint transmits is lost."""
+        return any(x.law.losses is not None for x in self.laws)
+
+    @property
+    def at_joint(self) -> DriveScalars:
+        """The laws that act on the joint itself, so that what is transmitted has their torque."""
+        return self.only(lambda law: law.at_joint)
+
+    @property
+    def at_motor(self) -> DriveScalars:
+        """The laws that act on the motor's side of what loses a part of the torque."""
+        return self.only(lambda law: not law.at_joint)
+
+    def lost(self, needed: Scalar, q: Vector, qd: Vector) -> Scalar:
+        """The torque that the motor gives besides, since the joint transmits what the bodies need
+        of it and what acts on the joint itself."""
+        transmitted = needed + self.at_joint.torque(q, qd)
+        return self.lost_part(qd, transmitted) * transmitted
+
+    def lost_part(self, qd: Vector, direction: Scalar) -> Scalar:
+        """Which part of the torque that the joint transmits the motor gives besides, friction
+        aside: below 0 where the joint drives the motor. direction: a number with that torque's
+        sign."""
+        lossy = [x for x in self.laws if x.law.losses is not None]
+        if not lossy:
+            return 0.0
+        (rate,) = self.at.rates(qd)
+        s, (driving, driven) = self.sign(lossy[0].law, rate), self.losses
+        return where(less(0.0, s * direction), absolute(s) * driving, -(absolute(s) * driven))
+
+    @property
+    def losses(self) -> tuple[Scalar, Scalar]:
+        """Which part of what is transmitted is lost while the motor drives the joint, and which
+        the motor is spared while the joint drives it: of all laws, one behind the other."""
+        driving, driven = 0.0, 0.0
+        for x in self.laws:
+            if x.law.losses is not None:
+                lost, spared = x.law.losses(x.p)
+                driving, driven = driving + lost + driving * lost, driven + spared - driven * spared
+        return driving, driven
 
     def energy(self, q: Vector) -> Scalar:
         """The energy that is stored at a position."""

@@ -40,4 +40,5 @@ LAW = DriveLaw(
     ),
     torque=_torque,
     energy=_energy,
+    at_joint=True,
 )

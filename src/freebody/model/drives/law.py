@@ -6,6 +6,7 @@ that most laws are a few lines.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -32,7 +33,9 @@ class LawNumber:
     name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
     the table and its key. unit: with {effort}, {position} and {inertia} of the joint. what: in
     words. short: in tables of symbols, where that differs. refused: why no joint has such a number,
-    or None. needed: whether a file that has its table gives it too.
+    or None. needed: whether a file that has its table gives it too. below: of a number within
+    bounds the upper one; where it is refused no motion follows from torques, so no policy accepts
+    it.
     """
 
     name: str
@@ -43,6 +46,7 @@ class LawNumber:
     default: float = 0.0
     refused: Callable[[float], str | None] | None = None
     needed: bool = False
+    below: float = math.inf
 
     @property
     def words(self) -> str:
@@ -95,18 +99,31 @@ class LinearForm:
     numbers: Callable[[Sequence[Any], Mapping[str, Any], str], dict[str, Any]]
 
 
+NO_PARAMETERS = LinearForm(
+    (),
+    values=lambda p: (),
+    torques=lambda p, position, rate, s: (),
+    energies=lambda p, position: (),
+    numbers=lambda entries, now, owner: {},
+)
+"""Of a law that is linear in nothing: its numbers are no parameters."""
+
+
 @dataclass(frozen=True)
 class DriveLaw:
     """A law of drives. Its scalars are made of its numbers; the first is its strength, in which all
-    is linear, and without which it does not act.
+    but losses is linear, and without which it does not act.
 
     feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
     one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars)
     -> what q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. scalars: of its
     numbers in their order, where they are not these. form: as a linear function of other parameters
     than its strength. power: of the rate, to which friction is proportional, where it is to one.
-    signed: whether the torque depends on s. usual: whether it is counted wherever any law acts, so
-    that kernels and regressors do not depend on which of the usual ones are 0.
+    signed: whether the torque depends on s. losses: (scalars) -> which part of the torque that the
+    joint transmits is lost while the motor drives it, and which of it the motor is spared while the
+    joint drives the motor. at_joint: whether the torque acts on the joint itself, so that what is
+    transmitted has it; friction and rotors are the motor's. usual: whether it is counted wherever
+    any law acts, so that kernels and regressors do not depend on which of the usual ones are 0.
     """
 
     name: str
@@ -121,12 +138,20 @@ class DriveLaw:
     form: LinearForm | None = None
     power: int | None = None
     signed: bool = False
+    losses: Callable[[Vector], tuple[Scalar, Scalar]] | None = None
+    at_joint: bool = False
     usual: bool = False
 
     @property
     def strength(self) -> str:
         """The number without which it does not act."""
         return self.numbers[0].name
+
+    @property
+    def off(self) -> dict[str, float]:
+        """The numbers with which it does not act."""
+        bounded = {number.name: 0.0 for number in self.numbers if number.below < math.inf}
+        return {self.strength: 0.0} | bounded
 
     def scalars_of(self, read: Callable[[str], Scalar]) -> Vector:
         """The scalars, of numbers by name."""

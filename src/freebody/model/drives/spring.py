@@ -45,6 +45,7 @@ LAW = DriveLaw(
     ),
     torque=lambda p, position, rate, s: p[0] * (position - p[1]),
     energy=_energy,
+    at_joint=True,
     form=LinearForm(
         ("stiffness", "stiffness_rest"),
         values=lambda p: (p[0], p[0] * p[1]),

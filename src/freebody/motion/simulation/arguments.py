@@ -26,6 +26,7 @@ from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.kernels.options import several
 from freebody.labels import is_labelled, row_times
 from freebody.model.drives import LAWS
+from freebody.model.losses import lossy_joints, require_lossless
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, smooth_friction
 from freebody.motion.simulation.first_order_system import FINEST
@@ -93,7 +94,7 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 
 def has_friction(model: Model) -> bool:
     """Whether the friction of a drive of the model depends on the sign of a rate."""
-    return smooth_friction(model)[1].acts
+    return smooth_friction(model)[1].acts or bool(lossy_joints(model.bodies))
 
 
 def recorded(model: Model, names: Sequence[str] | str | None) -> tuple[str, ...]:
@@ -141,6 +142,11 @@ def contacts_of(
             )
     if friction == "smooth" and share is None:
         return None
+    require_lossless(
+        "simulate: friction='dry' and restitution=",
+        model,
+        " (friction='smooth' and method='implicit' are)",
+    )
     if model.loops:
         raise FreebodyError(
             f"simulate: friction='dry' and restitution= need an open chain, and {model.name!r} has "

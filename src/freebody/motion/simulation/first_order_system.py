@@ -10,7 +10,7 @@ which near a singular position are large, and nothing of the motion that the loo
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -20,7 +20,7 @@ from scipy.integrate import BDF, DOP853, LSODA, RK45, OdeSolver, Radau
 
 from freebody.arrays import Array
 from freebody.kernels.formulas import Option
-from freebody.kernels.structural import fetch
+from freebody.kernels.structural import Bound, fetch
 from freebody.loops.accelerations import accelerations, regular, require_way
 from freebody.loops.equations import (
     blurred,
@@ -30,8 +30,10 @@ from freebody.loops.equations import (
 )
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import rate_scale
+from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.friction import WIDTH, DryFriction, smooth_friction, strut_damping
+from freebody.motion.simulation.step_kernels import smooth_kernel
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.special_joints import refuse_massless
@@ -157,13 +159,30 @@ def system(
     """The system of a model; dry friction is smoothed over `width`. Raises SingularError if M
     is singular."""
     smooth, friction = smooth_friction(model, width)
+    forward: Callable[..., Array]
+    if lossy_joints(model.bodies):  # what is lost depends on all friction, and accelerations
+        refuse_massless(model, "simulate")
+        forward, whole = (
+            _of_width(smooth_kernel(model, name, wrench_frames), width)
+            for name in ("forward_dynamics", "inverse_dynamics")
+        )
+        friction = replace(friction, drives=())  # they have it
+        return System(model, layout(model), friction, forward, whole, loads or (lambda t: ()))
     if model.loops:
-        forward: Callable[..., Array] = partial(accelerations, smooth, wrench_frames)
+        forward = partial(accelerations, smooth, wrench_frames)
     else:
         refuse_massless(model, "simulate")
         forward = fetch(smooth, ("forward_dynamics",), Option(wrench_frames=wrench_frames))
     inverse = fetch(smooth.opened, ("inverse_dynamics",), Option(wrench_frames=wrench_frames))
     return System(model, layout(model), friction, forward, inverse, loads or (lambda t: ()))
+
+
+def _of_width(kernel: Bound, width: float) -> Callable[..., Array]:
+    def dynamics(q: Array, qd: Array, given: Array, *loads: Array) -> Array:
+        found: Array = kernel(q, qd, given, width, *loads)
+        return found
+
+    return dynamics
 
 
 def loads_over(t: Array, wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], WrenchLaw]:
@@ -192,7 +211,8 @@ def suited_method(
     back at earlier steps lose their order there; where all is smooth these take a tenth of the
     time.
     """
-    if decay_rate(system.model, system.friction, q) * duration > _IMPLICIT_FROM:
+    lossy = bool(lossy_joints(system.model.bodies))  # what is lost bends as friction does
+    if lossy or decay_rate(system.model, system.friction, q) * duration > _IMPLICIT_FROM:
         return "Radau"
     return "LSODA" if decay() * duration > _IMPLICIT_FROM else "DOP853"
 

@@ -26,7 +26,7 @@ from freebody.any_chain.kernel_options import chosen_option
 from freebody.dual import Dual, slopes, value
 from freebody.elementary import Scalar, maximum, tanh
 from freebody.errors import SingularError
-from freebody.kernels.formulas import Option
+from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.formulas.dynamics import forward
 from freebody.kernels.formulas.record import external
 from freebody.kernels.structural import Bound, Over, fetch_own
@@ -126,6 +126,32 @@ def driven_rates(
 
     key = ("driven rates", *takes.key)
     return _fetched(model, key, option, evaluate, takes.inputs, found)
+
+
+def smooth_kernel(model: Model, name: str, wrench_frames: Sequence[str] = ()) -> Bound:
+    """The kernel (q, qd, tau or q̈, width, wrenches…) of forward or inverse dynamics with smooth
+    signs of rates, for robots whose joints lose a part of what they transmit: of others friction
+    may as well be added outside."""
+    evaluated_by, last, found = {
+        "forward_dynamics": (forward, "tau", "qdd"),
+        "inverse_dynamics": (FORMULAS["inverse_dynamics"].evaluate, "qdd", "tau"),
+    }[name]
+    nv, size = model.nv, 6 if model.dim == 3 else 3
+    option = chosen_option(model, name, wrench_frames=wrench_frames, function="simulate")[1]
+    taken = (
+        Argument("q", (model.nq,)),
+        Argument("qd", (nv,)),
+        Argument(last, (nv,)),
+        Argument("width", (), uniform=True),
+        *(Argument(f"wrench{k}", (size,)) for k in range(len(wrench_frames))),
+    )
+
+    def evaluate(tree: Tree, q: Vector, qd: Vector, given: Vector, width: Scalar, *loads: Vector):
+        rubbing = with_signs(tree, lambda rate: tanh(rate / width))
+        return evaluated_by(rubbing, option, q, qd, given, loads)
+
+    key = ("smooth dynamics", name)
+    return _fetched(model, key, option, evaluate, taken, (Argument(found, (nv,)),))
 
 
 def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:

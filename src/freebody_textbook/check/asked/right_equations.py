@@ -37,6 +37,7 @@ from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier, multipliers
 from freebody_textbook.closed_chains.linear import Ratio
 from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.equations.closed_form import require_polynomial_drives
 from freebody_textbook.equations.equations import Equations
 from freebody_textbook.given_parameters import formulas_of
 from freebody_textbook.methods.free_body_steps import XYZ
@@ -312,7 +313,9 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
             symbols_of_bodies("check", lettered, (*velocity_names(model), *FORCES), euler=True)
         )
     extra = (*multipliers(model), *loads) if model.loops else loads
-    return Equations(symbols(model, extra=extra, follows=False))
+    known = symbols(model, extra=extra, follows=False)
+    require_polynomial_drives(known)
+    return Equations(known)
 
 
 def _is_free_body(model: Model) -> bool:
