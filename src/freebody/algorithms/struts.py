@@ -69,7 +69,7 @@ def _apart(strut: TreeStrut, end: Callable[[str], tuple[Vector, Vector]]) -> tup
 def strut_loads(
     tree: Tree, joints: list[Pose], velocities: Sequence[Column]
 ) -> list[tuple[int, Vector, Vector]]:
-    """What struts do, as wrenches (body, force, moment) on bodies, in their axes, at their
+    """Wrenches (body, force, moment) by which struts act on bodies, in their axes, at their
     origins."""
     if not tree.struts:
         return []

@@ -303,11 +303,13 @@ def _through_fixed(
 ) -> Array:
     """The wrench (..., 6) by which what is before a frame holds it and all that is fixed to it, at
     its origin: that of a hinge in its place, which stands still."""
-    given = dict(zip(("q", "qd", "qdd"), motion, strict=True))
-    _, (q, *rates) = checked_inputs("joint_wrenches", model, given, None)
+    given: dict[str, Any] = dict(zip(("q", "qd", "qdd"), motion, strict=True))
+    _, arrays = checked_inputs("joint_wrenches", model, given, None)
+    q = arrays[0]
     apart = kept(model, f"_cut {frame.name}", cut, model, frame.name)
-    still = tuple(np.concatenate([x, np.zeros((*x.shape[:-1], 1))], axis=-1) for x in (q, *rates))
-    found = joint_wrenches(apart, *still, wrenches)[..., len(model.bodies), :]
+    still = [np.concatenate([x, np.zeros((*x.shape[:-1], 1))], axis=-1) for x in arrays]
+    every = joint_wrenches(apart, still[0], still[1], still[2], wrenches)
+    found = every[..., len(model.bodies), :]
     d = model.dim
     T = forward_kinematics(model, q, frame.name)
     body = next(f.name for f in model.frames if f.body == frame.body and not f.parent)

@@ -285,7 +285,7 @@ def with_strut(
     model: Model, name: str, frames: tuple[str, str], numbers: Mapping[str, Any]
 ) -> Model:
     """The model with one strut more, see `Model.with_strut`."""
-    given = {
+    given: dict[str, Any] = {
         key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
         for key, x in numbers.items()
     }

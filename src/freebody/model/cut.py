@@ -84,6 +84,6 @@ def _inertias(model: Model, body: int) -> tuple[Attached, ...]:
 def _split(
     parts: Iterable[Attached], beyond: Collection[str]
 ) -> tuple[tuple[Attached, ...], tuple[Attached, ...]]:
-    """Those that do not ride in the frames, and those that do."""
+    """(inertias that do not ride in the frames, inertias that do)."""
     told = [(part, rides(part, beyond)) for part in parts]
     return tuple(part for part, at in told if not at), tuple(part for part, at in told if at)

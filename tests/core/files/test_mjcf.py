@@ -124,7 +124,8 @@ def test_gravity_and_what_is_left_out():
             arm.replace("<joint", '<site name="s" pos="0.1 0 0"/><joint').replace(
                 'name="a"', 'name="a" gravcomp="1"'
             ),
-            '<tendon><spatial limited="true" range="0 1"><site site="s"/><site site="t"/></spatial></tendon>',
+            '<tendon><spatial limited="true" range="0 1"><site site="s"/><site site="t"/></spatial>'
+            "</tendon>",
             'density="1.2"',
         ).replace("</worldbody>", '<site name="t" pos="0 0 3"/></worldbody>'),
         format="mjcf",

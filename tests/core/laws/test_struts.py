@@ -91,6 +91,10 @@ def test_derivatives_and_reactions(seed, dim):
         for step in H * np.eye(model.nv)
     ]
     close(by_qd, np.array(faster).T / (2 * H), 1e-6, size, "by q̇")
+    torques = fb.formula(model, "inverse_dynamics")
+    along_last = [*qd[:-1], complex(qd[-1], 1e-30)]  # by a complex step
+    stepped = [complex(x).imag * 1e30 for x in torques(tuple(q), tuple(along_last), tuple(qdd))]
+    close(by_qd[:, -1], stepped, 1e-12, size, "by the last rate")
     twice = fb.inverse_dynamics_second_derivatives(model, q, qd, qdd)[0]
     second = along(model, lambda at: fb.inverse_dynamics_derivatives(model, at, qd, qdd)[0], q)
     close(twice, second, 1e-5, size, "twice by q")

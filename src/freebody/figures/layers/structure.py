@@ -161,7 +161,7 @@ def _struts(drawing: Drawing, seen: Snapshot) -> None:
 
 def _across(x: Array) -> Array:
     """A direction (3,) at right angles to the unit vector x."""
-    found = np.cross(x, np.eye(3)[int(np.argmin(abs(x)))])
+    found = np.asarray(np.cross(x, np.eye(3)[int(np.argmin(abs(x)))]), dtype=float)
     return found / np.linalg.norm(found)
 
 

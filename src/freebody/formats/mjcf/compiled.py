@@ -105,7 +105,7 @@ def sites(m, mujoco):
 
 
 def equalities(m, mujoco):
-    """What each equality constraint joins, and its numbers."""
+    """The equality constraints: their kind, the two objects that each joins, its numbers."""
     found = rows(
         m,
         mujoco,
@@ -124,7 +124,7 @@ def equalities(m, mujoco):
 
 
 def actuators(m, mujoco):
-    """What each actuator drives, with which limits, and whether its input is a force."""
+    """The actuators: the joint that each drives, its limits, whether its input is a force."""
     found = rows(
         m,
         mujoco,
