@@ -31,7 +31,14 @@ def arm() -> fb.Study:
     return fb.study(fb.load("ur5e"))
 
 
-@pytest.mark.parametrize("name", fb.models())
+LONG = {"puma560", "stewart"}
+"""Bundled models whose replay and whose kernels take as long as those of all others."""
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(x, marks=pytest.mark.long if x in LONG else ()) for x in fb.models()],
+)
 def test_all_checks_pass_on_every_bundled_model(name: str):
     study = fb.study(fb.load(name))
     assert study.checked, [c for c in study.checks if not c.passed]
