@@ -49,9 +49,11 @@ def test_all_rounded_numbers_of_a_leg_count_together():
     [
         (CART, "theta2_dd = -(x_dd*cos(theta2) + g*sqrt(1 - cos(theta2)^2))/l2"),
         (CART, "l2*theta2_dd + x_dd*cos(theta2) + g*sqrt(1 - cos(theta2)^2) = 0"),
-        (CRANK, "d3_d = -l1*dtheta1*sqrt(1-cos(theta1)^2) - l2*(dtheta1+dtheta2)*sin(theta1+theta2)"),
+        (CRANK, "d3_d = -l1*dtheta1*sqrt(1 - cos(theta1)^2)"
+         " - l2*(dtheta1 + dtheta2)*sin(theta1 + theta2)"),
         (FOUR_BAR, "omega_3 = l1*dtheta1*sqrt(1-cos(theta2)^2)/(l3*sin(theta1+theta2-theta3))"),
-        (ARM, "dtheta1 = (v_x*cos(theta1+theta2) + v_y*sin(theta1+theta2))/(l1*sqrt(1-cos(theta2)^2))"),
+        (ARM, "dtheta1 = (v_x*cos(theta1 + theta2) + v_y*sin(theta1 + theta2))"
+         "/(l1*sqrt(1 - cos(theta2)^2))"),
         (ARM, "det J = l1*l2*|sin(theta2)|"),
         (ARM, "G2 = m2*g*lc2*np.abs(np.cos(q1 + q2))"),
         (CRANK, r"d_3 = |l_1\cos\theta_1| + l_2\cos(\theta_1+\theta_2)"),
@@ -82,15 +84,18 @@ def test_roots_and_absolute_values_that_hold(model, line):
 # ---------------------------------------------------------------- forces
 def test_a_force_on_the_piston_stands_behind_a_root_too():
     """Virtual work: τ = F ∂d/∂θ, with the force in either sense."""
-    turn = r"F l_1\sin\theta_1\left(1 {} \frac{{l_1\cos\theta_1}}{{\sqrt{{l_2^2-l_1^2\sin^2\theta_1}}}}\right)"
+    turn = "F*l1*sin(theta1)*(1 {} l1*cos(theta1)/sqrt(l2^2 - l1^2*sin(theta1)^2))"
     for sign in ("", "-"):
-        assert fb.check(CRANK, rf"\tau_1 = {sign}{turn.format('+')}")
-        assert not fb.check(CRANK, rf"\tau_1 = {sign}{turn.format('-')}")
+        assert fb.check(CRANK, f"tau1 = {sign}{turn.format('+')}")
+        assert not fb.check(CRANK, f"tau1 = {sign}{turn.format('-')}")
 
 
 def test_sums_of_drives_are_equations_too():
     """The difference of two torques, in motion and held still."""
-    moving = "tau1 - tau2 = H11*ddtheta1 + H12*ddtheta2 + v1 + G1 - H21*ddtheta1 - H22*ddtheta2 {} v2 - G2"
+    moving = (
+        "tau1 - tau2 = H11*ddtheta1 + H12*ddtheta2 + v1 + G1"
+        " - H21*ddtheta1 - H22*ddtheta2 {} v2 - G2"
+    )
     still = "In equilibrium: tau1 - tau2 = m1*g*lc1*cos(theta1) + m2*g*l1*cos(theta{})"
     for line, right, wrong in ((moving, "-", "+"), (still, "1", "2")):
         assert fb.check(ARM, line.format(right))

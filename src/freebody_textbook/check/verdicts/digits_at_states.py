@@ -3,7 +3,7 @@ written are right at all of them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -15,9 +15,9 @@ from freebody_textbook.check.states.state_values import AnyArray, choices
 from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
 
 _STEPS = 4
-"""Steps of Gauss and Newton: the numbers move by their last digit, so that each squares the gap."""
+"""Steps of Gauss and Newton; numbers move by their last digit, so that each squares the gap."""
 _STATES_PER_NUMBER = 2
-"""The least number of states for each number that may move: with fewer, any answer could be fitted."""
+"""The least number of states for each number that may move: else any answer could be fitted."""
 _FARTHEST = 3.0
 """The largest gap, in all that the digits leave open, from which steps are taken."""
 
@@ -35,7 +35,7 @@ def unrounded(tree: Expression, source: Source, gap: GapOfTree, count: int) -> E
 
     def moved(shares: AnyArray) -> Expression:
         """The tree with its numbers moved by shares of half a unit."""
-        new = {
+        new: dict[Expression, Expression] = {
             x: replace(x, value=x.value + Fraction(float(share)) * half)
             for (x, half), share in zip(halves.items(), shares, strict=True)
         }
@@ -56,7 +56,7 @@ def unrounded(tree: Expression, source: Source, gap: GapOfTree, count: int) -> E
     return moved(shares)
 
 
-def _halves(tree: Expression, source: Source) -> dict[Expression, Fraction]:
+def _halves(tree: Expression, source: Source) -> dict[Number, Fraction]:
     """The numbers with digits behind the point, and half a unit of the last one."""
     rows = ((x, half_a_unit(source[x.span], x.value)) for x in nodes(tree) if isinstance(x, Number))
     return {x: half for x, half in rows if half}
@@ -77,7 +77,7 @@ def _on(branch: AnyArray, tree: Expression, gap: GapOfTree) -> AnyArray:
 
 
 def _least_squares(slopes: AnyArray, wanted: AnyArray, shares: AnyArray) -> AnyArray:
-    """The shares, none beyond half a unit, after the change that comes closest to what is wanted."""
+    """The shares after the change that comes closest to what is wanted, none beyond half a unit."""
     from scipy.optimize import lsq_linear
 
     scale = np.abs(slopes).max() or 1.0

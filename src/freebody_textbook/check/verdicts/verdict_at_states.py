@@ -284,9 +284,12 @@ class _AtStates:
 
     def _is_root_of_square(self, node: Function) -> bool:
         """Whether it is the root of a square of written symbols, whose sign these tell: √(1 − cos²)
-        is no posture's where the angle is known."""
+        is no posture's where the angle is known. The root of a rate's square is a speed, without
+        its sense."""
         named = (x.value for x in nodes(node.argument) if isinstance(x, Named))
         if node.name != "sqrt" or functions_of(node.argument) or not all(map(_is_symbol, named)):
+            return False
+        if any(atom(name).dots for name in _symbols_of(node.argument)):
             return False
         return is_square(self.judge.setting.ring, node.argument)
 
@@ -376,7 +379,8 @@ class _AtStates:
         every, sought = choices(self._tree), self._sought(states)
 
         def gap(tree: Expression, branch: int) -> AnyArray:
-            choice = dict(zip(of_several_values(tree), every[branch].values(), strict=True))
+            several: list[Expression] = [*of_several_values(tree)]
+            choice = dict(zip(several, every[branch].values(), strict=True))
             gap = states.at(tree, choice) - sought
             return self._equal.reduced(gap, states).value
 
