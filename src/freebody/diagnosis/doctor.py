@@ -12,7 +12,7 @@ from typing import Any
 
 from freebody.diagnosis import description_facts, urdf_facts
 from freebody.diagnosis.facts import RobotFacts, elements_in
-from freebody.diagnosis.finding import SEVERITIES, Finding, FindingKind, Found, Line
+from freebody.diagnosis.finding import SEVERITIES, FileLine, Finding, FindingKind, FoundFault
 from freebody.diagnosis.findings import FINDINGS
 from freebody.diagnosis.source_text import changed
 from freebody.errors import FileError, FreebodyError, FreebodyWarning, IncludedLine
@@ -180,7 +180,7 @@ def _findings(facts: RobotFacts) -> tuple[Finding, ...]:
     return tuple(sorted(found, key=lambda finding: finding.line or 0))
 
 
-def _lines(facts: RobotFacts, line: Line) -> set[Line]:
+def _lines(facts: RobotFacts, line: FileLine) -> set[FileLine]:
     """The lines of the elements that begin on a line, with those inside; of the whole file where
     none is known."""
     if facts.root is None:
@@ -193,7 +193,7 @@ def _lines(facts: RobotFacts, line: Line) -> set[Line]:
     }
 
 
-def _finding(facts: RobotFacts, kind: FindingKind, found: Found) -> Finding:
+def _finding(facts: RobotFacts, kind: FindingKind, found: FoundFault) -> Finding:
     file, line = facts.file, found.line
     if isinstance(line, IncludedLine):
         file, line = line
