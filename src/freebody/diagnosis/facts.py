@@ -8,7 +8,7 @@ Nothing is refused here. What no reader would take, such as a word in the place 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -130,6 +130,8 @@ class RobotFacts(Keeps):
     root: XmlElement | None = None
     """The root of a URDF."""
     dim: int = 3
+    filled: dict[tuple[Shape, ...], Inertia | None] = field(default_factory=dict, compare=False)
+    """Links' shapes at density 1 that have been computed: of meshes that takes seconds."""
 
     @cached_property
     def link(self) -> dict[str, LinkFacts]:

@@ -6,13 +6,14 @@ from collections.abc import Iterator
 
 from freebody.diagnosis.facts import RobotFacts
 from freebody.diagnosis.finding import FindingKind, FoundFault
-from freebody.errors import FileError
+from freebody.errors import FileError, IncludedLine
 
 
 def _refused(facts: RobotFacts) -> Iterator[FoundFault]:
     problem = facts.refusal
     if isinstance(problem, FileError):
-        yield FoundFault(problem.problem.rstrip("."), problem.line)
+        line = problem.line and IncludedLine(problem.path, problem.line)
+        yield FoundFault(problem.problem.rstrip("."), line)
     elif problem is not None:
         yield FoundFault(str(problem).rstrip("."))
 

@@ -15,7 +15,7 @@ from freebody.errors import FreebodyError, listed
 from freebody.formats.masses import filled_shapes
 from freebody.lazy import kept
 from freebody.model.description import Link
-from freebody.model.inertia import combined
+from freebody.model.inertia import Inertia, combined
 from freebody.model.shapes import DENSEST, LIGHTEST
 
 _OUTSIDE = 5.0
@@ -89,7 +89,7 @@ def _solid(facts: RobotFacts, group: list[tuple[LinkFacts, ArrayPose]]) -> _Fill
     filled = []
     for link, pose in group:
         try:
-            own = filled_shapes(Link(link.name, shapes=link.shapes), facts.file, facts.packages)
+            own = _at_density_one(facts, link)
         except FreebodyError:  # a mesh that is not there or not read, or no trimesh
             return None
         filled += [own.placed(*pose)] if own is not None else []
@@ -99,6 +99,13 @@ def _solid(facts: RobotFacts, group: list[tuple[LinkFacts, ArrayPose]]) -> _Fill
     whole = combined([inertia.placed(*pose) for _, inertia, pose in weighed])
     link = max(weighed, key=lambda entry: entry[1].numbers()[0])[0]
     return _FilledLinks(link, *whole.numbers(), *shape.numbers())
+
+
+def _at_density_one(facts: RobotFacts, link: LinkFacts) -> Inertia | None:
+    if link.shapes not in facts.filled:
+        plain = Link(link.name, shapes=link.shapes)
+        facts.filled[link.shapes] = filled_shapes(plain, facts.file, facts.packages)
+    return facts.filled[link.shapes]
 
 
 def _density(facts: RobotFacts) -> Iterator[FoundFault]:
