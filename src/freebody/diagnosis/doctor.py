@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from freebody.diagnosis import description_facts, urdf_facts
 from freebody.diagnosis.facts import RobotFacts, elements_in
 from freebody.diagnosis.finding import SEVERITIES, FileLine, Finding, FindingKind, FoundFault
@@ -173,7 +175,9 @@ def _findings(facts: RobotFacts) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for kind in FINDINGS:
         told = {(x.file, x.line) for x in found if x.severity == "error"}
-        for one in kind.find(facts):
+        with np.errstate(all="ignore"):  # a mass of 1e-300 kg: what follows is infinite
+            sightings = list(kind.find(facts))
+        for one in sightings:
             # what a reader refuses is told once, by the finding that knows more about it
             if kind.name != "refused" or not told & _lines(facts, one.line):
                 found.append(_finding(facts, kind, one))

@@ -8,12 +8,14 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
 from pathlib import Path
 
 import pytest
 
 import freebody as fb
 from support.command import run
+from support.fuzz import cases
 from support.real_files import FILES, ROBOTS
 
 pytestmark = pytest.mark.skipif(not FILES, reason="example-robot-data is not installed")
@@ -373,6 +375,18 @@ def test_a_file_that_is_only_refused_says_why(tmp_path):
     path.write_text("<robot>", encoding="utf-8")
     with pytest.raises(fb.FileError, match="truncated"):
         fb.doctor(path)
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("urdf", ".urdf"), ("toml", ".toml"), ("dh", ".csv")])
+def test_broken_files_are_looked_at_or_refused(kind, suffix, tmp_path):
+    path, looked_at = tmp_path / f"arm{suffix}", 0
+    for data in islice(cases(kind, 31), 60):
+        path.write_bytes(data)
+        try:
+            looked_at += bool(fb.doctor(path).title)
+        except fb.FreebodyError:
+            continue
+    assert looked_at
 
 
 @pytest.mark.long
