@@ -51,7 +51,8 @@ def bodies_of(model: fb.Model, count: int | None = None) -> list[Written]:
                 body.name, joint.name, body.parent, joint.kind,
                 (np.array(R, dtype=float), np.array(p, dtype=float)),
                 np.array(joint.axis, dtype=float), mass, com, tensor, limits,
-                value(drive.viscous), value(drive.coulomb), value(drive.rotor) * value(drive.gear) ** 2,
+                value(drive.viscous), value(drive.coulomb),
+                value(drive.rotor) * value(drive.gear) ** 2,
             )
         )  # fmt: skip
     return found

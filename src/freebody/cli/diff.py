@@ -9,7 +9,7 @@ import typer
 
 from freebody.cli import options, terminal
 
-EXAMPLE = "Example: freebody diff ur5e arm.urdf"
+EXAMPLE = "Example: freebody diff ur5e ur5e"
 
 
 @options.reading(*options.FILE)

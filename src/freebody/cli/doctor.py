@@ -15,7 +15,7 @@ from freebody.outputs.files import write
 if TYPE_CHECKING:
     from freebody.diagnosis.doctor import Diagnosis
 
-EXAMPLE = "Example: freebody doctor arm.urdf --fix"
+EXAMPLE = "Example: freebody doctor ur5e panda"
 
 _STYLES = {"error": "bold red", "warning": "yellow", "notice": "dim"}
 

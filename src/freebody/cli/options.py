@@ -274,7 +274,7 @@ _ROBOTS: dict[Any, Any] = {
                        "show` takes one."),
     ],
 }  # fmt: skip
-"""What a command that takes one robot, or several, is given for it."""
+"""Arguments of the command line by what a command's function takes: one robot, or several."""
 
 _PAYLOAD = re.compile(
     r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"

@@ -21,17 +21,17 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.diagnosis.bodies_in_space import (
+    BodyTree,
     Part,
-    Robot,
     Weight,
     cross,
     inverse,
     rotation_between,
     turned,
 )
-from freebody.diagnosis.facts import Pose, composed, norm
+from freebody.diagnosis.facts import ArrayPose, composed, norm
 
-_HERE: Pose = np.eye(3), np.zeros(3)
+_HERE: ArrayPose = np.eye(3), np.zeros(3)
 _NO_OFFSET = 1e-9
 _FOLLOWED = 8
 """Ways of laying bodies onto each other that are followed at a time."""
@@ -42,8 +42,8 @@ _MATCHINGS = 720
 
 
 class Gap(NamedTuple):
-    """By how much an axis is off another one: m between them, rad, and 1 or -1 for the way that it
-    points."""
+    """The amount by which an axis is off another one: m between them, rad, and 1 or -1 for the way
+    that it points."""
 
     distance: float
     angle: float
@@ -51,13 +51,13 @@ class Gap(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Pair:
+class MatchedJoint:
     """A joint with its body in both robots. pose: the second's frame in the first's. The first's
     joint is at flip times the second's position plus offset."""
 
     a: Part
     b: Part
-    pose: Pose
+    pose: ArrayPose
     gap: Gap
     offset: float = 0.0
 
@@ -84,10 +84,10 @@ class Alignment:
     """Two robots laid onto each other: base is the second's base in the first's; alone are joints
     that the other robot lacks, with the robot's place, 0 or 1."""
 
-    a: Robot
-    b: Robot
-    base: Pose
-    pairs: tuple[Pair, ...]
+    a: BodyTree
+    b: BodyTree
+    base: ArrayPose
+    pairs: tuple[MatchedJoint, ...]
     alone: tuple[tuple[int, Part], ...]
     tolerances: Tolerances
     misfit: Misfit
@@ -114,12 +114,12 @@ class _Partial(NamedTuple):
     next, with their poses."""
 
     misfit: Misfit
-    pairs: tuple[Pair, ...]
+    pairs: tuple[MatchedJoint, ...]
     alone: tuple[tuple[int, Part], ...]
-    waiting: tuple[tuple[int, int, Pose], ...]
+    waiting: tuple[tuple[int, int, ArrayPose], ...]
 
 
-def align(a: Robot, b: Robot, tolerances: Tolerances) -> Alignment:
+def align(a: BodyTree, b: BodyTree, tolerances: Tolerances) -> Alignment:
     """The best of all ways in which the base may stand."""
     best, most = None, -1
     for base in _bases(a, b):
@@ -164,7 +164,7 @@ def _with_first_zero(found: Alignment) -> Alignment:
     return replace(found, base=base, pairs=pairs)
 
 
-def _bases(a: Robot, b: Robot) -> Iterator[Pose]:
+def _bases(a: BodyTree, b: BodyTree) -> Iterator[ArrayPose]:
     """Ways in which the second robot's base may stand in the first's."""
     yield _HERE
     lines, others = a.main_chain(), b.main_chain()
@@ -202,7 +202,7 @@ def _axes(directions: Sequence[Array], signs: Sequence[float]) -> Array:
 
 
 # ------------------------------------------------------------ from the base outwards
-def _walked(a: Robot, b: Robot, base: Pose, tolerances: Tolerances) -> _Partial:
+def _walked(a: BodyTree, b: BodyTree, base: ArrayPose, tolerances: Tolerances) -> _Partial:
     """The robots laid onto each other from the base outwards. Where several ways are equally good,
     a few are followed until something tells them apart."""
     states = [_Partial(Misfit(), (), (), ((-1, -1, base),))]
@@ -212,7 +212,9 @@ def _walked(a: Robot, b: Robot, base: Pose, tolerances: Tolerances) -> _Partial:
     return states[0]
 
 
-def _further(a: Robot, b: Robot, state: _Partial, tolerances: Tolerances) -> Iterator[_Partial]:
+def _further(
+    a: BodyTree, b: BodyTree, state: _Partial, tolerances: Tolerances
+) -> Iterator[_Partial]:
     """A state with all joints of its next pair of bodies laid onto each other."""
     if not state.waiting:
         yield state
@@ -236,7 +238,7 @@ def _further(a: Robot, b: Robot, state: _Partial, tolerances: Tolerances) -> Ite
 
 
 def _matchings(
-    a: Robot, b: Robot, at: tuple[int, int], pose: Pose, tolerances: Tolerances
+    a: BodyTree, b: BodyTree, at: tuple[int, int], pose: ArrayPose, tolerances: Tolerances
 ) -> list[list[tuple[Part, Part]]]:
     """The ways in which joints on two bodies may stand for each other: those of equal names; else
     those of equal kinds with as much beyond, whose axes coincide if any do."""
@@ -264,7 +266,7 @@ def _matchings(
     return found[min(found)][:_FOLLOWED]
 
 
-def _gap(one: Part, two: Part, pose: Pose) -> tuple[Pose, Gap]:
+def _gap(one: Part, two: Part, pose: ArrayPose) -> tuple[ArrayPose, Gap]:
     """The second's joint frame in the first's, and by how much its axis is off."""
     R, p = composed(inverse(one.pose), composed(pose, two.pose))
     if one.axis is None or two.axis is None:
@@ -277,19 +279,21 @@ def _gap(one: Part, two: Part, pose: Pose) -> tuple[Pose, Gap]:
 
 
 def _laid(
-    a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances
-) -> list[tuple[Misfit, Pair]]:
+    a: BodyTree, b: BodyTree, one: Part, two: Part, pose: ArrayPose, tolerances: Tolerances
+) -> list[tuple[Misfit, MatchedJoint]]:
     """The equally good ways in which two bodies lie on each other, with what does not coincide."""
     (R, p), gap = _gap(one, two, pose)
     here = Misfit(axes=not tolerances.same(gap), names=one.joint != two.joint)
     if one.axis is None or two.axis is None:
         free = one.body.kind.frees(one.dim) and two.body.kind.frees(two.dim)
-        pair = Pair(one, two, _HERE if free else (R, p), Gap(0.0, 0.0, 1.0) if free else gap)
+        pair = MatchedJoint(
+            one, two, _HERE if free else (R, p), Gap(0.0, 0.0, 1.0) if free else gap
+        )
         return [(here if not free else here._replace(axes=0), pair)]
     if here.axes:
         R = rotation_between(gap.flip * (R @ two.axis), one.axis) @ R
         p = one.axis * (one.axis @ p)
-    ways: dict[tuple[int, ...], list[tuple[Misfit, Pair]]] = {}
+    ways: dict[tuple[int, ...], list[tuple[Misfit, MatchedJoint]]] = {}
     known: list[float] = []
     limits = [*_offsets_by_limits(one, two, gap.flip)]
     for offset in (0.0, *limits, *_offsets(a, b, one, two, (R, p))):
@@ -305,12 +309,12 @@ def _laid(
             flips=int(gap.flip < 0.0),
         )
         key = (ahead, own.masses, own.ranges)
-        ways.setdefault(key, []).append((own, Pair(one, two, moved, gap, offset)))
+        ways.setdefault(key, []).append((own, MatchedJoint(one, two, moved, gap, offset)))
     equal = sorted(ways[min(ways)], key=lambda way: way[0])
     return equal[:_WAYS]
 
 
-def _moved(part: Part, position: float) -> Pose:
+def _moved(part: Part, position: float) -> ArrayPose:
     """A body in its joint's frame at a position."""
     assert part.axis is not None
     if part.turns:
@@ -318,7 +322,7 @@ def _moved(part: Part, position: float) -> Pose:
     return np.eye(3), position * part.axis
 
 
-def _offsets(a: Robot, b: Robot, one: Part, two: Part, pose: Pose) -> Iterator[float]:
+def _offsets(a: BodyTree, b: BodyTree, one: Part, two: Part, pose: ArrayPose) -> Iterator[float]:
     """Offsets of a joint's zero at which something that the body carries coincides."""
     axis = one.axis
     assert axis is not None
@@ -351,7 +355,7 @@ def _turn(axis: Array, v: Array, w: Array) -> Iterator[float]:
         yield float(np.arctan2(axis @ cross(v, w), v @ w))
 
 
-def _offsets_by_weight(one: Part, own: Weight, other: Weight, pose: Pose) -> Iterator[float]:
+def _offsets_by_weight(one: Part, own: Weight, other: Weight, pose: ArrayPose) -> Iterator[float]:
     R, p = pose
     axis = one.axis
     assert axis is not None
@@ -380,7 +384,9 @@ def _offsets_by_limits(one: Part, two: Part, flip: float) -> Iterator[float]:
             yield x - y
 
 
-def _carried(a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> int:
+def _carried(
+    a: BodyTree, b: BodyTree, one: Part, two: Part, pose: ArrayPose, tolerances: Tolerances
+) -> int:
     """The number of joints on two bodies that do not coincide."""
     return min(
         sum(not tolerances.same(_gap(own, other, pose)[1]) for own, other in matched)
@@ -388,7 +394,7 @@ def _carried(a: Robot, b: Robot, one: Part, two: Part, pose: Pose, tolerances: T
     )
 
 
-def _masses_off(one: Part, two: Part, pose: Pose, tolerances: Tolerances) -> int:
+def _masses_off(one: Part, two: Part, pose: ArrayPose, tolerances: Tolerances) -> int:
     """How many of centre of mass and tensor do not coincide, where both bodies have them."""
     if one.weight is None or two.weight is None:
         return 0

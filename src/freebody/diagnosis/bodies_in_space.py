@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.facts import Pose, composed, norm, pose_of
+from freebody.diagnosis.facts import ArrayPose, composed, norm, pose_of
 from freebody.lazy import Keeps, cached_property
 from freebody.model.bodies import Body
 from freebody.model.inertia import combined
@@ -32,7 +32,7 @@ class Weight(NamedTuple):
     tensor: Array
 
 
-class Line(NamedTuple):
+class SeenAxis(NamedTuple):
     """A joint's axis: its direction, and a point on it."""
 
     direction: Array
@@ -46,7 +46,7 @@ class Part(Keeps):
 
     body: Body
     index: int
-    pose: Pose
+    pose: ArrayPose
     axis: Array | None
     """Unit vector along a joint of one coordinate; None of other kinds."""
     dim: int
@@ -63,13 +63,13 @@ class Part(Keeps):
 
     @property
     def sort(self) -> str:
-        """What kind of joint it is; whether a turning one has a range does not count."""
+        """The kind of joint; whether a turning one has a range does not count."""
         return "revolute" if self.body.kind.turns else self.body.joint.kind
 
-    def line(self, at: Pose) -> Line:
+    def line(self, at: ArrayPose) -> SeenAxis:
         """The axis, seen from where the parent's frame has this pose; of a joint without axis z."""
         R, p = composed(at, self.pose)
-        return Line(R @ (_Z if self.axis is None else self.axis), p)
+        return SeenAxis(R @ (_Z if self.axis is None else self.axis), p)
 
     @cached_property
     def weight(self) -> Weight | None:
@@ -78,7 +78,7 @@ class Part(Keeps):
 
 
 def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
-    """What is fixed together as one, None where it has no mass."""
+    """All that is fixed together as one, None where it has no mass."""
     placed = [
         part.inertia.placed(*pose_of(part.placement, dim))
         for part in parts
@@ -93,7 +93,7 @@ def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
     return Weight(mass, com, tensor)
 
 
-class Robot:
+class BodyTree:
     """A model's parts as a tree; those on the base are the children of -1."""
 
     def __init__(self, model: Model):
@@ -121,10 +121,10 @@ class Robot:
             far[k] = max([norm(x.pose[1]) + far[x.index] for x in self.children[k]], default=0.0)
         return max(far[-1], 1e-3)
 
-    def main_chain(self) -> list[Line]:
+    def main_chain(self) -> list[SeenAxis]:
         """The axes from the base along the longest chain, in the base's axes where all joints are
         at 0."""
-        at: Pose = np.eye(3), np.zeros(3)
+        at: ArrayPose = np.eye(3), np.zeros(3)
         lines, k = [], -1
         while self.children[k]:
             part = max(self.children[k], key=lambda x: self.count[x.index])
@@ -136,7 +136,7 @@ class Robot:
         """A point of the first turning axis that no offset of a joint's zero moves along it: where
         it is nearest to the next axis that is not parallel, in the base's axes. Without one the
         height of the first body's centre of mass, or of its frame."""
-        at: Pose = np.eye(3), np.zeros(3)
+        at: ArrayPose = np.eye(3), np.zeros(3)
         first, k = None, -1
         while self.children[k]:
             part = max(self.children[k], key=lambda x: self.count[x.index])
@@ -167,7 +167,7 @@ def _part(body: Body, index: int, dim: int) -> Part:
     return Part(body, index, pose_in_space(joint.placement, dim), axis, dim)
 
 
-def pose_in_space(placement: Placement, dim: int) -> Pose:
+def pose_in_space(placement: Placement, dim: int) -> ArrayPose:
     """A placement's pose; of the plane, that in the xy-plane of space."""
     R, p = pose_of(placement, dim)
     if dim == 3:
@@ -177,7 +177,7 @@ def pose_in_space(placement: Placement, dim: int) -> Pose:
     return turned, np.array([*p, 0.0])
 
 
-def nearest(line: Line, other: Line) -> Array:
+def nearest(line: SeenAxis, other: SeenAxis) -> Array:
     """The point of a line that is nearest to another one, which is not parallel."""
     (u, p), (v, q) = line, other
     n = cross(u, v)
@@ -190,7 +190,7 @@ def cross(u: Array, v: Array) -> Array:
     return np.array([b * z - c * y, c * x - a * z, a * y - b * x])
 
 
-def inverse(pose: Pose) -> Pose:
+def inverse(pose: ArrayPose) -> ArrayPose:
     """The way back."""
     R, p = pose
     return R.T, -R.T @ p

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from freebody.diagnosis.alignment import Alignment, Pair
-from freebody.diagnosis.bodies_in_space import Robot
-from freebody.diagnosis.facts import norm
+from freebody.diagnosis.alignment import Alignment, MatchedJoint
+from freebody.diagnosis.bodies_in_space import BodyTree, cross, pose_in_space
+from freebody.diagnosis.facts import ArrayPose, composed, norm
 from freebody.errors import listed
+from freebody.model.description import Loop
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
 
@@ -22,7 +24,7 @@ _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed li
 
 
 @dataclass(frozen=True)
-class Difference:
+class RobotDifference:
     """One difference: the aspect (a name of `ASPECTS`), the joint or body where it is, by its names
     in both robots, what it is in words, and its size: m, rad, kg, kg m², or relative."""
 
@@ -39,21 +41,23 @@ class Difference:
 
 @dataclass(frozen=True)
 class Aspect:
-    """What robots may differ in: its name; the sorts of numbers that a robot gives at all; and what
-    finds the differences in those that both give."""
+    """Something that robots may differ in: its name; the sorts of numbers that a robot gives at
+    all; and what finds the differences in those that both give."""
 
     name: str
-    find: Callable[[Alignment, frozenset[str]], Iterator[Difference]]
-    given: Callable[[Robot], frozenset[str]] = lambda robot: frozenset()
+    find: Callable[[Alignment, frozenset[str]], Iterator[RobotDifference]]
+    given: Callable[[BodyTree], frozenset[str]] = lambda robot: frozenset()
 
 
-def _structure(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
+def _structure(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]:
     for which, part in found.alone:
         other = (found.b, found.a)[which].model.name
         place = (part.joint, "") if which == 0 else ("", part.joint)
         own = "" if part.body.joint.kind[0] not in "aeiou" else "n"
         text = f"a{own} {part.body.joint.kind} joint that {other!r} has no counterpart of"
-        yield Difference("joints", place, text, 1.0 + (found.a, found.b)[which].count[part.index])
+        yield RobotDifference(
+            "joints", place, text, 1.0 + (found.a, found.b)[which].count[part.index]
+        )
     for pair in found.pairs:
         kinds = pair.a.sort, pair.b.sort
         if kinds[0] != kinds[1]:
@@ -68,9 +72,71 @@ def _structure(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
             who = (found.a, found.b)[passive[1]].model.name
             yield _of_joint("joints", pair, f"is passive in {who!r} alone", math.inf)
     yield from _mimics(found)
+    yield from _loops(found)
 
 
-def _mimics(found: Alignment) -> Iterator[Difference]:
+def _loops(found: Alignment) -> Iterator[RobotDifference]:
+    """Loops that hold no such points of the same bodies in the other robot."""
+    own = [(loop, _ends(found.a, loop, {})) for loop in found.a.model.loops]
+    bodies = {pair.b.index: (pair.a.index, pair.pose) for pair in found.pairs}
+    others = [
+        (loop, _ends(found.b, loop, {-1: (-1, found.base), **bodies}))
+        for loop in found.b.model.loops
+    ]
+    for loop, ends in own:
+        same = [k for k, (_, other) in enumerate(others) if _coincide(ends, other, found)]
+        if same:
+            del others[same[0]]
+        else:
+            text = f"a loop that {found.b.model.name!r} has no counterpart of"
+            yield RobotDifference("joints", (loop.name, ""), text, math.inf)
+    for loop, _ in others:
+        text = f"a loop that {found.a.model.name!r} has no counterpart of"
+        yield RobotDifference("joints", ("", loop.name), text, math.inf)
+
+
+class _HeldEnd(NamedTuple):
+    """The end of a loop: kind and distance of the loop, and body, point and axis where it holds."""
+
+    kind: str
+    distance: float
+    body: int
+    point: np.ndarray
+    axis: np.ndarray
+
+
+def _ends(
+    robot: BodyTree, loop: Loop, bodies: Mapping[int, tuple[int, ArrayPose]]
+) -> list[_HeldEnd]:
+    """Both ends of a loop, in the bodies and poses that stand for its own."""
+    found = []
+    for name in loop.frames:
+        frame = next(x for x in robot.model.frames if x.name == name)
+        body, pose = bodies.get(frame.body, (frame.body, (np.eye(3), np.zeros(3))))
+        R, p = composed(pose, pose_in_space(frame.placement, robot.model.dim))
+        axis = np.array([*loop.axis, 0.0, 0.0, 0.0][:3])
+        distance = 0.0 if loop.distance is None else float(VALUES.quantity(loop.distance))
+        found.append(_HeldEnd(loop.kind, distance, body, p, R @ axis))
+    return found
+
+
+def _coincide(ends: list[_HeldEnd], others: list[_HeldEnd], found: Alignment) -> bool:
+    """Whether two loops hold the same, from either end; an axis counts, not the point on it."""
+    return any(
+        all(
+            x.kind == y.kind
+            and x.body == y.body
+            and abs(x.distance - y.distance) <= found.tolerances.length
+            and norm(cross(x.axis, y.axis)) <= found.tolerances.share
+            and norm(y.point - x.point - x.axis * (x.axis @ (y.point - x.point)))
+            <= 3.0 * found.tolerances.length
+            for x, y in zip(ends, way, strict=True)
+        )
+        for way in (others, others[::-1])
+    )
+
+
+def _mimics(found: Alignment) -> Iterator[RobotDifference]:
     by_name = {pair.b.joint: pair for pair in found.pairs}
     for pair in found.pairs:
         one, two = pair.a.body.joint.mimic, pair.b.body.joint.mimic
@@ -93,7 +159,7 @@ def _mimics(found: Alignment) -> Iterator[Difference]:
                 yield _of_joint("joints", pair, text, abs(x - y))
 
 
-def _geometry(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
+def _geometry(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]:
     for pair in found.pairs:
         gap = pair.gap
         if pair.a.sort != pair.b.sort or found.tolerances.same(gap):
@@ -111,19 +177,19 @@ def _geometry(found: Alignment, _: frozenset[str]) -> Iterator[Difference]:
     own, theirs = VALUES.quantity(model.gravity_size), VALUES.quantity(other.gravity_size)
     if abs(own - theirs) > 1e3 * found.tolerances.share:
         text = f"gravity is {own:.6g} and {theirs:.6g} m/s²"
-        yield Difference("geometry", ("base", "base"), text, abs(own - theirs))
+        yield RobotDifference("geometry", ("base", "base"), text, abs(own - theirs))
 
 
-def _of_joint(aspect: str, pair: Pair, text: str, size: float) -> Difference:
-    return Difference(aspect, (pair.a.joint, pair.b.joint), text, size)
+def _of_joint(aspect: str, pair: MatchedJoint, text: str, size: float) -> RobotDifference:
+    return RobotDifference(aspect, (pair.a.joint, pair.b.joint), text, size)
 
 
 # ------------------------------------------------------------ masses
-def _masses_given(robot: Robot) -> frozenset[str]:
+def _masses_given(robot: BodyTree) -> frozenset[str]:
     return frozenset(["masses"] if any(part.weight for part in robot.parts) else [])
 
 
-def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
     share = found.tolerances.share
     for pair in found.pairs if compared else ():
         place = pair.a.body.name, pair.b.body.name
@@ -134,17 +200,17 @@ def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
                 assert has is not None
                 who = (found.a if two is None else found.b).model.name
                 text = f"has a mass in {who!r} alone, {has.mass:.6g} kg"
-                yield Difference("masses", place, text, has.mass)
+                yield RobotDifference("masses", place, text, has.mass)
             continue
         if abs(one.mass - two.mass) > share * max(abs(one.mass), abs(two.mass)):
             text = f"its mass is {one.mass:.6g} and {two.mass:.6g} kg"
-            yield Difference("masses", place, text, abs(one.mass - two.mass))
+            yield RobotDifference("masses", place, text, abs(one.mass - two.mass))
         R, p = pair.pose
         centre = R @ two.com + p
         off = norm(centre - one.com)
         if off > 3.0 * found.tolerances.length and one.mass:
             text = f"its centre of mass is {1e3 * off:.4g} mm away, at {_shown(one.com)} and "
-            yield Difference("masses", place, text + f"{_shown(centre)} m", off)
+            yield RobotDifference("masses", place, text + f"{_shown(centre)} m", off)
         tensor = R @ two.tensor @ R.T
         about = pair.a.axis if pair.a.dim == 2 or pair.b.dim == 2 else None
         own, other = (x if about is None else x[2:, 2:] for x in (one.tensor, tensor))
@@ -155,7 +221,7 @@ def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
             text = (
                 f"its inertia differs by {change:.3g} kg m² ({change / size:.2g} of it): {entries}"
             )
-            yield Difference("masses", place, text, change)
+            yield RobotDifference("masses", place, text, change)
 
 
 def _shown(vector: np.ndarray) -> str:
@@ -171,7 +237,7 @@ def _entries(one: np.ndarray, two: np.ndarray) -> str:
 
 
 # ------------------------------------------------------------ limits and drives
-def _limits_given(robot: Robot) -> frozenset[str]:
+def _limits_given(robot: BodyTree) -> frozenset[str]:
     return frozenset(
         f"{what}s"
         for key, what in _LIMITS.items()
@@ -179,7 +245,7 @@ def _limits_given(robot: Robot) -> frozenset[str]:
     )
 
 
-def _limits(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+def _limits(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
     for pair in found.pairs:
         one, two = pair.a.body.joint.limits.meant, pair.b.body.joint.limits.meant
         lower, upper = sorted(pair.flip * x + pair.offset for x in (two.lower, two.upper))
@@ -198,20 +264,20 @@ def _limits(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
 
 
 def _rounding(found: Alignment, key: str) -> float:
-    """What is no difference of a limit; those of positions are rounded to a few digits."""
+    """The relative difference of a limit that is none; positions are rounded to a few digits."""
     return found.tolerances.share * (10.0 if key in ("lower", "upper") else 1.0)
 
 
-def _drives_given(robot: Robot) -> frozenset[str]:
+def _drives_given(robot: BodyTree) -> frozenset[str]:
     return frozenset(law.term for law in LAWS.values() if any(_strengths(robot, law)))
 
 
-def _strengths(robot: Robot, law: DriveLaw) -> list[float]:
+def _strengths(robot: BodyTree, law: DriveLaw) -> list[float]:
     drives = (part.body.joint.drive for part in robot.parts)
     return [float(VALUES.quantity(getattr(drive, law.strength))) for drive in drives]
 
 
-def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
+def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
     for pair in found.pairs:
         for law in LAWS.values():
             if law.term in compared and law.inertia is not None:
@@ -220,7 +286,7 @@ def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[Difference]:
                 yield from _numbers(found, pair, law)
 
 
-def _numbers(found: Alignment, pair: Pair, law: DriveLaw) -> Iterator[Difference]:
+def _numbers(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[RobotDifference]:
     one, two = pair.a.body.joint.drive, pair.b.body.joint.drive
     if not any(VALUES.quantity(getattr(drive, law.strength)) for drive in (one, two)):
         return
@@ -235,7 +301,7 @@ def _numbers(found: Alignment, pair: Pair, law: DriveLaw) -> Iterator[Difference
             yield _of_joint("friction", pair, text, abs(x - y))
 
 
-def _rotors(found: Alignment, pair: Pair) -> Iterator[Difference]:
+def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:
     """Rotors as the joint feels them: one behind a gear is another one without."""
     x, y = (
         float(VALUES.quantity(drive.rotor) * VALUES.quantity(drive.gear) ** 2)

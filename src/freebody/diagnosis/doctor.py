@@ -10,9 +10,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from freebody.diagnosis import description_facts, urdf_facts
 from freebody.diagnosis.facts import RobotFacts, elements_in
-from freebody.diagnosis.finding import SEVERITIES, Finding, FindingKind, Found, Line
+from freebody.diagnosis.finding import SEVERITIES, FileLine, Finding, FindingKind, FoundFault
 from freebody.diagnosis.findings import FINDINGS
 from freebody.diagnosis.source_text import changed
 from freebody.errors import FileError, FreebodyError, FreebodyWarning, IncludedLine
@@ -172,31 +174,36 @@ def _built(description: RobotDescription) -> Model:
 def _findings(facts: RobotFacts) -> tuple[Finding, ...]:
     found: list[Finding] = []
     for kind in FINDINGS:
-        told = {finding.line for finding in found if finding.severity == "error"}
-        for one in kind.find(facts):
+        told = {(x.file, x.line) for x in found if x.severity == "error"}
+        with np.errstate(all="ignore"):  # a mass of 1e-300 kg: what follows is infinite
+            sightings = list(kind.find(facts))
+        for one in sightings:
             # what a reader refuses is told once, by the finding that knows more about it
             if kind.name != "refused" or not told & _lines(facts, one.line):
                 found.append(_finding(facts, kind, one))
     return tuple(sorted(found, key=lambda finding: finding.line or 0))
 
 
-def _lines(facts: RobotFacts, line: Line) -> set[Line]:
-    """The lines of the elements that begin on a line, with those inside; of the whole file where
-    none is known."""
+def _lines(facts: RobotFacts, line: FileLine) -> set[tuple[str, int | None]]:
+    """Files and lines of the elements that begin on a line, with those inside; of the whole file
+    where none is known."""
     if facts.root is None:
-        return {line}
+        return {_place(facts, line)}
     return {
-        inner.line
+        _place(facts, inner.line)
         for element in elements_in(facts.root)
-        if line in (None, element.line)
+        if line is None or _place(facts, line) == _place(facts, element.line)
         for inner in elements_in(element)
     }
 
 
-def _finding(facts: RobotFacts, kind: FindingKind, found: Found) -> Finding:
-    file, line = facts.file, found.line
-    if isinstance(line, IncludedLine):
-        file, line = line
+def _place(facts: RobotFacts, line: FileLine) -> tuple[str, int | None]:
+    """File and line, which may be those of a file that is included."""
+    return (line.file, line.line) if isinstance(line, IncludedLine) else (facts.file, line)
+
+
+def _finding(facts: RobotFacts, kind: FindingKind, found: FoundFault) -> Finding:
+    file, line = _place(facts, found.line)
     return Finding(
         kind.name,
         kind.severity,
@@ -211,7 +218,8 @@ def _finding(facts: RobotFacts, kind: FindingKind, found: Found) -> Finding:
 
 def _mended(file: str, data: bytes, root: XmlElement, packages: Packages) -> Diagnosis:
     """The findings on a URDF, and its text with what can be mended."""
-    findings = _findings(_urdf_facts(file, root, packages))
+    facts = _urdf_facts(file, root, packages)
+    findings = _findings(facts)
     diagnosis = Diagnosis(file, findings)
     told: list[str] = []
     for _ in range(_ROUNDS):
@@ -221,6 +229,7 @@ def _mended(file: str, data: bytes, root: XmlElement, packages: Packages) -> Dia
         told += dict.fromkeys(f"{file}:{x.element.line}: {x}" for x in changes)
         data = changed(data, root, changes)
         root = parse(file, data)
-        findings = _findings(_urdf_facts(file, root, packages))
+        facts = replace(_urdf_facts(file, root, packages), filled=facts.filled)
+        findings = _findings(facts)
         diagnosis = replace(diagnosis, mended=data, changes=tuple(told))
     return diagnosis

@@ -8,13 +8,13 @@ Nothing is refused here. What no reader would take, such as a word in the place 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.finding import Line
+from freebody.diagnosis.finding import FileLine
 from freebody.errors import FreebodyError
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement
@@ -26,7 +26,7 @@ from freebody.model.quantity_reader import VALUES
 from freebody.model.shapes import Shape
 from freebody.spatial import of_dimension
 
-Pose = tuple[Array, Array]
+ArrayPose = tuple[Array, Array]
 """(R, p) of a frame in another."""
 
 
@@ -47,7 +47,7 @@ class InertiaFacts:
 
     inertia: Inertia | None
     placement: Placement
-    line: Line
+    line: FileLine
     element: XmlElement | None = None
 
     @property
@@ -63,7 +63,7 @@ class LinkFacts(Keeps):
     """A link as it is written."""
 
     name: str
-    line: Line
+    line: FileLine
     inertial: InertiaFacts | None = None
     shapes: tuple[Shape, ...] = ()
     element: XmlElement | None = None
@@ -74,7 +74,7 @@ class LinkFacts(Keeps):
         return self.inertial.in_link if self.inertial else None
 
     @property
-    def inertia_line(self) -> Line:
+    def inertia_line(self) -> FileLine:
         """The line of the inertia, or of the link that has none."""
         return self.inertial.line if self.inertial else self.line
 
@@ -87,8 +87,8 @@ class JointFacts(Keeps):
     kind: str
     parent: str
     child: str
-    line: Line
-    pose: Pose | None
+    line: FileLine
+    pose: ArrayPose | None
     """The joint's frame in the parent link's; None where that is not to be read."""
     axis: tuple[float, ...] | None
     """The axis as written; None where there is none."""
@@ -99,7 +99,7 @@ class JointFacts(Keeps):
     mimics: str = ""
     """The joint that it follows."""
     element: XmlElement | None = None
-    limit_line: Line = None
+    limit_line: FileLine = None
 
     @property
     def moves(self) -> bool:
@@ -130,6 +130,8 @@ class RobotFacts(Keeps):
     root: XmlElement | None = None
     """The root of a URDF."""
     dim: int = 3
+    filled: dict[tuple[Shape, ...], Inertia | None] = field(default_factory=dict, compare=False)
+    """Links' shapes at density 1 that have been computed: of meshes that takes seconds."""
 
     @cached_property
     def link(self) -> dict[str, LinkFacts]:
@@ -167,12 +169,12 @@ class RobotFacts(Keeps):
         return found
 
     @cached_property
-    def groups(self) -> dict[str, list[tuple[LinkFacts, Pose]]]:
+    def groups(self) -> dict[str, list[tuple[LinkFacts, ArrayPose]]]:
         """All links that are fixed together, by the one that carries them, with their poses in its
         frame; without those whose poses are not to be read."""
-        found: dict[str, list[tuple[LinkFacts, Pose]]] = {}
+        found: dict[str, list[tuple[LinkFacts, ArrayPose]]] = {}
         for link in self.links:
-            pose: Pose | None = np.eye(self.dim), np.zeros(self.dim)
+            pose: ArrayPose | None = np.eye(self.dim), np.zeros(self.dim)
             name = link.name
             while pose is not None and name != self.carrier[link.name]:
                 joint = self.above[name]
@@ -211,14 +213,14 @@ class RobotFacts(Keeps):
                 far[passed] = distance = distance + step
         return max(far.values(), default=0.0) or 1e-3
 
-    def line_of(self, name: str) -> Line:
+    def line_of(self, name: str) -> FileLine:
         """The line of a link's inertia, or of a joint's limits; None of any other name."""
         if name in self.link:
             return self.link[name].inertia_line
         return self.joint[name].limit_line if name in self.joint else None
 
 
-def composed(outer: Pose, inner: Pose) -> Pose:
+def composed(outer: ArrayPose, inner: ArrayPose) -> ArrayPose:
     """A pose in a frame that is itself placed."""
     return outer[0] @ inner[0], outer[0] @ inner[1] + outer[1]
 
@@ -228,7 +230,7 @@ def norm(x: Sequence[float] | Array) -> float:
     return float(np.linalg.norm(x))
 
 
-def pose_of(placement: Placement, dim: int = 3) -> Pose:
+def pose_of(placement: Placement, dim: int = 3) -> ArrayPose:
     """A placement's rotation and position as arrays."""
     R, p = placement.lower(of_dimension(dim), VALUES)
     return np.array(R, dtype=float), np.array(p, dtype=float)

@@ -16,10 +16,10 @@ Severity = Literal["error", "warning", "notice"]
 SEVERITIES: tuple[Severity, ...] = ("error", "warning", "notice")
 """Severities, the worst first: what no robot has or no reader takes; what is most likely wrong;
 what is worth knowing."""
-Line = int | IncludedLine | None
+FileLine = int | IncludedLine | None
 
 
-class Change(NamedTuple):
+class AttributeChange(NamedTuple):
     """Another value for an attribute of an element of the file."""
 
     element: XmlElement
@@ -31,13 +31,13 @@ class Change(NamedTuple):
         return f'<{self.element.tag}> {self.attribute}="{was}" becomes "{self.value}"'
 
 
-class Found(NamedTuple):
+class FoundFault(NamedTuple):
     """One place where a kind of findings applies: why, on which line, and the changes that mend it
     where there is one sensible remedy. remedy: in the place of the kind's."""
 
     reason: str
-    line: Line = None
-    changes: Sequence[Change] = ()
+    line: FileLine = None
+    changes: Sequence[AttributeChange] = ()
     remedy: str = ""
 
 
@@ -49,7 +49,7 @@ class FindingKind:
     name: str
     severity: Severity
     remedy: str
-    find: Callable[[RobotFacts], Iterator[Found]]
+    find: Callable[[RobotFacts], Iterator[FoundFault]]
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Finding:
     file: str
     line: int | None = None
     fix: tuple[str, ...] = ()
-    changes: tuple[Change, ...] = field(default=(), repr=False, compare=False)
+    changes: tuple[AttributeChange, ...] = field(default=(), repr=False, compare=False)
 
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}" if self.line else self.file

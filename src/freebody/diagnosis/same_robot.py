@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from freebody.diagnosis.alignment import Alignment, Tolerances, align
-from freebody.diagnosis.bodies_in_space import Robot, pose_in_space
-from freebody.diagnosis.differences import ASPECTS, Difference
-from freebody.diagnosis.facts import Pose, composed, norm
+from freebody.diagnosis.bodies_in_space import BodyTree, pose_in_space
+from freebody.diagnosis.differences import ASPECTS, RobotDifference
+from freebody.diagnosis.facts import ArrayPose, composed, norm
 from freebody.errors import FreebodyError, KindError, listed
 from freebody.formats.loading import load
 from freebody.model.model import Model
@@ -32,7 +32,7 @@ class RobotComparison(InWords, Tabled):
     """
 
     names: tuple[str, str]
-    differences: tuple[Difference, ...]
+    differences: tuple[RobotDifference, ...]
     regardless: tuple[str, ...]
     joints: dict[str, str]
     base: tuple[np.ndarray, np.ndarray]
@@ -43,7 +43,7 @@ class RobotComparison(InWords, Tabled):
         return not self.differences
 
     @property
-    def first(self) -> Difference | None:
+    def first(self) -> RobotDifference | None:
         """The first difference, None where there is none."""
         return self.differences[0] if self.differences else None
 
@@ -129,10 +129,10 @@ def same_robot(
         raise FreebodyError(
             f"same_robot: one of {one.name!r} and {two.name!r} is in the plane, the other in space."
         )
-    robots = Robot(one), Robot(two)
+    robots = BodyTree(one), BodyTree(two)
     lengths = tolerance * max(robot.reach for robot in robots)
     found = align(*robots, Tolerances(lengths, tolerance))
-    differences: list[Difference] = []
+    differences: list[RobotDifference] = []
     absent: list[str] = []
     for aspect in ASPECTS:
         given = [aspect.given(robot) for robot in robots]
@@ -161,7 +161,7 @@ def _model(given: object) -> Model:
 
 # ------------------------------------------------------------ what does not count
 def _regardless(found: Alignment) -> Iterator[str]:
-    """What the descriptions have chosen differently, in words."""
+    """Choices of the descriptions that differ, in words."""
     one, two = found.a.model.name, found.b.model.name
     if moved := _off(found.base, found.tolerances):
         yield f"the base of {two!r} stands {moved} from that of {one!r}"
@@ -200,14 +200,14 @@ def _tool(found: Alignment) -> Iterator[str]:
     if one.body >= 0 and (pair is None or pair.b.index != two.body):
         yield f"their tips, {one.name!r} and {two.name!r}, are on other bodies"
         return
-    base: Pose = found.base if pair is None else pair.pose
+    base: ArrayPose = found.base if pair is None else pair.pose
     R, p = pose_in_space(one.placement, models[0].dim)
     S, q = composed(base, pose_in_space(two.placement, models[1].dim))
     if moved := _off((R.T @ S, R.T @ (q - p)), found.tolerances):
         yield f"the tip {two.name!r} is {moved} from {one.name!r}"
 
 
-def _off(pose: Pose, tolerances: Tolerances) -> str:
+def _off(pose: ArrayPose, tolerances: Tolerances) -> str:
     """A pose in words, "" for none."""
     R, p = pose
     angle = float(np.arccos(np.clip(0.5 * (np.trace(R) - 1.0), -1.0, 1.0)))

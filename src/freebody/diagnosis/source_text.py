@@ -9,14 +9,14 @@ from html import escape
 from xml.parsers import expat
 
 from freebody.diagnosis.facts import elements_in
-from freebody.diagnosis.finding import Change
+from freebody.diagnosis.finding import AttributeChange
 from freebody.formats.urdf_elements import XmlElement
 
 _ATTRIBUTE = rb"""\s(%s)\s*=\s*("[^"]*"|'[^']*')"""
 _NAME = re.compile(rb"<[^\s/>]+")
 
 
-def changed(data: bytes, root: XmlElement, changes: Sequence[Change]) -> bytes:
+def changed(data: bytes, root: XmlElement, changes: Sequence[AttributeChange]) -> bytes:
     """The text of a file with other values of attributes; root is what was read of it. An attribute
     that an element lacks is put behind its name. The first of several changes of one attribute
     counts."""

@@ -8,11 +8,14 @@ import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
+from pathlib import Path
 
 import pytest
 
 import freebody as fb
 from support.command import run
+from support.fuzz import cases
 from support.real_files import FILES, ROBOTS
 
 pytestmark = pytest.mark.skipif(not FILES, reason="example-robot-data is not installed")
@@ -340,6 +343,50 @@ def test_other_formats_are_looked_at(tmp_path):
         encoding="utf-8",
     )
     assert {x.kind for x in fb.doctor(sdf).findings} >= {"impossible inertia", "zero limit"}
+
+
+def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):
+    head = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    part, path = tmp_path / "part.xacro", tmp_path / "arm.xacro"
+    swapped = joint("${b}_joint", "${a}", "${b}").replace("-2.1", "2.5")
+    part.write_text(
+        f'{head}\n<xacro:macro name="segment" params="a b">\n{link("${b}", -1.0, "1 1 1")}{swapped}'
+        "</xacro:macro></robot>",
+        encoding="utf-8",
+    )
+    path.write_text(
+        f'{head}<xacro:include filename="part.xacro"/><link name="base"/>'
+        '<xacro:segment a="base" b="one"/></robot>',
+        encoding="utf-8",
+    )
+    found = [(x.kind, Path(x.file).name, x.line) for x in fb.doctor(path).of("error")]
+    assert found == [
+        ("impossible inertia", "part.xacro", 3),
+        ("swapped limits", "part.xacro", 7),
+    ]
+
+
+def test_a_file_that_is_only_refused_says_why(tmp_path):
+    path = tmp_path / "arm.urdf"
+    path.write_text('<robot name="arm"/>', encoding="utf-8")
+    (only,) = fb.doctor(path).findings
+    assert (only.kind, only.severity) == ("refused", "error")
+    assert "there are no links" in str(only)
+    path.write_text("<robot>", encoding="utf-8")
+    with pytest.raises(fb.FileError, match="truncated"):
+        fb.doctor(path)
+
+
+@pytest.mark.parametrize(("kind", "suffix"), [("urdf", ".urdf"), ("toml", ".toml"), ("dh", ".csv")])
+def test_broken_files_are_looked_at_or_refused(kind, suffix, tmp_path):
+    path, looked_at = tmp_path / f"arm{suffix}", 0
+    for data in islice(cases(kind, 31), 60):
+        path.write_bytes(data)
+        try:
+            looked_at += bool(fb.doctor(path).title)
+        except fb.FreebodyError:
+            continue
+    assert looked_at
 
 
 @pytest.mark.long

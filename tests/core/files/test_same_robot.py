@@ -261,6 +261,19 @@ def test_mimics_are_compared_through_zeros_and_directions():
     assert "an offset of 0.1 and 0.2" in str(other.first)
 
 
+def test_loops_are_compared():
+    model = fb.load("stewart")
+    loop = model.loops[0]
+    frames = loop.frames[::-1]
+    less = replace(model, loops=model.loops[1:])
+    (only,) = fb.same_robot(model, less).differences
+    assert only.place == (loop.name, "")
+    (only,) = fb.same_robot(less, model).differences
+    assert only.place == ("", loop.name)
+    turned = replace(model, loops=(replace(loop, frames=frames), *model.loops[1:]))
+    assert fb.same_robot(model, turned)
+
+
 WRONG_LINK4 = """<inertial><origin xyz="-0.05113 0.05825 0.01698"/><mass value="2.2037"/>
 <inertia ixx="0.00784585566" ixy="-0.00339591957" ixz="0.00158704074" iyy="0.00649543136"
 iyz="-0.00181477884" izz="0.01003079917"/></inertial>"""

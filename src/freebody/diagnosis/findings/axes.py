@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from freebody.diagnosis.facts import RobotFacts, elements_in, norm
-from freebody.diagnosis.finding import Change, FindingKind, Found, Line
+from freebody.diagnosis.finding import AttributeChange, FileLine, FindingKind, FoundFault
 from freebody.diagnosis.urdf_facts import vector
 from freebody.formats.urdf_elements import XmlElement
 
@@ -25,29 +25,31 @@ _FELT = 1e-5
 _DIGITS = re.compile(r"[-+]?\d+\.(\d+)")
 
 
-def _axes(facts: RobotFacts) -> Iterator[tuple[str, XmlElement | None, tuple[float, ...], Line]]:
+def _axes(
+    facts: RobotFacts,
+) -> Iterator[tuple[str, XmlElement | None, tuple[float, ...], FileLine]]:
     for joint in facts.joints:
         if joint.axis is not None and (joint.moves or joint.kind == "planar"):
             element = next(iter(joint.element.all("axis")), None) if joint.element else None
             yield joint.name, element, joint.axis, element.line if element else joint.line
 
 
-def _no_axis(facts: RobotFacts) -> Iterator[Found]:
+def _no_axis(facts: RobotFacts) -> Iterator[FoundFault]:
     for name, _, axis, line in _axes(facts):
         if not any(axis):
-            yield Found(f"joint {name!r}: its axis is zero", line)
+            yield FoundFault(f"joint {name!r}: its axis is zero", line)
 
 
-def _not_unit(facts: RobotFacts) -> Iterator[Found]:
+def _not_unit(facts: RobotFacts) -> Iterator[FoundFault]:
     for name, element, axis, line in _axes(facts):
         length = norm(axis)
         if length and abs(length - 1.0) > _UNIT and element is not None:
             text = " ".join(f"{x / length:.9g}" for x in axis)
             reason = f"joint {name!r}: its axis has the length {length:g}, expected 1"
-            yield Found(reason, line, (Change(element, "xyz", text),))
+            yield FoundFault(reason, line, (AttributeChange(element, "xyz", text),))
 
 
-def _nearly(facts: RobotFacts) -> Iterator[Found]:
+def _nearly(facts: RobotFacts) -> Iterator[FoundFault]:
     for name, element, axis, line in _axes(facts):
         length = norm(axis)
         if not length or len(axis) != 3:
@@ -59,14 +61,14 @@ def _nearly(facts: RobotFacts) -> Iterator[Found]:
             text = " ".join(f"{math.copysign(1.0, unit[k]):g}" if i == k else "0" for i in range(3))
             angle = math.asin(float(norm(rest)))
             reason = f"joint {name!r}: its axis is {angle:.2g} rad off {'xyz'[k]}"
-            changes = (Change(element, "xyz", text),) if element and angle < 1e-5 else ()
-            yield Found(reason, line, changes)
+            changes = (AttributeChange(element, "xyz", text),) if element and angle < 1e-5 else ()
+            yield FoundFault(reason, line, changes)
 
 
-def _absent(facts: RobotFacts) -> Iterator[Found]:
+def _absent(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         if joint.element is not None and joint.moves and not joint.element.all("axis"):
-            yield Found(f"joint {joint.name!r} has no <axis>; x is taken", joint.line)
+            yield FoundFault(f"joint {joint.name!r} has no <axis>; x is taken", joint.line)
 
 
 def _origins(facts: RobotFacts) -> Iterator[tuple[str, XmlElement, tuple[float, ...]]]:
@@ -79,7 +81,7 @@ def _origins(facts: RobotFacts) -> Iterator[tuple[str, XmlElement, tuple[float, 
                     yield f"{what} {part.name!r}", element, angles
 
 
-def _rounded(facts: RobotFacts) -> Iterator[tuple[float, Found]]:
+def _rounded(facts: RobotFacts) -> Iterator[tuple[float, FoundFault]]:
     """Right angles that are written with few digits, with how far they are off (rad); those of
     shapes do no harm."""
     for where, element, angles in _of_frames(facts):
@@ -88,14 +90,19 @@ def _rounded(facts: RobotFacts) -> Iterator[tuple[float, Found]]:
         off = max((abs(a - float(b)) for a, b in zip(angles, mended, strict=False)), default=0.0)
         if off > _TOLERATED:
             reason = f"{where}: rpy holds a right angle that is rounded, {off:.1g} rad off"
-            yield off, Found(reason, element.line, (Change(element, "rpy", " ".join(mended)),))
+            yield (
+                off,
+                FoundFault(
+                    reason, element.line, (AttributeChange(element, "rpy", " ".join(mended)),)
+                ),
+            )
 
 
-def _far_off(facts: RobotFacts) -> Iterator[Found]:
+def _far_off(facts: RobotFacts) -> Iterator[FoundFault]:
     return (found for off, found in _rounded(facts) if off > _FELT)
 
 
-def _slightly_off(facts: RobotFacts) -> Iterator[Found]:
+def _slightly_off(facts: RobotFacts) -> Iterator[FoundFault]:
     return (found for off, found in _rounded(facts) if off <= _FELT)
 
 
@@ -125,14 +132,14 @@ def _right(word: str, angle: float) -> str:
     return repr(meant) if is_meant else word
 
 
-def _degrees(facts: RobotFacts) -> Iterator[Found]:
+def _degrees(facts: RobotFacts) -> Iterator[FoundFault]:
     for where, element, angles in _origins(facts):
         if max(map(abs, angles)) > _FULL:
             whole = all(x % 1.0 == 0.0 and abs(x) <= 360.0 for x in angles)
             text = " ".join(repr(math.radians(x)) for x in angles)
-            changes = (Change(element, "rpy", text),) if whole else ()
+            changes = (AttributeChange(element, "rpy", text),) if whole else ()
             shown = " ".join(f"{x:g}" for x in angles)
-            yield Found(f"{where}: rpy {shown} rad is more than a turn, as though in degrees",
+            yield FoundFault(f"{where}: rpy {shown} rad is more than a turn, as though in degrees",
                         element.line, changes)  # fmt: skip
 
 

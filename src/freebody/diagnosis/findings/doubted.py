@@ -6,18 +6,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from freebody.diagnosis.facts import RobotFacts
-from freebody.diagnosis.finding import FindingKind, Found
+from freebody.diagnosis.finding import FindingKind, FoundFault
 from freebody.model.doubts import IMPLAUSIBLE, NO_MASSES, PLACEHOLDERS
 
 
-def _of(kind: str) -> Callable[[RobotFacts], Iterator[Found]]:
-    def find(facts: RobotFacts) -> Iterator[Found]:
+def _of(kind: str) -> Callable[[RobotFacts], Iterator[FoundFault]]:
+    def find(facts: RobotFacts) -> Iterator[FoundFault]:
         for doubt in facts.model.doubts if facts.model else ():
             if doubt.kind != kind:
                 continue
             names = (*doubt.joints, *(name for name, _ in doubt.about))
             lines = [x for name in names if (x := facts.line_of(name)) is not None]
-            yield Found(doubt.clause.partition(" (--estimate")[0], next(iter(lines), None))
+            yield FoundFault(doubt.clause.partition(" (--estimate")[0], next(iter(lines), None))
 
     return find
 

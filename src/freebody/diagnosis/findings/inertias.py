@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm, pose_of
-from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.diagnosis.urdf_facts import TENSOR
 from freebody.errors import listed
 from freebody.model.doubts import MEASURED, excess, unfelt_links
@@ -90,15 +90,15 @@ def _faulty(facts: RobotFacts) -> Iterator[tuple[LinkFacts, str, bool]]:
             yield link, fault, off and (mass < 0.0 or link.name not in unfelt)
 
 
-def _impossible(facts: RobotFacts) -> Iterator[Found]:
+def _impossible(facts: RobotFacts) -> Iterator[FoundFault]:
     for link, fault, matters in _faulty(facts):
         if matters:
             remedy = "correct its mass" if fault.startswith("mass") else ""
             reason = f"link {link.name!r}: {fault}"
-            yield Found(reason, link.inertia_line, _nearest(link), remedy)
+            yield FoundFault(reason, link.inertia_line, _nearest(link), remedy)
 
 
-def _nearest(link: LinkFacts) -> tuple[Change, ...]:
+def _nearest(link: LinkFacts) -> tuple[AttributeChange, ...]:
     """The changes by which a tensor becomes the nearest one that some rigid body has: its second
     moments are made positive. None where the mass is wrong, or all of it."""
     written = link.inertial
@@ -115,27 +115,27 @@ def _nearest(link: LinkFacts) -> tuple[Change, ...]:
     mended = np.trace(second) * np.eye(3) - second
     given = mended[np.triu_indices(3)].tolist()
     return tuple(
-        Change(element, key, f"{x:.9g}")
+        AttributeChange(element, key, f"{x:.9g}")
         for key, x, was in zip(TENSOR, given, tensor[np.triu_indices(3)].tolist(), strict=True)
         if abs(x - was) > 1e-9 * moments[-1]
     )
 
 
-def _inexact(facts: RobotFacts) -> Iterator[Found]:
+def _inexact(facts: RobotFacts) -> Iterator[FoundFault]:
     for link, fault, matters in _faulty(facts):
         if not matters:
-            yield Found(f"link {link.name!r}: {fault}", link.inertia_line)
+            yield FoundFault(f"link {link.name!r}: {fault}", link.inertia_line)
 
 
-def _no_mass(facts: RobotFacts) -> Iterator[Found]:
+def _no_mass(facts: RobotFacts) -> Iterator[FoundFault]:
     for link, inertia in _written(facts):
         mass, _, tensor = inertia.numbers()
         if mass == 0.0 and tensor.any():
             reason = f"link {link.name!r} has moments of inertia, and a mass of 0"
-            yield Found(reason, facts.line_of(link.name))
+            yield FoundFault(reason, facts.line_of(link.name))
 
 
-def _no_inertia(facts: RobotFacts) -> Iterator[Found]:
+def _no_inertia(facts: RobotFacts) -> Iterator[FoundFault]:
     whole = sum(max(x.numbers()[0], 0.0) for _, x in _written(facts))
     for link in facts.moving:
         if link.inertia is None or link.inertia.dim != 3:
@@ -143,17 +143,17 @@ def _no_inertia(facts: RobotFacts) -> Iterator[Found]:
         mass, _, tensor = link.inertia.numbers()
         if mass > 0.01 * whole and not tensor.any():
             reason = f"link {link.name!r} has a mass of {mass:g} kg and no moment of inertia"
-            yield Found(reason, facts.line_of(link.name))
+            yield FoundFault(reason, facts.line_of(link.name))
 
 
-def _plain(facts: RobotFacts) -> Iterator[Found]:
+def _plain(facts: RobotFacts) -> Iterator[FoundFault]:
     for body in _weighed(facts):
         diagonal = np.diag(body.tensor)
         alike = (body.tensor == np.diag(diagonal)).all() and (diagonal == diagonal[0]).all()
         plain = _is_power(body.mass) and _is_power(float(diagonal[0]))
         if alike and plain and body.mass > _TINY * facts.mass:
             reason = f"link {body.link.name!r} has {body.mass:g} kg and {diagonal[0]:g} kg m²"
-            yield Found(f"{reason} about all axes, a placeholder", body.link.inertia_line)
+            yield FoundFault(f"{reason} about all axes, a placeholder", body.link.inertia_line)
 
 
 def _is_power(x: float) -> bool:
@@ -162,9 +162,9 @@ def _is_power(x: float) -> bool:
     return text[0] == "1" and float(text) == x
 
 
-def _units(facts: RobotFacts) -> Iterator[Found]:
+def _units(facts: RobotFacts) -> Iterator[FoundFault]:
     if facts.reach > _FAR:
-        yield Found(f"the joints reach {facts.reach:.3g} m, as though lengths were in mm")
+        yield FoundFault(f"the joints reach {facts.reach:.3g} m, as though lengths were in mm")
         return
     mass = sum(body.mass for body in _weighed(facts))
     bodies = [body for body in _weighed(facts) if body.size > 0.0 and body.mass > 0.01 * mass]
@@ -172,7 +172,7 @@ def _units(facts: RobotFacts) -> Iterator[Found]:
         reason = (
             f"{mass:.4g} kg move, at a reach of {facts.reach:.3g} m, as though masses were in g"
         )
-        yield Found(reason)
+        yield FoundFault(reason)
     if len(bodies) < 2:
         return
     share = float(np.median([body.gyration / body.size for body in bodies]))
@@ -183,10 +183,10 @@ def _units(facts: RobotFacts) -> Iterator[Found]:
     about = f", as though in {_UNITS[unit]}" if many > 1e3 else ""
     small = "small" if share < 1.0 else "large"
     reason = f"the links' radii of gyration are {share:.2g} times their size"
-    yield Found(f"{reason}: their moments of inertia are too {small} for their masses{about}")
+    yield FoundFault(f"{reason}: their moments of inertia are too {small} for their masses{about}")
 
 
-def _about_origin(facts: RobotFacts) -> Iterator[Found]:
+def _about_origin(facts: RobotFacts) -> Iterator[FoundFault]:
     bodies = [
         body for body in _weighed(facts) if norm(body.com) > 0.3 * body.gyration and body.size
     ]
@@ -199,14 +199,14 @@ def _about_origin(facts: RobotFacts) -> Iterator[Found]:
         along = body.com / norm(body.com)
         shares.append(body.mass * norm(body.com) ** 2 / float(along @ body.second @ along))
     if len(bodies) >= 3 and np.mean(np.array(shares) > 0.45) >= 0.6:
-        yield Found(
+        yield FoundFault(
             f"the inertias of {listed([b.link.name for b in bodies], 4)} are such as about the "
             f"links' origins, not their centres of mass",
             bodies[0].link.inertia_line,
         )
 
 
-def _turned(facts: RobotFacts) -> Iterator[Found]:
+def _turned(facts: RobotFacts) -> Iterator[FoundFault]:
     """Long links whose mass lies across the way to the next joint."""
     for body in _weighed(facts):
         ends = [
@@ -224,7 +224,7 @@ def _turned(facts: RobotFacts) -> Iterator[Found]:
             for x in (along @ body.second @ along, across)
         )
         if own < 0.11 and other > 0.22 and other > 2.5 * own:
-            yield Found(
+            yield FoundFault(
                 f"link {body.link.name!r} is {length:.3g} m long to its next joint, and its "
                 f"inertia is that of a body which lies across",
                 body.link.inertia_line,
@@ -254,7 +254,7 @@ def twins(facts: RobotFacts, names: list[str]) -> Iterator[tuple[str, str]]:
                 break
 
 
-def _twins(facts: RobotFacts) -> Iterator[Found]:
+def _twins(facts: RobotFacts) -> Iterator[FoundFault]:
     for left, right in twins(facts, [link.name for link in facts.links]):
         a, b = facts.link[left].inertia, facts.link[right].inertia
         if a is None or b is None or a.dim != 3 or not (a.numbers()[0] > 0 and b.numbers()[0] > 0):
@@ -262,7 +262,7 @@ def _twins(facts: RobotFacts) -> Iterator[Found]:
         for what, x, y in _invariants(a, b):
             size = max(float(np.abs([x, y]).max()), 1e-300)
             if float(np.abs(np.subtract(x, y)).max()) > _SAME * size:
-                yield Found(
+                yield FoundFault(
                     f"links {left!r} and {right!r} are left and right, and differ in their {what}",
                     facts.line_of(right),
                 )
@@ -270,7 +270,7 @@ def _twins(facts: RobotFacts) -> Iterator[Found]:
 
 
 def _invariants(a: Inertia, b: Inertia) -> Iterator[tuple[str, Array, Array]]:
-    """What mirrored bodies have in common, of both."""
+    """Numbers that mirrored bodies have in common, of both."""
     (m, c, S), (n, d, T) = a.numbers(), b.numbers()
     yield "masses", np.array([m]), np.array([n])
     size = np.sqrt(max(float(np.trace(S)), 0.0) / m) + norm(c)

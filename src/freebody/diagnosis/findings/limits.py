@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from freebody.diagnosis.facts import JointFacts, RobotFacts, Written
-from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.errors import listed
 
 _MANY_TURNS = 4.0 * math.pi * 1.01
@@ -14,6 +14,9 @@ _MANY_TURNS = 4.0 * math.pi * 1.01
 _MOST_DEGREES = 1080.0
 _FAST = 40.0
 """rad/s that few motors of joints exceed, and many in degrees a second do."""
+_DAMPED = 20.0
+"""Share of a motor's effort that damping at the speed limit may take: such limits are the motor's,
+not the joint's."""
 
 
 def _ranged(facts: RobotFacts) -> Iterator[JointFacts]:
@@ -22,7 +25,7 @@ def _ranged(facts: RobotFacts) -> Iterator[JointFacts]:
             yield joint
 
 
-def _swapped(facts: RobotFacts) -> Iterator[Found]:
+def _swapped(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in _ranged(facts):
         lower, upper = joint.limits.get("lower"), joint.limits.get("upper")
         if lower is None or upper is None or lower.value is None or upper.value is None:
@@ -30,86 +33,89 @@ def _swapped(facts: RobotFacts) -> Iterator[Found]:
         if lower.value > upper.value:
             changes = (*_changed(lower, upper.text), *_changed(upper, lower.text))
             reason = f"joint {joint.name!r}: its lower limit {lower.value:g} is above its upper"
-            yield Found(f"{reason} one, {upper.value:g}", joint.limit_line, changes)
+            yield FoundFault(f"{reason} one, {upper.value:g}", joint.limit_line, changes)
 
 
-def _changed(number: Written, text: str) -> tuple[Change, ...]:
+def _changed(number: Written, text: str) -> tuple[AttributeChange, ...]:
     if number.element is None:
         return ()
-    return (Change(number.element, number.attribute, text),)
+    return (AttributeChange(number.element, number.attribute, text),)
 
 
-def _negative(facts: RobotFacts) -> Iterator[Found]:
+def _negative(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         for name in ("velocity", "effort"):
             number = joint.limits.get(name)
             if number and number.value is not None and number.value < 0.0:
                 reason = f"joint {joint.name!r}: its {name} limit {number.value:g} is below 0"
                 text = number.text.lstrip("-")
-                yield Found(reason, joint.limit_line, _changed(number, text))
+                yield FoundFault(reason, joint.limit_line, _changed(number, text))
 
 
-def _missing(facts: RobotFacts) -> Iterator[Found]:
+def _missing(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in _ranged(facts):
         if joint.element is None:
             continue
         if not joint.element.all("limit"):
-            yield Found(f"{joint.kind} joint {joint.name!r} has no <limit>", joint.line)
+            yield FoundFault(f"{joint.kind} joint {joint.name!r} has no <limit>", joint.line)
             continue
         absent = [name for name in ("lower", "upper") if name not in joint.limits]
         if len(absent) == 1:
             reason = f"joint {joint.name!r} has no {absent[0]} limit, which URDF takes as 0"
-            yield Found(reason, joint.limit_line)
+            yield FoundFault(reason, joint.limit_line)
 
 
-def _unstated(facts: RobotFacts) -> Iterator[Found]:
+def _unstated(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         if joint.moves and joint.element is not None and joint.element.all("limit"):
             absent = [x for x in ("effort", "velocity") if x not in joint.limits]
             if absent:
                 reason = f"joint {joint.name!r} has no {listed(absent)} limit"
-                yield Found(reason, joint.limit_line)
+                yield FoundFault(reason, joint.limit_line)
 
 
-def _zero(facts: RobotFacts) -> Iterator[Found]:
+def _zero(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         zero = [x for x in ("effort", "velocity") if joint.moves and joint.limit(x) == 0.0]
         if zero and not joint.mimics:
             reason = f"joint {joint.name!r}: its {listed(zero)} limit is 0, so that it cannot move"
-            yield Found(reason, joint.limit_line)
+            yield FoundFault(reason, joint.limit_line)
 
 
-def _no_range(facts: RobotFacts) -> Iterator[Found]:
+def _no_range(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in _ranged(facts):
         lower, upper = joint.limit("lower"), joint.limit("upper")
         if lower is not None and lower == upper:
             reason = f"joint {joint.name!r}: its limits are both {lower:g}, a range of no width"
-            yield Found(reason, joint.limit_line)
+            yield FoundFault(reason, joint.limit_line)
 
 
-def _degrees(facts: RobotFacts) -> Iterator[Found]:
-    """Limits of turning joints that are degrees; where some are too large for radians, and none is
+def _degrees(facts: RobotFacts) -> Iterator[FoundFault]:
+    """Limits of turning joints that are degrees; where most are too large for radians, and none is
     too large for degrees, all of the file are."""
-    turning = [x for x in facts.joints if x.kind == "revolute" and _bounds(x)]
-    large = [x for x in turning if _MANY_TURNS < max(map(abs, _bounds(x))) <= _MOST_DEGREES]
-    beyond = [x for x in turning if max(map(abs, _bounds(x))) > _MOST_DEGREES]
-    all_of_them = 2 * len(large) > len(turning) and not beyond
-    for joint in turning if all_of_them and len(large) > 1 else large:
-        low_high = [joint.limits[key] for key in ("lower", "upper") if key in joint.limits]
-        fast = joint.limits.get("velocity")
-        if fast and fast.value is not None and _FAST < fast.value <= _MOST_DEGREES:
-            low_high.append(fast)
-        changes = tuple(
-            change
-            for number in low_high
-            if number.value is not None
-            for change in _changed(number, f"{math.radians(number.value):.9g}")
-        )
+    turning = {x.name: max(map(abs, _bounds(x))) for x in _ranged(facts) if _bounds(x)}
+    turning = {name: x for name, x in turning.items() if facts.joint[name].turns}
+    large = [name for name, x in turning.items() if _MANY_TURNS < x <= _MOST_DEGREES]
+    most = len(large) > 1 and 2 * len(large) > len(turning)
+    for name in turning if most and max(turning.values()) <= _MOST_DEGREES else large:
+        joint = facts.joint[name]
         shown = " and ".join(f"{x:g}" for x in _bounds(joint))
-        reason = (
-            f"joint {joint.name!r}: its limits {shown} rad are many turns, as though in degrees"
-        )
-        yield Found(reason, joint.limit_line, changes)
+        reason = f"joint {name!r}: its limits {shown} rad are many turns, as though in degrees"
+        yield FoundFault(reason, joint.limit_line, _in_radians(joint))
+
+
+def _in_radians(joint: JointFacts) -> tuple[AttributeChange, ...]:
+    """The changes of a joint's range, and of a speed that no radians are, from degrees."""
+    numbers = [joint.limits[key] for key in ("lower", "upper") if key in joint.limits]
+    fast = joint.limits.get("velocity")
+    if fast and fast.value is not None and _FAST < fast.value <= _MOST_DEGREES:
+        numbers.append(fast)
+    return tuple(
+        change
+        for number in numbers
+        if number.value is not None
+        for change in _changed(number, f"{math.radians(number.value):.9g}")
+    )
 
 
 def _bounds(joint: JointFacts) -> list[float]:
@@ -117,15 +123,17 @@ def _bounds(joint: JointFacts) -> list[float]:
     return [x for x in values if x is not None and math.isfinite(x)]
 
 
-def _pushes(facts: RobotFacts) -> Iterator[Found]:
+def _pushes(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         for name, number in joint.drive.items():
             if number.value is not None and number.value < 0.0:
                 line = number.element.line if number.element else joint.line
-                yield Found(f"joint {joint.name!r}: its {name} {number.value:g} is below 0", line)
+                yield FoundFault(
+                    f"joint {joint.name!r}: its {name} {number.value:g} is below 0", line
+                )
 
 
-def _holds(facts: RobotFacts) -> Iterator[Found]:
+def _holds(facts: RobotFacts) -> Iterator[FoundFault]:
     """Joints whose dry friction their motor cannot overcome, or whose damping it cannot at the
     speed that is allowed."""
     for joint in facts.joints:
@@ -136,12 +144,14 @@ def _holds(facts: RobotFacts) -> Iterator[Found]:
             joint.drive[x].value if x in joint.drive else None for x in ("friction", "damping")
         )
         line = next((x.element.line for x in joint.drive.values() if x.element), joint.line)
+        limit = f"its effort limit {effort:g}"
         if friction and friction > effort:
-            yield Found(f"joint {joint.name!r}: its friction {friction:g} is more than its effort "
-                        f"limit {effort:g}", line)  # fmt: skip
-        if damping and speed and math.isfinite(speed) and damping * speed > 20.0 * effort:
-            yield Found(f"joint {joint.name!r}: its damping takes {damping * speed:g} at its speed "
-                        f"limit, far more than its effort limit {effort:g}", line)  # fmt: skip
+            reason = f"joint {joint.name!r}: its friction {friction:g} is more than {limit}"
+            yield FoundFault(reason, line)
+        taken = damping * speed if damping and speed and math.isfinite(speed) else 0.0
+        if taken > _DAMPED * effort:
+            reason = f"joint {joint.name!r}: its damping takes {taken:g} at its speed limit"
+            yield FoundFault(f"{reason}, far more than {limit}", line)
 
 
 SWAPPED = FindingKind("swapped limits", "error", "swap them", _swapped)

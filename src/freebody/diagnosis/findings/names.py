@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from freebody.diagnosis.facts import JointFacts, LinkFacts, RobotFacts, elements_in
-from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.errors import likely, listed
 
 _ODD = re.compile(r"[^\w.:/+-]+")
@@ -17,23 +17,23 @@ def _parts(facts: RobotFacts) -> tuple[tuple[str, Sequence[LinkFacts | JointFact
     return ("link", facts.links), ("joint", facts.joints)
 
 
-def _unnamed(facts: RobotFacts) -> Iterator[Found]:
+def _unnamed(facts: RobotFacts) -> Iterator[FoundFault]:
     for what, parts in _parts(facts):
         for part in parts:
             if not part.name:
-                yield Found(f"a {what} has no name", part.line)
+                yield FoundFault(f"a {what} has no name", part.line)
 
 
-def _duplicate(facts: RobotFacts) -> Iterator[Found]:
+def _duplicate(facts: RobotFacts) -> Iterator[FoundFault]:
     for what, parts in _parts(facts):
         seen: set[str] = set()
         for part in parts:
             if part.name in seen and part.name:
-                yield Found(f"two {what}s are called {part.name!r}", part.line)
+                yield FoundFault(f"two {what}s are called {part.name!r}", part.line)
             seen.add(part.name)
 
 
-def _odd(facts: RobotFacts) -> Iterator[Found]:
+def _odd(facts: RobotFacts) -> Iterator[FoundFault]:
     taken = {part.name for _, parts in _parts(facts) for part in parts}
     for what, parts in _parts(facts):
         for part in parts:
@@ -42,54 +42,54 @@ def _odd(facts: RobotFacts) -> Iterator[Found]:
                 continue
             new = _ODD.sub("_", part.name)
             changes = () if new in taken else tuple(_renamed(facts, what, part.name, new))
-            yield Found(f"the name of {what} {raw!r} has characters that few programs take",
+            yield FoundFault(f"the name of {what} {raw!r} has characters that few programs take",
                         part.line, changes, f"call it {new!r}")  # fmt: skip
 
 
-def _renamed(facts: RobotFacts, what: str, name: str, new: str) -> Iterator[Change]:
+def _renamed(facts: RobotFacts, what: str, name: str, new: str) -> Iterator[AttributeChange]:
     """All places where a link or joint is named."""
     if facts.root is None:
         return
     for element in elements_in(facts.root):
         given = {key: value.strip() for key, value in element.attributes.items()}
         if element.tag == what and given.get("name") == name:
-            yield Change(element, "name", new)
+            yield AttributeChange(element, "name", new)
         key = "reference" if element.tag == "gazebo" else what
         if element.tag in ("parent", "child", "mimic", "gazebo") and given.get(key) == name:
-            yield Change(element, key, new)
+            yield AttributeChange(element, key, new)
 
 
-def _unknown_link(facts: RobotFacts) -> Iterator[Found]:
+def _unknown_link(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         for role, name in (("parent", joint.parent), ("child", joint.child)):
             if not name:
-                yield Found(f"joint {joint.name!r} has no {role}", joint.line)
+                yield FoundFault(f"joint {joint.name!r} has no {role}", joint.line)
             elif name not in facts.link:
                 near = likely(name, facts.link)
-                yield Found(
+                yield FoundFault(
                     f"the {role} of joint {joint.name!r} is {name!r}, and no link is called so",
                     joint.line,
                     remedy=f"did you mean {near[0]!r}?" if near else "",
                 )
         if joint.mimics and (joint.mimics not in facts.joint or joint.mimics == joint.name):
             near = likely(joint.mimics, facts.joint)
-            yield Found(
+            yield FoundFault(
                 f"joint {joint.name!r} follows {joint.mimics!r}, which is no other joint",
                 joint.line,
                 remedy=f"did you mean {near[0]!r}?" if near else "name another joint",
             )
 
 
-def _two_joints(facts: RobotFacts) -> Iterator[Found]:
+def _two_joints(facts: RobotFacts) -> Iterator[FoundFault]:
     first: dict[str, JointFacts] = {}
     for joint in facts.joints:
         other = first.setdefault(joint.child, joint)
         if other is not joint and joint.child in facts.link:
             reason = f"link {joint.child!r} hangs on two joints, {other.name!r} and {joint.name!r}"
-            yield Found(reason, joint.line)
+            yield FoundFault(reason, joint.line)
 
 
-def _apart(facts: RobotFacts) -> Iterator[Found]:
+def _apart(facts: RobotFacts) -> Iterator[FoundFault]:
     """Links that no joint connects to the base, and circles, which have no base."""
     children: dict[str, list[str]] = {}
     for joint in facts.joints:
@@ -106,7 +106,7 @@ def _apart(facts: RobotFacts) -> Iterator[Found]:
     known = {joint.child for joint in facts.joints if joint.parent in facts.link}
     roots = [link for link in facts.links if link.name not in known]
     if facts.links and not roots:
-        yield Found("the links form a circle, and none is the base", facts.joints[0].line)
+        yield FoundFault("the links form a circle, and none is the base", facts.joints[0].line)
         return
     trees = sorted(((below(x.name), x) for x in roots), key=lambda pair: -len(pair[0]))
     reached = {name for tree, _ in trees for name in tree}
@@ -114,16 +114,16 @@ def _apart(facts: RobotFacts) -> Iterator[Found]:
         if root.name in facts.above:  # its joint names no link, which is a finding of its own
             continue
         with_it = f", with {listed(sorted(tree - {root.name}), 4)}" if len(tree) > 1 else ""
-        yield Found(f"link {root.name!r} hangs on no joint{with_it}", root.line)
+        yield FoundFault(f"link {root.name!r} hangs on no joint{with_it}", root.line)
     for link in facts.links:
         if link.name not in reached:
-            yield Found(f"link {link.name!r} is in a circle of links", link.line)
+            yield FoundFault(f"link {link.name!r} is in a circle of links", link.line)
 
 
-def _no_tip(facts: RobotFacts) -> Iterator[Found]:
+def _no_tip(facts: RobotFacts) -> Iterator[FoundFault]:
     model = facts.model
     if model is not None and model.tip is None and model.bodies:
-        yield Found(f"no frame is the only tip: {listed(model.leaves, 6)} are ends")
+        yield FoundFault(f"no frame is the only tip: {listed(model.leaves, 6)} are ends")
 
 
 UNNAMED = FindingKind("no name", "error", "give it one", _unnamed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from freebody.diagnosis.facts import RobotFacts, elements_in
-from freebody.diagnosis.finding import Change, FindingKind, Found
+from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.errors import likely, listed, shown
 from freebody.formats import read_file
 from freebody.formats.urdf import TYPES
@@ -44,7 +44,7 @@ def _structure(facts: RobotFacts) -> Iterator[XmlElement]:
             yield from elements_in(part.element)
 
 
-def _no_number(facts: RobotFacts) -> Iterator[Found]:
+def _no_number(facts: RobotFacts) -> Iterator[FoundFault]:
     for element in _structure(facts):
         for attribute, count in _COUNTS.get(element.tag, {}).items():
             text = element.attributes.get(attribute)
@@ -57,15 +57,17 @@ def _no_number(facts: RobotFacts) -> Iterator[Found]:
                 yield _not_read(element, attribute, words, wrong[0])
             elif len(words) != count:
                 numbers = f"{len(words)} number{'s' if len(words) != 1 else ''}"
-                yield Found(f"{where} has {numbers}, expected {count}", element.line)
+                yield FoundFault(f"{where} has {numbers}, expected {count}", element.line)
 
 
-def _not_read(element: XmlElement, attribute: str, words: list[str], wrong: str) -> Found:
+def _not_read(element: XmlElement, attribute: str, words: list[str], wrong: str) -> FoundFault:
     mended = [_mended(word) for word in words]
     changes = (
-        (Change(element, attribute, " ".join(mended)),) if all(map(_is_number, mended)) else ()
+        (AttributeChange(element, attribute, " ".join(mended)),)
+        if all(map(_is_number, mended))
+        else ()
     )
-    return Found(
+    return FoundFault(
         f"{attribute} of <{element.tag}> is {shown(wrong)}, which is no finite number",
         element.line,
         changes,
@@ -85,18 +87,18 @@ def _mended(word: str) -> str:
     return pointed if single else word
 
 
-def _absent(facts: RobotFacts) -> Iterator[Found]:
+def _absent(facts: RobotFacts) -> Iterator[FoundFault]:
     for element in _structure(facts):
         absent = [key for key in _NEEDED.get(element.tag, ()) if key not in element.attributes]
         if absent:
-            yield Found(f"<{element.tag}> has no {listed(absent)}", element.line)
+            yield FoundFault(f"<{element.tag}> has no {listed(absent)}", element.line)
         if element.tag == "inertial":
             lacks = [tag for tag in ("mass", "inertia") if not element.all(tag)]
             if lacks:
-                yield Found(f"<inertial> has no <{'> and no <'.join(lacks)}>", element.line)
+                yield FoundFault(f"<inertial> has no <{'> and no <'.join(lacks)}>", element.line)
 
 
-def _misspelt(facts: RobotFacts) -> Iterator[Found]:
+def _misspelt(facts: RobotFacts) -> Iterator[FoundFault]:
     if facts.root is None:
         return
     for element in (facts.root, *_structure(facts)):
@@ -104,7 +106,7 @@ def _misspelt(facts: RobotFacts) -> Iterator[Found]:
         for child in element.children if known else ():
             near = [] if child.tag in known else _misspelt_for(child.tag, known)
             if near:
-                yield Found(
+                yield FoundFault(
                     f"<{child.tag}> in <{element.tag}> is read by nobody", child.line,
                     remedy=f"it seems to be <{near[0]}>",
                 )  # fmt: skip
@@ -112,7 +114,7 @@ def _misspelt(facts: RobotFacts) -> Iterator[Found]:
         for key in element.attributes:
             near = [] if key in keys or ":" in key else _misspelt_for(key, keys)
             if near and near[0] not in element.attributes:
-                yield Found(
+                yield FoundFault(
                     f"{key} of <{element.tag}> is read by nobody", element.line,
                     remedy=f"it seems to be {near[0]}",
                 )  # fmt: skip
@@ -122,14 +124,14 @@ def _misspelt_for(name: str, known: Iterable[str]) -> list[str]:
     return [x for x in likely(name, known) if abs(len(x) - len(name)) <= 2]
 
 
-def _unknown_type(facts: RobotFacts) -> Iterator[Found]:
+def _unknown_type(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         if joint.element is None or joint.kind in TYPES.values():
             continue
         near = likely(joint.kind, TYPES)
         found = f"joint {joint.name!r} is of the type {shown(joint.kind)}, which does not exist"
-        changes = (Change(joint.element, "type", near[0]),) if len(near) == 1 else ()
-        yield Found(found, joint.line, changes, f"write {near[0]}" if near else "")
+        changes = (AttributeChange(joint.element, "type", near[0]),) if len(near) == 1 else ()
+        yield FoundFault(found, joint.line, changes, f"write {near[0]}" if near else "")
 
 
 NO_NUMBER = FindingKind("no number", "error", "write finite numbers there", _no_number)

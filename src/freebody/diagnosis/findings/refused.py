@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.diagnosis.facts import RobotFacts
-from freebody.diagnosis.finding import FindingKind, Found
-from freebody.errors import FileError
+from freebody.diagnosis.finding import FindingKind, FoundFault
+from freebody.errors import FileError, IncludedLine
 
 
-def _refused(facts: RobotFacts) -> Iterator[Found]:
+def _refused(facts: RobotFacts) -> Iterator[FoundFault]:
     problem = facts.refusal
     if isinstance(problem, FileError):
-        yield Found(problem.problem.rstrip("."), problem.line)
+        line = problem.line and IncludedLine(problem.path, problem.line)
+        yield FoundFault(problem.problem.rstrip("."), line)
     elif problem is not None:
-        yield Found(str(problem).rstrip("."))
+        yield FoundFault(str(problem).rstrip("."))
 
 
-def _doubled(facts: RobotFacts) -> Iterator[Found]:
+def _doubled(facts: RobotFacts) -> Iterator[FoundFault]:
     for notice in facts.model.notices if facts.model else ():
         if notice.kind == "doubled":
-            yield Found(notice.text.rstrip("."), notice.line)
+            yield FoundFault(notice.text.rstrip("."), notice.line)
 
 
 REFUSED = FindingKind("refused", "error", "until then no model is made of the file", _refused)

@@ -9,13 +9,13 @@ from typing import NamedTuple
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.diagnosis.facts import LinkFacts, Pose, RobotFacts, norm
-from freebody.diagnosis.finding import FindingKind, Found, Line
+from freebody.diagnosis.facts import ArrayPose, LinkFacts, RobotFacts, norm
+from freebody.diagnosis.finding import FileLine, FindingKind, FoundFault
 from freebody.errors import FreebodyError, listed
 from freebody.formats.masses import filled_shapes
 from freebody.lazy import kept
 from freebody.model.description import Link
-from freebody.model.inertia import combined
+from freebody.model.inertia import Inertia, combined
 from freebody.model.shapes import DENSEST, LIGHTEST
 
 _OUTSIDE = 5.0
@@ -28,7 +28,7 @@ _PRODUCTS = 0.02
 """Product of inertia, as a share of the sum of moments, whose sign tells something."""
 
 
-class _Solid(NamedTuple):
+class _FilledLinks(NamedTuple):
     """Links that are fixed together, the heaviest first: mass, com and tensor as written, and
     volume, centre and tensor of their shapes at density 1."""
 
@@ -41,7 +41,7 @@ class _Solid(NamedTuple):
     filled: Array
 
 
-def _missing(facts: RobotFacts) -> Iterator[Found]:
+def _missing(facts: RobotFacts) -> Iterator[FoundFault]:
     told: set[str] = set()
     for link in facts.links:
         for shape in link.shapes:
@@ -51,11 +51,13 @@ def _missing(facts: RobotFacts) -> Iterator[Found]:
             package = shape.file.partition("://")[2].partition("/")[0]
             known = "://" not in shape.file or facts.packages.find(package) is not None
             if known and facts.packages.located(shape.file) is None:
-                yield Found(f"link {link.name!r}: its mesh {shape.file!r} is not there", shape.line)
+                yield FoundFault(
+                    f"link {link.name!r}: its mesh {shape.file!r} is not there", shape.line
+                )
 
 
-def _unknown_package(facts: RobotFacts) -> Iterator[Found]:
-    lost: dict[str, Line] = {}
+def _unknown_package(facts: RobotFacts) -> Iterator[FoundFault]:
+    lost: dict[str, FileLine] = {}
     for link in facts.links:
         for shape in link.shapes:
             scheme, colon, rest = shape.file.partition("://")
@@ -66,28 +68,28 @@ def _unknown_package(facts: RobotFacts) -> Iterator[Found]:
                 lost[package] = shape.line
     if lost:
         reason = f"meshes are not looked at: no package {listed(map(repr, lost), 4)} is around"
-        yield Found(reason, next(iter(lost.values())))
+        yield FoundFault(reason, next(iter(lost.values())))
 
 
-def _solids(facts: RobotFacts) -> list[_Solid]:
-    """What is fixed together, where all its shapes can be filled: meshes too, where their files are
-    there and trimesh is installed; without what weighs next to nothing."""
+def _solids(facts: RobotFacts) -> list[_FilledLinks]:
+    """Links that are fixed together, where all their shapes can be filled: meshes too, where their
+    files are there and trimesh is installed; without what weighs next to nothing."""
     return kept(facts, "solids", _found_solids, facts)
 
 
-def _found_solids(facts: RobotFacts) -> list[_Solid]:
+def _found_solids(facts: RobotFacts) -> list[_FilledLinks]:
     groups = (_solid(facts, group) for group in facts.groups.values())
     return [solid for solid in groups if solid is not None and solid.mass > _TINY * facts.mass]
 
 
-def _solid(facts: RobotFacts, group: list[tuple[LinkFacts, Pose]]) -> _Solid | None:
+def _solid(facts: RobotFacts, group: list[tuple[LinkFacts, ArrayPose]]) -> _FilledLinks | None:
     weighed = [(x, x.inertia, pose) for x, pose in group if x.inertia and any(x.inertia.tensor)]
     if facts.dim != 3 or not weighed or min(x.numbers()[0] for _, x, _ in weighed) <= 0.0:
         return None
     filled = []
     for link, pose in group:
         try:
-            own = filled_shapes(Link(link.name, shapes=link.shapes), facts.file, facts.packages)
+            own = _at_density_one(facts, link)
         except FreebodyError:  # a mesh that is not there or not read, or no trimesh
             return None
         filled += [own.placed(*pose)] if own is not None else []
@@ -96,14 +98,21 @@ def _solid(facts: RobotFacts, group: list[tuple[LinkFacts, Pose]]) -> _Solid | N
         return None
     whole = combined([inertia.placed(*pose) for _, inertia, pose in weighed])
     link = max(weighed, key=lambda entry: entry[1].numbers()[0])[0]
-    return _Solid(link, *whole.numbers(), *shape.numbers())
+    return _FilledLinks(link, *whole.numbers(), *shape.numbers())
 
 
-def _density(facts: RobotFacts) -> Iterator[Found]:
+def _at_density_one(facts: RobotFacts, link: LinkFacts) -> Inertia | None:
+    if link.shapes not in facts.filled:
+        plain = Link(link.name, shapes=link.shapes)
+        facts.filled[link.shapes] = filled_shapes(plain, facts.file, facts.packages)
+    return facts.filled[link.shapes]
+
+
+def _density(facts: RobotFacts) -> Iterator[FoundFault]:
     for solid in _solids(facts):
         density = solid.mass / solid.volume
         if not LIGHTEST <= density <= DENSEST:
-            yield Found(
+            yield FoundFault(
                 f"link {solid.link.name!r}: {solid.mass:.3g} kg in {1e3 * solid.volume:.3g} litres "
                 f"is a density of {density:.2g} kg/m³",
                 solid.link.inertia_line,
@@ -115,19 +124,19 @@ def _second(tensor: Array, mass: float) -> Array:
     return (0.5 * np.trace(tensor) * np.eye(3) - tensor) / mass
 
 
-def _outside(facts: RobotFacts) -> Iterator[Found]:
+def _outside(facts: RobotFacts) -> Iterator[FoundFault]:
     for solid in _solids(facts):
         off = solid.com - solid.centre
         far = np.sqrt(off @ np.linalg.solve(_second(solid.filled, solid.volume), off))
         if far > _OUTSIDE and norm(off) > 0.02 * facts.reach:
-            yield Found(
+            yield FoundFault(
                 f"link {solid.link.name!r}: its centre of mass is {norm(off):.3g} m from the "
                 f"centre of its shapes, outside them",
                 solid.link.inertia_line,
             )
 
 
-def _unlike(facts: RobotFacts) -> Iterator[Found]:
+def _unlike(facts: RobotFacts) -> Iterator[FoundFault]:
     for solid in _solids(facts):
         shape, own = _second(solid.filled, solid.volume), _second(solid.tensor, solid.mass)
         root = np.linalg.cholesky(shape)
@@ -135,11 +144,12 @@ def _unlike(facts: RobotFacts) -> Iterator[Found]:
         high = math.sqrt(max(float(widths[-1]), 0.0))
         if high > _APART or high < 1.0 / _APART:
             what = "too large" if high > 1.0 else "too small"
-            yield Found(f"link {solid.link.name!r}: its inertia is {what} for its shapes, by a "
-                        f"factor of {high**2:.2g}", solid.link.inertia_line)  # fmt: skip
+            reason = f"link {solid.link.name!r}: its inertia is {what} for its shapes"
+            times = f"by a factor of {high**2:.2g}"
+            yield FoundFault(f"{reason}, {times}", solid.link.inertia_line)
 
 
-def _signs(facts: RobotFacts) -> Iterator[Found]:
+def _signs(facts: RobotFacts) -> Iterator[FoundFault]:
     """Products of inertia that are those of the shapes with the other sign, on most links."""
     votes = {1: 0, -1: 0}
     first = None
@@ -150,7 +160,7 @@ def _signs(facts: RobotFacts) -> Iterator[Found]:
                 votes[1 if own * other > 0.0 else -1] += 1
                 first = first or solid
     if first is not None and votes[-1] >= 3 and votes[-1] > 3 * votes[1]:
-        yield Found(
+        yield FoundFault(
             f"{votes[-1]} of {sum(votes.values())} products of inertia have the other sign than "
             f"those of the shapes",
             first.link.inertia_line,

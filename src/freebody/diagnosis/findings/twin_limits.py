@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from freebody.diagnosis.facts import JointFacts, RobotFacts
-from freebody.diagnosis.finding import FindingKind, Found
+from freebody.diagnosis.finding import FindingKind, FoundFault
 from freebody.diagnosis.findings.inertias import twins
 
 _SAME = 0.02
 
 
-def _differ(facts: RobotFacts) -> Iterator[Found]:
+def _differ(facts: RobotFacts) -> Iterator[FoundFault]:
     for left, right in twins(facts, [joint.name for joint in facts.joints]):
         a, b = facts.joint[left], facts.joint[right]
         if a.kind != b.kind or not a.moves:
@@ -21,7 +21,7 @@ def _differ(facts: RobotFacts) -> Iterator[Found]:
             what.insert(0, "range")
         if what:
             reason = f"joints {left!r} and {right!r} are left and right, and differ in their limits"
-            yield Found(f"{reason} ({', '.join(what)})", b.limit_line)
+            yield FoundFault(f"{reason} ({', '.join(what)})", b.limit_line)
 
 
 def _close(x: float | None, y: float | None) -> bool:
