@@ -22,7 +22,12 @@ from freebody.model.doubts import DYNAMIC, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
-from freebody.motion.friction import friction_torque, reflected_inertia, viscous_friction
+from freebody.motion.friction import (
+    friction_torque,
+    lost_torque,
+    reflected_inertia,
+    viscous_friction,
+)
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, with_drive
 from freebody.report import jacobians
@@ -92,12 +97,14 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     gravity = dynamics.gravity_torque(model, q)
     springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
     rotors = reflected_inertia(model) * qdd
+    inertial, coriolis = np.einsum("tij,tj->ti", M, qdd) - rotors, np.einsum("tij,tj->ti", C, qd)
+    lost = lost_torque(model, qd, inertial + coriolis + gravity + springs)
     parts = {
         "tau": inverse_dynamics(model, q, qd, qdd),
-        "tau_inertial": np.einsum("tij,tj->ti", M, qdd) - rotors,
-        "tau_coriolis": np.einsum("tij,tj->ti", C, qd),
+        "tau_inertial": inertial,
+        "tau_coriolis": coriolis,
         "tau_gravity": gravity,
-        "tau_friction": friction_torque(model, q, qd),
+        "tau_friction": friction_torque(model, q, qd) + lost,
         "tau_viscous": viscous_friction(model) * qd,
         "tau_springs": springs,
         "tau_rotors": rotors,
