@@ -133,6 +133,29 @@ def without_friction(model: Model) -> Model:
     return replace(model.without("friction"), struts=struts)
 
 
+def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:
+    """What drives give (..., nv) besides what their joints transmit (..., nv) at the rates qd
+    (..., nv), of which a part is lost."""
+    found = np.zeros(qd.shape)
+    for body in model.tree.bodies:
+        if body.drive is not None and body.drive.lossy:
+            k = body.coordinates.v[0]
+            sent = transmitted[..., k]
+            found[..., k] = body.drive.lost_part(tuple(np.moveaxis(qd, -1, 0)), sent) * sent
+    return found
+
+
+def lost_parts(model: Model) -> tuple[Array, Array]:
+    """Which parts (nv,) of what joints transmit are lost while the motor drives, and which the
+    motor is spared while the joint drives it."""
+    driving, driven = np.zeros(model.nv), np.zeros(model.nv)
+    for body in model.tree.bodies:
+        if body.drive is not None and body.drive.lossy:
+            k = body.coordinates.v[0]
+            driving[k], driven[k] = body.drive.losses
+    return driving, driven
+
+
 def reflected_inertia(model: Model) -> Array:
     """The rotors' inertia at each coordinate (nv,), what followers add included."""
     return _each(model, lambda drive: drive.at.ratio**2 * drive.inertia)

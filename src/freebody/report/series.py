@@ -24,6 +24,7 @@ from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
 from freebody.motion.friction import (
     friction_torque,
+    lost_torque,
     reflected_inertia,
     strut_damping,
     viscous_friction,
@@ -98,18 +99,21 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     gravity = dynamics.gravity_torque(model, q)
     springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
     rotors = reflected_inertia(model) * qdd
+    inertial, coriolis = np.einsum("tij,tj->ti", M, qdd) - rotors, np.einsum("tij,tj->ti", C, qd)
+    viscous, dampers = viscous_friction(model) * qd, np.zeros(qd.shape)
+    if model.struts:
+        dampers = strut_damping(model, q, qd)
+    lost = lost_torque(model, qd, inertial + coriolis + gravity + springs + dampers)
     parts = {
         "tau": inverse_dynamics(model, q, qd, qdd),
-        "tau_inertial": np.einsum("tij,tj->ti", M, qdd) - rotors,
-        "tau_coriolis": np.einsum("tij,tj->ti", C, qd),
+        "tau_inertial": inertial,
+        "tau_coriolis": coriolis,
         "tau_gravity": gravity,
-        "tau_friction": friction_torque(model, q, qd),
-        "tau_viscous": viscous_friction(model) * qd,
+        "tau_friction": friction_torque(model, q, qd) + lost,
+        "tau_viscous": viscous + dampers,
         "tau_springs": springs,
         "tau_rotors": rotors,
     }
-    if model.struts:
-        parts["tau_viscous"] = parts["tau_viscous"] + strut_damping(model, q, qd)
     if model.loops:  # what the drives feel of each part through the loops
         parts |= {
             name: drive_torques("study", model, q, value)

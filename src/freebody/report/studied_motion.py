@@ -91,7 +91,7 @@ def _unhurried(model: Model, motion: Motion) -> Motion:
     torque."""
     allowed = ranges(model)
     data = torque_parts(model, motion)
-    factor = pace(motion, data, allowed.velocity, effort_limits(model, allowed)).factor
+    factor = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed)).factor
     if factor >= 1.0 or factor < _SLOWEST:
         return motion
     factor *= _CLEARANCE

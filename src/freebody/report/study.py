@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 
 from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
-from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.motion.files.tables import MotionTable
 from freebody.motion.motion import Motion
@@ -168,7 +167,6 @@ def study(
             f"study: {model.name!r} has no movable joint; there is no motion to study."
         )
     model.require_values("the study")
-    require_lossless("study", model)
     clock = _Clock(progress)
     if tip is not None:
         model = model.replace(tip=tip)

@@ -8,19 +8,25 @@ Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, an
 
 a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories",
 with friction added). Of closed chains too: what the drives feel of each part depends on the
-position alone. Friction at rest (k = 0) is not asked about. Speeds are looked at between the
-samples of the motion too, torques at them.
+position alone. What gears lose is a part of the torque t(k) = (M q̈ + C q̇) k² + gravity + springs
+that they transmit, one where its power flows to the joint, another where it flows back, so that τ
+is one of two such polynomials, by the sign of t(k). Friction at rest (k = 0) is not asked about.
+Speeds are looked at between the samples of the motion too, torques at them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
+from freebody.motion.friction import lost_parts, lost_torque, viscous_friction
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, with_drive
 from freebody.report.results import CLOSE
@@ -47,33 +53,68 @@ class Pace:
     """Times (nv,) at which a limit holds each coordinate back, s."""
 
 
-def pace(motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
+def pace(model: Model, motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
     """The pace at which a motion with `Study.data` may be run under limits (nv,), infinite where
     there are none."""
     fast = motion.peaks.velocity.size
     with np.errstate(divide="ignore"):
         each = np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf)
     quickest = float(each.min(initial=np.inf))
-    a, b, c = parts(data)
     limited = np.isfinite(effort)
     bound = np.where(limited, effort * (1 + CLOSE), 0.0)
-    low, high = _broken(a[:, limited], b[:, limited], c[:, limited], bound[limited])
+    ends = [
+        _broken([x[:, limited] for x in torque], bound[limited], [x[:, limited] for x in sent])
+        for torque, sent in _ways(model, data)
+    ]
+    low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
+    _, _, c = parts(model, data)
+    c = c + lost_torque(model, data["qd"].values, _transmitted(model, data)[2])
     share = np.where(limited, np.abs(c) / np.where(limited, effort, 1.0), np.nan)
     k = np.argmax(np.nan_to_num(share), axis=0)
     t = data["time"].values
     return Pace(_within(low, high, quickest), np.take_along_axis(share, k[None], axis=0)[0], t[k])
 
 
-def parts(data: xr.Dataset) -> tuple[Array, Array, Array]:
+def parts(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
     """(a, b, c), arrays (T, nv): the torques' parts that grow with the square of the pace, with it,
-    and not."""
+    and not; without what is lost of the torques transmitted."""
     get = {name: data[f"tau_{name}"].values for name in _PARTS}
-    square = get["inertial"] + get["coriolis"] + get["rotors"]
-    constant = get["gravity"] + get["springs"] + get["friction"] - get["viscous"]
-    return square, get["viscous"], constant
+    square, linear, constant = _transmitted(model, data)
+    lost = lost_torque(model, data["qd"].values, square + linear + constant)
+    friction = get["friction"] - get["viscous"] - lost
+    return square + get["rotors"], get["viscous"], constant + friction
 
 
-_PARTS = ("inertial", "coriolis", "rotors", "viscous", "friction", "gravity", "springs")
+_PARTS = ("rotors", "viscous", "friction")
+
+
+def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
+    """The parts of what joints transmit that grow with the square of the pace, with it, as struts'
+    damping does, and not."""
+    get = {name: data[f"tau_{name}"].values for name in _SENT}
+    dampers = get["viscous"] - viscous_friction(model) * data["qd"].values
+    return get["inertial"] + get["coriolis"], dampers, get["gravity"] + get["springs"]
+
+
+_SENT = ("inertial", "coriolis", "viscous", "gravity", "springs")
+
+
+def _ways(model: Model, data: xr.Dataset) -> Iterator[tuple[list[Array], list[Array]]]:
+    """(a, b, c) of the torque, and those of a polynomial that is positive at the paces at which it
+    is this: with losses two ways, by the direction of power."""
+    a, b, c = parts(model, data)
+    if not lossy_joints(model.bodies):
+        yield [a, b, c], [0.0 * a, 0.0 * b, 0.0 * c + 1.0]
+        return
+    (square, linear, constant), rate = _transmitted(model, data), data["qd"].values
+    driving, driven = lost_parts(model)
+    sense = np.where(rate < 0.0, -1.0, 1.0)
+    for way, lost in ((sense, driving), (-sense, -driven)):
+        lost = np.where(rate == 0.0, 0.0, lost)
+        yield (
+            [a + lost * square, b + lost * linear, c + lost * constant],
+            [way * square, way * linear, way * constant],
+        )
 
 
 def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
@@ -87,12 +128,16 @@ def at_pace(motion: Motion, factor: float, words: str) -> Motion:
     return replace(motion.faster(factor), source=f"{motion.source}{words}")
 
 
-def _broken(a: Array, b: Array, c: Array, bound: Array) -> tuple[Array, Array]:
-    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| is above its
-    bound somewhere."""
+def _broken(torque: Sequence[Array], bound: Array, there: Sequence[Array]) -> tuple[Array, Array]:
+    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| of the torque
+    is above its bound somewhere, and the polynomial `there` above 0."""
+    a, b, c = torque
     ends: list[tuple[Array, Array]] = []
     for sign in (1.0, -1.0):
-        ends += _positive(sign * a, sign * b, sign * c - bound)
+        for (low, high), (first, last) in product(
+            _positive(sign * a, sign * b, sign * c - bound), _positive(*there)
+        ):
+            ends.append((np.maximum(low, first), np.minimum(high, last)))
     low, high = (np.concatenate([pair[i].ravel() for pair in ends]) for i in (0, 1))
     low = np.maximum(low, 0.0)
     some = high > low

@@ -25,6 +25,7 @@ from freebody.model.doubts import (
     barring,
     capital,
 )
+from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
@@ -53,7 +54,7 @@ def verdict(
     loose = _own_pace(model, data) if doubts.torques_meant else ()
     failed = bool(over or undriven)
     outcome = doubts.outcome(failed)
-    run = pace(motion, data, allowed.velocity, effort_limits(model, allowed))
+    run = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed))
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     if loose:
         sentences.append(_no_other_pace(loose, slower=failed))
@@ -170,7 +171,7 @@ def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
     would not follow."""
     if model.loops:
         return ()
-    _, viscous, held = (np.abs(part).max(axis=0) for part in parts(data))
+    _, viscous, held = (np.abs(part).max(axis=0) for part in parts(model, data))
     acting = _acting(model, data)
     return tuple(
         model.velocity_names[k]
@@ -182,7 +183,7 @@ def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
 def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
     """(nv,) the size of what acts at a coordinate: the parts of its torque, or its joint's load on
     its body's arm."""
-    size = np.sum([np.abs(part) for part in parts(data)], axis=0).max(axis=0)
+    size = np.sum([np.abs(part) for part in parts(model, data)], axis=0).max(axis=0)
     load = np.linalg.norm(data["reaction_force"].values, axis=-1).max(axis=0)
     arm = np.linalg.norm(data["body_com"].values - data["body_origin"].values, axis=-1).max(axis=0)
     for i, at in enumerate(model.coordinates):
@@ -291,7 +292,11 @@ def _holds_more(model: Model) -> bool:
     if any(strut.stiffness or strut.preload for strut in model.struts):
         return True
     laws = (x for b in model.tree.bodies if b.drive is not None for x in b.drive.laws)
-    return any(bool(x.p[0]) and (x.law.energy is not None or x.law.power == 0) for x in laws)
+    return any(bool(x.p[0]) and _holds(x.law) for x in laws)
+
+
+def _holds(law: DriveLaw) -> bool:
+    return law.energy is not None or law.losses is not None or law.power == 0
 
 
 def _down(factor: float) -> str:

@@ -335,6 +335,31 @@ def test_derivatives_in_jax(whole):
             np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9)
 
 
+# ------------------------------------------------------------ in studies
+def test_a_study_has_losses_and_the_pace_with_them(tmp_path):
+    drive = fb.Drive(**BOTH, **FRICTION, **ROTOR)
+    efforts = [60.0, 90.0, 60.0]
+    model = fb.planar(
+        "RRP",
+        m=[1.0, 2.0, 0.5], lc=[0.3, 0.2, 0.1], l=[0.7, 0.6, 0.4], I=[0.1, 0.2, 0.05],
+        drives=[drive, None, drive], limits=[fb.Limits(-2.0, 2.0, 9.0, x) for x in efforts],
+    )  # fmt: skip
+    study = fb.study(model)
+    assert all(check.passed for check in study.checks)
+    motion, tau = study.motion, study.data["tau"].values
+    free = fb.inverse_dynamics(model.without("friction"), motion.q, motion.qd, motion.qdd)
+    np.testing.assert_allclose(study.data["tau_friction"].values, tau - free, atol=1e-12)
+
+    def largest(factor):
+        tau = fb.inverse_dynamics(model, motion.q, factor * motion.qd, factor**2 * motion.qdd)
+        return (np.abs(tau) / efforts).max()
+
+    factor = study.verdict.factor
+    assert 1.0 < factor < 9.0 / np.abs(motion.qd).max()  # a torque's limit, not a speed's
+    assert largest(0.999 * factor) < 1.0 < largest(1.001 * factor)
+    assert study.save(tmp_path, report=True)
+
+
 # ------------------------------------------------------------ what is refused
 def test_what_locks_itself_is_refused():
     model = fb.planar("R")
@@ -369,7 +394,6 @@ def test_what_is_not_known_of_losses_is_refused(whole):
         lambda: fb.forward_dynamics(whole, Q, QD, QDD, forces=QDD),
         lambda: fb.simulate(whole, Q, QD, [0.0, 1.0], friction="dry"),
         lambda: fb.simulate(whole, Q, QD, [0.0, 1.0], restitution=0.5),
-        lambda: fb.study(whole),
         lambda: fb.derive(whole),
         lambda: fb.time_optimal(whole, [Q, QD]),
     ):

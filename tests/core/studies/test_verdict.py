@@ -169,7 +169,7 @@ def test_no_pace_holds_what_gravity_springs_and_friction_ask():
     study = fb.study(model, swing(model))
     assert study.verdict.factor == 0.0
     assert "gravity, springs and friction alone require" in study.verdict.text
-    found = pace(study.motion, study.data, np.full(2, np.inf), np.full(2, 10.0))
+    found = pace(study.model, study.motion, study.data, np.full(2, np.inf), np.full(2, 10.0))
     tau = fb.static_torque(model, study.motion.q) + 0.4 * np.sign(study.motion.qd)
     np.testing.assert_allclose(found.held, np.abs(tau).max(axis=0) / 10.0, rtol=1e-9)
 
