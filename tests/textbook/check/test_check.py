@@ -401,7 +401,7 @@ def test_what_cannot_be_read_is_refused_at_once(answer: str, words: str):
     begun = time.process_time()
     with pytest.raises(fb.AnswerError) as refused:
         fb.check(ARM, answer)
-    assert time.process_time() - begun < 1.0
+    assert time.process_time() - begun < 5.0
     assert words in str(refused.value)
     # tblib, which dask brings, has exceptions pickle their tracebacks too, link by link
     error = refused.value.with_traceback(None)
