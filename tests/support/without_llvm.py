@@ -67,6 +67,8 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "load": lambda: fb.load("panda"),
         "save": lambda: fb.save(arm, "arm.toml"),
         "models": fb.models,
+        "doctor": lambda: fb.doctor("ur5e"),
+        "same_robot": lambda: fb.same_robot(arm, arm),
         "inertial_parameters": lambda: fb.inertial_parameters(arm),
         "discrete_lqr": lambda: fb.discrete_lqr(
             *([[1.0, 0.1], [0, 1]], [[0.0], [0.1]], np.eye(2), [[1.0]])

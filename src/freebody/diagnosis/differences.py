@@ -16,6 +16,7 @@ from freebody.errors import listed
 from freebody.model.description import Loop
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
+from freebody.outputs.display import InWords
 
 _ODD = ("offset", "asymmetric")
 """Numbers of drives that change their sign with the direction in which a joint counts."""
@@ -23,8 +24,8 @@ _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed li
            "effort": "effort limit"}  # fmt: skip
 
 
-@dataclass(frozen=True)
-class RobotDifference:
+@dataclass(frozen=True, repr=False)
+class RobotDifference(InWords):
     """One difference: the aspect (a name of `ASPECTS`), the joint or body where it is, by its names
     in both robots, what it is in words, and its size: m, rad, kg, kg m², or relative."""
 
@@ -37,6 +38,9 @@ class RobotDifference:
         a, b = self.place
         name = f"{a!r}" if a == b or not b else f"{b!r}" if not a else f"{a!r} ({b!r})"
         return f"{self.aspect}: {name}: {self.text}"
+
+    def _title(self) -> str:
+        return str(self)
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,7 @@ _ROUNDS = 4
 """Times that what is mended is looked at again: one change may show the next fault."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Diagnosis(InWords, Tabled):
     """The findings on a file, in the order of its lines.
 

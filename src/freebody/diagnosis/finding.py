@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from freebody.errors import IncludedLine
+from freebody.outputs.display import InWords
 
 if TYPE_CHECKING:
     from freebody.diagnosis.facts import RobotFacts
@@ -52,8 +53,8 @@ class FindingKind:
     find: Callable[[RobotFacts], Iterator[FoundFault]]
 
 
-@dataclass(frozen=True)
-class Finding:
+@dataclass(frozen=True, repr=False)
+class Finding(InWords):
     """A fault of a file: its kind, how severe it is ("error", "warning" or "notice"), why it is
     one, what is to be done, and where it is.
 
@@ -72,3 +73,6 @@ class Finding:
     def __str__(self) -> str:
         place = f"{self.file}:{self.line}" if self.line else self.file
         return f"{place}: {self.severity}: {self.reason}; {self.remedy}."
+
+    def _title(self) -> str:
+        return str(self)

@@ -18,12 +18,13 @@ from freebody.formats.loading import load
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
 from freebody.outputs.display import InWords, Tabled, TextTable, counted
+from freebody.values import ByValue
 
 _NAMES = 4
 
 
-@dataclass(frozen=True)
-class RobotComparison(InWords, Tabled):
+@dataclass(frozen=True, eq=False, repr=False)
+class RobotComparison(InWords, Tabled, ByValue):
     """Two robots compared: true as a condition if they are one.
 
     differences: where they differ, the first first. regardless: differences of the descriptions

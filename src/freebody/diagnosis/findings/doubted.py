@@ -25,7 +25,5 @@ def _of(kind: str) -> Callable[[RobotFacts], Iterator[FoundFault]]:
 NO_MASS = FindingKind(
     NO_MASSES, "warning", "give them mass, or estimate it with estimate_inertia=", _of(NO_MASSES)
 )
-MASSES = FindingKind(
-    IMPLAUSIBLE, "warning", "give the robot's own numbers", _of(IMPLAUSIBLE)
-)  # fmt: skip
+MASSES = FindingKind(IMPLAUSIBLE, "warning", "give the robot's own numbers", _of(IMPLAUSIBLE))
 LIMITS = FindingKind(PLACEHOLDERS, "warning", "give the motors' own limits", _of(PLACEHOLDERS))
