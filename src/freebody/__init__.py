@@ -44,7 +44,7 @@ _PLACES = {
     "freebody.model.planar_arms": ("planar",),
     "freebody.model.dh": ("dh",),
     "freebody.formats.loading": ("load",),
-    "freebody.formats.saving": ("save",),
+    "freebody.formats.saving": ("losses", "save"),
     "freebody.robots": ("models",),
     "freebody.trees.kinematics": (
         "forward_kinematics",

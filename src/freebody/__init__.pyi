@@ -30,6 +30,7 @@ from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
 from freebody.figures.map_diagram import map_diagram as map_diagram
 from freebody.formats.loading import load as load
+from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
 from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
 from freebody.inverse.rates import inverse_acceleration as inverse_acceleration

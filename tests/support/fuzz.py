@@ -22,7 +22,7 @@ from typing import Any
 
 import freebody as fb
 from freebody.cli.options import values
-from freebody.formats.saving import as_toml
+from freebody.formats.writing.toml import written
 
 CORPUS = Path(__file__).parent.parent / "corpus"
 SECONDS = 5.0
@@ -153,7 +153,7 @@ def _model(path: Path) -> None:
     """Loads a robot, and asks what one asks of a robot first."""
     model = fb.load(path)
     _ = model.limits, model.position_names, model.driven_names, str(model.notices), model.leaves
-    as_toml(model)
+    written(model)[0]
     if not model.missing:
         _ = model.mass, model.tree
 

@@ -14,6 +14,7 @@ import typer
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    convert,
     export,
     fbd,
     models,
@@ -51,6 +52,7 @@ for _function, _example in (
     (show.show, show.EXAMPLE),
     (fbd.fbd, fbd.EXAMPLE),
     (export.export, export.EXAMPLE),
+    (convert.convert, convert.EXAMPLE),
     (models.models, models.EXAMPLE),
 ):
     _command(_function, _example)
