@@ -117,6 +117,7 @@ _PLACES = {
     "freebody.reach.workspace": ("workspace",),
     "freebody.ways_out.kernel": ("kernel", "formula"),
     "freebody.ways_out.exports": ("export", "source"),
+    "freebody.ways_out.fmus": ("export_fmu",),
     "freebody.ways_out.in_jax": ("to_jax",),
     "freebody.ways_out.in_torch": ("to_torch",),
     "freebody.kernels.own_functions": ("compile",),

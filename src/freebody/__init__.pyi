@@ -129,6 +129,7 @@ from freebody.trees.states import random_state as random_state
 from freebody.trees.states import rotation as rotation
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
+from freebody.ways_out.fmus import export_fmu as export_fmu
 from freebody.ways_out.in_jax import to_jax as to_jax
 from freebody.ways_out.in_torch import to_torch as to_torch
 from freebody.ways_out.kernel import formula as formula

@@ -19,7 +19,8 @@ def convert(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="The file to write: .toml, .urdf, .sdf, .xml or .mjcf (MJCF), or .csv (DH table).",
+            help="The file to write: .toml, .urdf, .sdf, .xml or .mjcf (MJCF), .csv (DH table), or "
+            ".fmu, its motion as a unit of co-simulation (FMI 2.0).",
         ),
     ],
     lossy: Annotated[
@@ -32,6 +33,13 @@ def convert(
     from freebody.formats.saving import losses, save
 
     model = robot.load()
+    if out.suffix.lower() == ".fmu":
+        from freebody.ways_out.fmus import export_fmu
+
+        with terminal.warnings_as_lines():
+            export_fmu(model, out)
+        terminal.out().print(f"written: {out}", soft_wrap=True, markup=False, highlight=False)
+        return
     save(model, out, lossy=lossy)
     for loss in losses(model, out.suffix[1:].lower()) if lossy else ():
         terminal.out().print(f"lost: {loss}", soft_wrap=True, markup=False, highlight=False)

@@ -24,13 +24,13 @@ _DRIVE, _RANGE = ("viscous", "coulomb"), ("lower", "upper", "velocity", "effort"
 COLUMNS = (
     "joint",
     "name",
-    "joint_name",
     *_DIRECT[:5],
     *_COM,
     *_TENSOR,
     *_DIRECT[5:],
     *_DRIVE,
     *_RANGE,
+    "joint_name",
 )
 _REMARK = re.compile(r"#\s*(convention|name|source|gravity|base|tool)\s*[:=](.*)")
 

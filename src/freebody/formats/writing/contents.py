@@ -358,8 +358,14 @@ def checked_names(contents: Contents, format_name: str, more: Sequence[str] = ()
     names = [link.name for link in contents.links]
     names += [link.joint.name for link in contents.links if link.joint]
     for name in (contents.name, *names, *(loop.name for loop in contents.loops), *more):
-        if _OUTSIDE_XML.search(name) or name != name.strip():
-            raise FreebodyError(
-                f"save: {name!r} is no name in {format_name}, which is XML: remove control "
-                f"characters and blanks around it."
-            )
+        kept_name(name, format_name)
+
+
+def kept_name(name: str, format_name: str) -> str:
+    """The name, where XML keeps it; else it is refused."""
+    if _OUTSIDE_XML.search(name) or name != name.strip():
+        raise FreebodyError(
+            f"save: {name!r} is no name in {format_name}, which is XML: remove control "
+            f"characters and blanks around it."
+        )
+    return name
