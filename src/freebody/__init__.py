@@ -45,6 +45,7 @@ _PLACES = {
     "freebody.model.dh": ("dh",),
     "freebody.formats.loading": ("load",),
     "freebody.formats.saving": ("losses", "save"),
+    "freebody.formats.templates": ("template",),
     "freebody.robots": ("models",),
     "freebody.trees.kinematics": (
         "forward_kinematics",

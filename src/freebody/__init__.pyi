@@ -32,6 +32,7 @@ from freebody.figures.map_diagram import map_diagram as map_diagram
 from freebody.formats.loading import load as load
 from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
+from freebody.formats.templates import template as template
 from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
 from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
 from freebody.inverse.rates import inverse_velocity as inverse_velocity

@@ -31,9 +31,7 @@ def simulated(file, model, torques, end, start):
 
 def test_an_arm_moves_as_in_simulate(tmp_path):
     """UR5e from a state that is set, under constant torques."""
-    extra("fmpy")
-    from fmpy.validation import validate_fmu
-
+    validate_fmu = extra("fmpy.validation", "fmpy").validate_fmu
     model, file = fb.load("ur5e"), tmp_path / "ur5e.fmu"
     assert fb.export_fmu(model, file, step=5e-4) == file
     assert validate_fmu(str(file)) == []
