@@ -24,7 +24,7 @@ from freebody.model.model import Model
 from freebody.model.parameters import real
 
 TEMPLATE = "template:"
-"""Before the name of a template, where a robot is named."""
+"""Text that stands before a template's name, where a robot is named."""
 _BARE = "files without suffix"
 
 

@@ -72,7 +72,7 @@ def save(model: Model, path: str | os.PathLike[str], *, lossy: bool = False) -> 
 
 
 def losses(model: Model, format: str) -> list[str]:  # noqa: A002
-    """What of a model a format cannot hold, in words; nothing is written.
+    """Sentences that name what of a model a format cannot hold; nothing is written.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""What a model is in a format that holds less than freebody's own: plain numbers, the joints that
-the format knows, and in words whatever it cannot hold.
+"""Models for formats that hold less than freebody's own: in plain numbers, with the joints that
+the format knows, and with sentences on whatever it cannot hold.
 
 A writer of a format says what it holds (`Holds`), and prints what `contents_of` makes of a model.
 """
@@ -36,7 +36,7 @@ _OUTSIDE_XML = re.compile(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 
 @dataclass(frozen=True)
 class Holds:
-    """What a format can hold besides links, joints and masses.
+    """A format's place for what a model can have besides links, joints and masses.
 
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
     gravity, velocity (its limits): whether there is a place for it. base: how a floating base is
@@ -106,7 +106,7 @@ class Contents:
     """The joint that carries the root of a robot whose base floats."""
 
     def with_losses(self, more: Iterable[str]) -> Contents:
-        """These contents, and what else is lost."""
+        """Contents like these that lose more."""
         return replace(self, losses=(*self.losses, *more))
 
     @property
@@ -138,7 +138,7 @@ class _Collection:
     holds: Holds
     losses: list[str] = field(default_factory=list)
     of_joints: dict[str, list[str]] = field(default_factory=dict)
-    """What is lost of several joints alike, with their names."""
+    """Names of joints by a property that all of them lose."""
 
     def contents(self) -> Contents:
         self.given.require_values(f"save: {self.holds.name}")

@@ -35,12 +35,12 @@ HOLDS = Holds(
 _PARALLEL = 1e-12
 """Sine of the angle below which two axes are parallel."""
 _ROUNDED = 1e-14
-"""Of lengths in m and angles in rad: what rounding leaves of 0."""
+"""Size of what rounding leaves of a length (m) or angle (rad) that is 0."""
 _SAME = 1e-12
 """Difference of poses that are one, m or as a sine."""
 _FITTED = 1e-9
 """Residual of the fit, m or as a sine, above which it is a loss."""
-Frame = tuple[np.ndarray, np.ndarray]
+DhFrame = tuple[np.ndarray, np.ndarray]
 """(R, p) in the root link at q = 0."""
 
 
@@ -49,7 +49,7 @@ class _Fit:
     """Where the table's frames are with all joints at 0, frame 0 first, and their rows theta, d, a,
     alpha."""
 
-    frames: tuple[Frame, ...]
+    frames: tuple[DhFrame, ...]
     rows: tuple[tuple[float, float, float, float], ...]
 
 
@@ -114,15 +114,15 @@ def _refuse(contents: Contents, why: str) -> None:
     )
 
 
-def _drawn(contents: Contents) -> dict[str, Frame]:
+def _drawn(contents: Contents) -> dict[str, DhFrame]:
     """Poses of links and frames with every joint at 0."""
-    found: dict[str, Frame] = {"": (np.eye(3), np.zeros(3))}
+    found: dict[str, DhFrame] = {"": (np.eye(3), np.zeros(3))}
     for link in contents.links:
         found[link.name] = _composed(found[link.parent], link.pose)
     return found
 
 
-def _axis(link: WrittenLink, drawn: dict[str, Frame]) -> Frame:
+def _axis(link: WrittenLink, drawn: dict[str, DhFrame]) -> DhFrame:
     """A frame with its origin in the joint's and its z along the axis."""
     R, p = drawn[link.name]
     assert link.joint
@@ -140,7 +140,7 @@ def _towards(axis: np.ndarray) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- the fit
-def _fitted(axes: list[Frame], tip: Frame) -> _Fit:
+def _fitted(axes: list[DhFrame], tip: DhFrame) -> _Fit:
     """Frames by the axes of the joints, in order; the last is the tip where it can be."""
     first = axes[0]
     on_z = math.hypot(*first[1][:2]) <= _ROUNDED and first[0][2, 2] >= 1.0 - _ROUNDED
@@ -160,7 +160,7 @@ def _fitted(axes: list[Frame], tip: Frame) -> _Fit:
     return _Fit(tuple(frames), tuple(rows))
 
 
-def _common_normal(frame: Frame, axis: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _common_normal(frame: DhFrame, axis: DhFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """x, z and origin of the next frame, whose z is on an axis."""
     (R, p), z, on = frame, axis[0][:, 2], axis[1]
     across = np.cross(R[:, 2], z)
@@ -175,7 +175,7 @@ def _common_normal(frame: Frame, axis: Frame) -> tuple[np.ndarray, np.ndarray, n
     return (apart / distance if distance > _SAME else R[:, 0]), z, on
 
 
-def _end(frame: Frame, tip: Frame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _end(frame: DhFrame, tip: DhFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """x, z and origin of the tip, if the last row reaches it; else of the frame before it."""
     R, p = _between(frame, tip)
     x, z = R[:, 0], R[:, 2]
@@ -190,7 +190,7 @@ def _clean(value: float) -> float:
     return right if abs(value - right) <= _ROUNDED else 0.0 if abs(value) <= _ROUNDED else value
 
 
-def _residual(fit: _Fit, axes: list[Frame], tool: Frame, tip: Frame) -> float:
+def _residual(fit: _Fit, axes: list[DhFrame], tool: DhFrame, tip: DhFrame) -> float:
     """How far axes and tip of the table are from the arm's, in m or as the sine of an angle."""
     R, p = _composed(fit.frames[-1], tool)
     off = [abs(R - tip[0]).max(), abs(p - tip[1]).max()]
@@ -201,7 +201,7 @@ def _residual(fit: _Fit, axes: list[Frame], tool: Frame, tip: Frame) -> float:
 
 # ---------------------------------------------------------------- the table
 def _row(
-    contents: Contents, link: WrittenLink, k: int, drawn: dict[str, Frame], fit: _Fit
+    contents: Contents, link: WrittenLink, k: int, drawn: dict[str, DhFrame], fit: _Fit
 ) -> dict[str, str]:
     joint = link.joint
     assert joint
@@ -229,7 +229,7 @@ def _row(
 
 
 def _mass(
-    contents: Contents, link: WrittenLink, drawn: dict[str, Frame], frame: Frame
+    contents: Contents, link: WrittenLink, drawn: dict[str, DhFrame], frame: DhFrame
 ) -> Inertia | None:
     """The inertia of all that moves with a link, in the frame of its row."""
     moved, parts = {link.name}, []
@@ -264,7 +264,7 @@ def _number(x: float) -> str:
 
 
 # ---------------------------------------------------------------- what is lost
-def _lost(contents: Contents, drawn: dict[str, Frame], text: str, tip: str | None) -> list[str]:
+def _lost(contents: Contents, drawn: dict[str, DhFrame], text: str, tip: str | None) -> list[str]:
     """The frames that the table, as it is read, has not or has elsewhere, and gravity."""
     x, y, z = contents.gravity
     losses = []
@@ -285,15 +285,15 @@ def _lost(contents: Contents, drawn: dict[str, Frame], text: str, tip: str | Non
 
 
 # ---------------------------------------------------------------- poses
-def _composed(outer: Frame, inner: Pose | Frame) -> Frame:
+def _composed(outer: DhFrame, inner: Pose | DhFrame) -> DhFrame:
     return outer[0] @ np.array(inner[0]), outer[1] + outer[0] @ np.array(inner[1])
 
 
-def _between(outer: Frame, inner: Frame) -> Frame:
+def _between(outer: DhFrame, inner: DhFrame) -> DhFrame:
     return outer[0].T @ inner[0], outer[0].T @ (inner[1] - outer[1])
 
 
-def _is_near(one: Frame, other: Frame) -> bool:
+def _is_near(one: DhFrame, other: DhFrame) -> bool:
     return float(max(abs(one[0] - other[0]).max(), abs(one[1] - other[1]).max())) <= _SAME
 
 
