@@ -65,6 +65,10 @@ KNOWN = {
         "subprocess",
     ): "this Python with a file of freebody's own, which "
     "has MuJoCo parse the user's; its path is an argument, never a shell's text",
+    ("ways_out/fmus.py", "subprocess"): "a C compiler from the path, on text that holds words of "
+    "freebody's own alone; no shell",
+    ("ways_out/fmus.py", "ElementTree"): "writes XML, and reads none",
+    ("formats/writing/xml.py", "ElementTree"): "writes XML, and reads none",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (

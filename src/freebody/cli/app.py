@@ -14,6 +14,7 @@ import typer
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    convert,
     diff,
     doctor,
     export,
@@ -53,6 +54,7 @@ for _function, _example in (
     (show.show, show.EXAMPLE),
     (fbd.fbd, fbd.EXAMPLE),
     (export.export, export.EXAMPLE),
+    (convert.convert, convert.EXAMPLE),
     (doctor.doctor, doctor.EXAMPLE),
     (diff.diff, diff.EXAMPLE),
     (models.models, models.EXAMPLE),

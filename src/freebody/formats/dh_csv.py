@@ -16,12 +16,23 @@ from freebody.formats.toml_table import in_units, is_name
 from freebody.model import dh
 from freebody.model.description import INFINITE, MOST_LINKS, Limits, RobotDescription
 from freebody.model.parameters import Parameter, Quantity
+from freebody.model.placement import Placement, rpy, shift
 
 _COM, _TENSOR = ("cx", "cy", "cz"), ("Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz")
 _DIRECT = ("theta", "d", "a", "alpha", "m", "rotor", "gear")
 _DRIVE, _RANGE = ("viscous", "coulomb"), ("lower", "upper", "velocity", "effort")
-COLUMNS = ("joint", "name", *_DIRECT[:5], *_COM, *_TENSOR, *_DIRECT[5:], *_DRIVE, *_RANGE)
-_REMARK = re.compile(r"#\s*(convention|name|source|gravity)\s*[:=](.*)")
+COLUMNS = (
+    "joint",
+    "name",
+    *_DIRECT[:5],
+    *_COM,
+    *_TENSOR,
+    *_DIRECT[5:],
+    *_DRIVE,
+    *_RANGE,
+    "joint_name",
+)
+_REMARK = re.compile(r"#\s*(convention|name|source|gravity|base|tool)\s*[:=](.*)")
 
 
 def describe(
@@ -53,7 +64,28 @@ def describe(
         source=remarks["source"][1] if "source" in remarks else "",
         file=file,
         lines=[number for number, _ in lines[1:]],
+        joint_names=[row.pop("joint_name", None) for row in rows],
+        base=_placement(file, remarks, "base"),
+        tool=_placement(file, remarks, "tool"),
     )
+
+
+def _placement(file: str, remarks: dict[str, tuple[int, str]], name: str) -> Placement | None:
+    """The pose in a remark: x, y, z, roll, pitch, yaw."""
+    if name not in remarks:
+        return None
+    line, text = remarks[name]
+    words = re.sub(r" (?=deg\b)", "", text.replace(",", " ")).split()
+    values = [in_units(word, "angle" if k > 2 else "number") for k, word in enumerate(words)]
+    numbers = [x for x in values if x is not None and not read_file.fault(x)]
+    if len(numbers) != len(words) or len(numbers) != 6:
+        raise FileError(
+            file,
+            line,
+            f"{name} is {shown(text)}, expected x, y, z in m and roll, pitch, yaw, such as "
+            f"0 0 0.1 0 0 90deg.",
+        )
+    return shift(*numbers[:3]).then(rpy(*numbers[3:]))
 
 
 def _split(file: str, text: str) -> tuple[dict[str, tuple[int, str]], list[tuple[int, str]]]:
@@ -135,7 +167,7 @@ class _DhRow:
     def as_dh(self) -> dict[str, Any]:
         """The row as `fb.dh` takes it."""
         row: dict[str, Any] = {
-            key: self.cells[key] for key in ("joint", "name") if key in self.cells
+            key: self.cells[key] for key in ("joint", "name", "joint_name") if key in self.cells
         }
         row.update({key: self.quantity(key) for key in _DIRECT if key in self.cells})
         for key, columns in (("com", _COM), ("I", _TENSOR)):

@@ -23,6 +23,8 @@ from freebody.model.doubts import Doubt
 from freebody.model.model import Model
 from freebody.model.parameters import real
 
+TEMPLATE = "template:"
+"""Text that stands before a template's name, where a robot is named."""
 _BARE = "files without suffix"
 
 
@@ -159,8 +161,9 @@ def load(
     text, or a bundled model by its name (see `models()`).
 
     Letters R and P that are not a bundled model's name are a planar arm: load("RRP") is
-    planar("RRP"). A file is a regular one of at most 32 MB (TOML: 16) and 50 000 links, and no
-    number in it but a limit is beyond 1e60.
+    planar("RRP"); "template:delta" is the robot template of that name, see `template`. A file is a
+    regular one of at most 32 MB (TOML: 16) and 50 000 links, and no number in it but a limit is
+    beyond 1e60.
 
     Parameters
     ----------
@@ -364,8 +367,18 @@ def _path(source: object) -> str:
     return given
 
 
+def _template(name: str) -> RobotDescription:
+    """A template, its numbers at their values in it."""
+    names = read_file.template_names()
+    if name not in names:
+        raise UnknownNameError("template", name, "load", names)
+    return toml.describe(f"{name}.toml", read_file.template_text(name), name=name)
+
+
 def _named(name: str) -> RobotDescription:
     """A bundled model; of another name that is all R and P, the planar arm of these joints."""
+    if name.startswith(TEMPLATE):
+        return _template(name.removeprefix(TEMPLATE))
     names = read_file.bundled_names()
     if name in names:
         return toml.describe(f"{name}.toml", read_file.bundled_text(name), name=name)

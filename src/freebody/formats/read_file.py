@@ -127,6 +127,25 @@ def bundled_text(name: str) -> str:
     )
 
 
+_BUNDLED_TEMPLATES = ("five_bar",)
+"""Bundled models that are templates as they are."""
+
+
+def template_names() -> list[str]:
+    """Names of the templates, sorted."""
+    folder = resources.files("freebody").joinpath("robots", "templates")
+    own = [x.name.removesuffix(".toml") for x in folder.iterdir() if x.name.endswith(".toml")]
+    return sorted([*own, *_BUNDLED_TEMPLATES])
+
+
+def template_text(name: str) -> str:
+    """The TOML text of a template; of one that is a bundled model, that model's."""
+    if name in _BUNDLED_TEMPLATES:
+        return bundled_text(name)
+    folder = resources.files("freebody").joinpath("robots", "templates")
+    return folder.joinpath(f"{name}.toml").read_text(encoding="utf-8")
+
+
 def _regular(path: Path, mode: int) -> None:
     """Refuse what is no file of its own size."""
     if stat.S_ISDIR(mode):

@@ -1,302 +1,100 @@
-"""`save`: a model as freebody's TOML. Loading it again gives the same model, to the last bit."""
+"""`save`: a model as a file of one of the formats that are written, and what is lost in each."""
 
 from __future__ import annotations
 
-import json
-import math
 import os
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable
 from pathlib import Path
 
-from freebody.errors import FreebodyError
-from freebody.model.bodies import Frame
-from freebody.model.description import Drive, Joint, Limits, Loop
-from freebody.model.doubts import DOUBT_KINDS, read_doubts
-from freebody.model.drives import LAWS
-from freebody.model.inertia import Inertia
-from freebody.model.joints import KINDS
+from freebody.errors import FreebodyError, UnknownNameError
+from freebody.formats.writing import dh_csv, mjcf, sdf, toml, urdf
+from freebody.model.families import FamilyError
 from freebody.model.model import Model
-from freebody.model.parameter_formulas import used
-from freebody.model.parameters import Parameter, Quantity
-from freebody.model.placement import Placement, Rotate, Shift
-from freebody.model.struts import NUMBERS as STRUT_NUMBERS
-from freebody.model.struts import Strut
-from freebody.model.tree import Attached
 from freebody.outputs.files import write
 
+_Written = Callable[[Model], tuple[str, list[str]]]
+"""The text of a model, and in words what of the model is not in it."""
 
-def save(model: Model, path: str | os.PathLike[str]) -> None:
-    """Write the model to a .toml file (UTF-8).
+_WRITERS: dict[str, _Written] = {
+    ".toml": toml.written,
+    ".urdf": urdf.written,
+    ".sdf": sdf.written,
+    ".xml": mjcf.written,
+    ".mjcf": mjcf.written,
+    ".csv": dh_csv.written,
+}
+SUFFIXES = tuple(_WRITERS)
+_SHOWN = 20
 
-    Of `model.notices` the doubts that still stand go along, as `masses_missing`, `masses_doubtful`,
+
+def save(model: Model, path: str | os.PathLike[str], *, lossy: bool = False) -> None:
+    """Write the model to a .toml, .urdf, .sdf, .xml or .mjcf (MJCF), or .csv (DH table) file
+    (UTF-8).
+
+    freebody's own format, .toml, holds every model, and loading it gives the same again. Of
+    `model.notices` the doubts that still stand go along, as `masses_missing`, `masses_doubtful`,
     `masses_estimated` and `limits_estimated`; the others, about the file it came from, are not
-    saved.
+    saved. The other formats hold less; what of this model would be lost is told before anything is
+    written, and by `fb.losses`.
+
+    Parameters
+    ----------
+    model
+        The model, with values of all its parameters but for .toml.
+    path
+        The file; its suffix is the format.
+    lossy
+        Whether to write what the format holds, although something is lost.
+
+    Raises
+    ------
+    FreebodyError
+        A suffix that is none of these, the losses, or a robot that the format does not hold at all.
+    FileError
+        A file that cannot be written.
     """
     target = Path(path)
-    if target.suffix.lower() != ".toml":
+    suffix = target.suffix.lower()
+    if suffix not in _WRITERS:
         raise FreebodyError(
-            f"save: {os.fspath(path)!r} must end in .toml, the format that is written."
+            f"save: {os.fspath(path)!r} must end in {', '.join(SUFFIXES)}, the formats that are "
+            f"written."
         )
-    write(target, as_toml(model))
-
-
-def as_toml(model: Model) -> str:
-    """TOML text of a model."""
-    writer = _TomlWriter(model)
-    return (
-        "\n\n".join(
-            filter(None, (writer.head(), writer.parameters(), writer.home(), *writer.parts()))
+    text, lost = _written(model, suffix, "save")
+    if lost and not lossy:
+        more = [f"{len(lost) - _SHOWN} more"] if len(lost) > _SHOWN else []
+        raise FreebodyError(
+            f"save: of {model.name!r} this would be lost in {suffix}: "
+            f"{'; '.join([*lost[:_SHOWN], *more])}. Write it as .toml, which holds all, or without "
+            f"these by lossy=True (--lossy)."
         )
-        + "\n"
-    )
+    write(target, text)
 
 
-class _TomlWriter:
-    def __init__(self, model: Model):
-        self.model = model
-        held = [body for body in model.bodies if body.joint.parent]
-        self.free = len(held) < len(model.bodies)  # a root joint that base="free" made
-        self.joints = [body.joint for body in held]
-        self.links = [frame for frame in model.frames if not frame.mounted]
-        attached = [a for body in model.bodies for a in body.inertias] + list(model.base_inertias)
-        self.inertia_of = {part.link: part for part in attached if not part.load}
-        self.loads = [part for part in attached if part.load]
+def losses(model: Model, format: str) -> list[str]:  # noqa: A002
+    """Sentences that name what of a model a format cannot hold; nothing is written.
 
-    # ------------------------------------------------------------ the file, top to bottom
-    def head(self) -> str:
-        model = self.model
-        entries = {"name": _text(model.name)}
-        if model.source:
-            entries["source"] = _text(model.source)
-        if model.about:
-            entries["about"] = _text(model.about)
-        entries["dim"] = str(model.dim)
-        entries["gravity"] = _inline(
-            {"size": _quantity(model.gravity_size), "direction": _vector(model.gravity_direction)}
-        )
-        if model.tip:
-            entries["tip"] = _text(model.tip)
-        if self.free:
-            entries["base"] = _text("free")
-        doubts = read_doubts(model)
-        for kind in DOUBT_KINDS.values():
-            texts = [_text(doubt.text) for doubt in doubts if doubt.kind == kind.name]
-            if texts:
-                entries[kind.key] = f"[{', '.join(texts)}]"
-        if model.loop_tolerance is not None:
-            entries["loop_tolerance"] = _vector(model.loop_tolerance)
-        return _entries(entries)
+    Parameters
+    ----------
+    model
+        The model.
+    format
+        "toml", "urdf", "sdf", "mjcf" (or "xml"), "csv" (a DH table).
 
-    def parameters(self) -> str:
-        """Their numbers or formulas; not what only formulas use that nothing uses any more."""
-        formulas = used(self.model)
-        values = {
-            _key(name): repr(value)
-            for name, value in replace(self.model, formulas=formulas).parameters.items()
-            if value is not None
-        }
-        values |= {_key(x.name): _text(x.text) for x in formulas}
-        return f"[parameters]\n{_entries(values)}" if values else ""
-
-    def home(self) -> str:
-        entries = {_key(name): repr(value) for name, value in self.model.home}
-        return f"[home]\n{_entries(entries)}" if entries else ""
-
-    def parts(self) -> list[str]:
-        frames = {frame.name: frame for frame in self.model.frames}
-        fixed = [frame for frame in self.links if frame.parent]
-        taken = {joint.name for joint in self.joints}
-        return [
-            *(self.link(frame) for frame in self.links),
-            *(_joint(joint, frames[joint.parent].placement) for joint in self.joints),
-            *(_fixed(frame, frames[frame.parent], taken) for frame in fixed),
-            *(
-                _mounted(frame, frames[frame.parent])
-                for frame in self.model.frames
-                if frame.mounted
-            ),
-            *(self.payload(part) for part in self.loads),
-            *map(_loop, self.model.loops),
-            *map(_strut, self.model.struts),
-        ]
-
-    def link(self, frame: Frame) -> str:
-        entries = {"name": _text(frame.name)}
-        part = self.inertia_of.get(frame.name)
-        if part:
-            entries.update(_mass(part.inertia))
-            own = _behind(frame.placement, part.placement)
-            if own.steps:
-                entries["inertia_frame"] = _inline(_place(own))
-        return _section("link", entries)
-
-    def payload(self, part: Attached) -> str:
-        """A load sits in some frame of its body."""
-        return _section(
-            "payload", {"name": _text(part.link), "frame": _text(part.frame), **_mass(part.inertia)}
-        )
+    Raises
+    ------
+    UnknownNameError
+        A format that is not written.
+    FreebodyError
+        A robot that the format does not hold at all, such as a branched one in a DH table.
+    """
+    suffix = f".{format}"
+    if suffix not in _WRITERS:
+        raise UnknownNameError("format", format, "losses", [x[1:] for x in SUFFIXES])
+    return _written(model, suffix, "losses")[1]
 
 
-def _joint(joint: Joint, parent: Placement) -> str:
-    entries = {
-        "name": _text(joint.name),
-        "kind": _text(joint.kind),
-        "parent": _text(joint.parent),
-        "child": _text(joint.child),
-    }
-    entries.update(_place(_behind(parent, joint.placement)))
-    if KINDS[joint.kind].needs_axis:
-        entries["axis"] = repr(joint.axis[0]) if len(joint.axis) == 1 else _vector(joint.axis)
-    for number, value in zip(KINDS[joint.kind].numbers, joint.numbers, strict=True):
-        entries[number.name] = _quantity(value)
-    if joint.limits != Limits():
-        limits = {
-            key: getattr(joint.limits, key) for key in ("lower", "upper", "velocity", "effort")
-        }
-        entries["limits"] = _inline(
-            {key: repr(x) for key, x in limits.items() if not math.isinf(x) or _told(key, x)}
-        )
-    entries.update(_drive(joint.drive))
-    if joint.mimic:
-        follow = joint.mimic
-        entries["mimic"] = _inline(
-            {
-                "joint": _text(follow.joint),
-                "ratio": repr(follow.ratio),
-                "offset": repr(follow.offset),
-            }
-        )
-    if joint.passive:
-        entries["passive"] = "true"
-    return _section("joint", entries)
-
-
-def _loop(loop: Loop) -> str:
-    entries = {
-        "name": _text(loop.name),
-        "kind": _text(loop.kind),
-        "frames": f"[{', '.join(map(_text, loop.frames))}]",
-    }
-    if loop.axis:
-        entries["axis"] = _vector(loop.axis)
-    if loop.distance is not None:
-        entries["distance"] = _quantity(loop.distance)
-    return _section("loop", entries)
-
-
-def _strut(strut: Strut) -> str:
-    entries = {
-        "name": _text(strut.name),
-        "frames": f"[{', '.join(map(_text, strut.frames))}]",
-    }
-    for number, value in zip(STRUT_NUMBERS, strut.numbers, strict=True):
-        entries[number.name] = _quantity(value)
-    return _section("strut", entries)
-
-
-def _told(key: str, value: float) -> bool:
-    """Whether an infinite limit differs from the default."""
-    return value != getattr(Limits(), key)
-
-
-def _drive(drive: Drive) -> dict[str, str]:
-    groups: dict[str, dict[str, str]] = {}
-    for law in LAWS.values():
-        given = {number: getattr(drive, number.name) for number in law.numbers}
-        if law.usual or any(x != number.default for number, x in given.items()):
-            for number, x in given.items():
-                table, key = number.place
-                groups.setdefault(table, {})[key] = _quantity(x)
-    given = {table: group for table, group in groups.items() if group != _NOTHING.get(table)}
-    return {table: _inline(group) for table, group in given.items()}
-
-
-_NOTHING: dict[str, dict[str, str]] = {}
-for _number in (number for law in LAWS.values() if law.usual for number in law.numbers):
-    _NOTHING.setdefault(_number.place[0], {})[_number.place[1]] = repr(_number.default)
-
-
-def _fixed(frame: Frame, parent: Frame, taken: set[str]) -> str:
-    name = frame.joint or f"{frame.name}_joint"
-    while name in taken:
-        name += "_"
-    taken.add(name)
-    entries = {"name": name, "kind": "fixed", "parent": parent.name, "child": frame.name}
-    place = _place(_behind(parent.placement, frame.placement))
-    return _section("joint", {key: _text(value) for key, value in entries.items()} | place)
-
-
-def _mounted(frame: Frame, parent: Frame) -> str:
-    place = _place(_behind(parent.placement, frame.placement))
-    return _section("frame", {"name": _text(frame.name), "parent": _text(parent.name), **place})
-
-
-def _mass(inertia: Inertia) -> dict[str, str]:
-    tensor = _quantity(inertia.tensor[0]) if inertia.dim == 2 else _vector(inertia.tensor)
-    return {"mass": _quantity(inertia.mass), "com": _vector(inertia.com), "inertia": tensor}
-
-
-# ---------------------------------------------------------------- placements
-def _behind(outer: Placement, whole: Placement) -> Placement:
-    """The steps behind `outer` in a placement that starts with it."""
-    return Placement(whole.steps[len(outer.steps) :])
-
-
-def _place(placement: Placement) -> dict[str, str]:
-    """A shift and a rotation where that is all; else the list of steps."""
-    match placement.steps:
-        case ():
-            return {}
-        case (Shift(by),):
-            return {"origin": _vector(by)}
-        case (Rotate(matrix),):
-            return {"matrix": _matrix(matrix)}
-        case (Shift(by), Rotate(matrix)):
-            return {"origin": _vector(by), "matrix": _matrix(matrix)}
-    steps = [
-        {"shift": _vector(step.by)}
-        if isinstance(step, Shift)
-        else {"matrix": _matrix(step.matrix)}
-        if isinstance(step, Rotate)
-        else {"turn": _text(step.axis), "angle": _quantity(step.angle)}
-        for step in placement.steps
-    ]
-    return {"steps": f"[{', '.join(map(_inline, steps))}]"}
-
-
-# ---------------------------------------------------------------- TOML text
-def _quantity(value: Quantity) -> str:
-    return _text(value.name) if isinstance(value, Parameter) else repr(value)
-
-
-def _vector(values: Sequence[Quantity]) -> str:
-    return f"[{', '.join(map(_quantity, values))}]"
-
-
-def _matrix(rows: Sequence[Sequence[float]]) -> str:
-    return f"[{', '.join(map(_vector, rows))}]"
-
-
-def _text(value: str) -> str:
-    # JSON's escapes are TOML's, except that TOML wants the delete character escaped too
-    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007F")
-
-
-def _key(name: str) -> str:
-    """A bare key where TOML allows it."""
-    return (
-        name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _text(name)
-    )
-
-
-def _inline(entries: dict[str, str]) -> str:
-    return f"{{ {', '.join(f'{key} = {value}' for key, value in entries.items())} }}"
-
-
-def _entries(entries: dict[str, str]) -> str:
-    return "\n".join(f"{key} = {value}" for key, value in entries.items())
-
-
-def _section(name: str, entries: dict[str, str]) -> str:
-    return f"[[{name}]]\n{_entries(entries)}"
+def _written(model: Model, suffix: str, function: str) -> tuple[str, list[str]]:
+    if model.family:
+        raise FamilyError(function, model.name, model.family)
+    return _WRITERS[suffix](model)

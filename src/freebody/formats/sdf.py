@@ -14,7 +14,7 @@ import numpy as np
 
 from freebody.errors import UnknownNameError, listed, shown
 from freebody.formats import read_file
-from freebody.formats.urdf_elements import Elements, XmlElement
+from freebody.formats.urdf_elements import UNLIMITED, Elements, XmlElement
 from freebody.model.description import (
     INFINITE,
     Drive,
@@ -38,13 +38,13 @@ _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MODEL, _WORLD = "__model__", "world"
 _OTHER_WORLD = "__world__"
 """The world's name where an old file has a link called world, which its joints then mean."""
-_UNLIMITED = 1e16
-"""Limits from which Gazebo takes a joint to have none."""
+_SAME = 1e-12
+"""m or of a rotation's entries: two poses that are one."""
 FramePose = tuple[np.ndarray, np.ndarray]
 """(R, p) of a frame in the model's."""
 _TYPES: dict[str, tuple[str, str | None]] = {
     "revolute": ("revolute", "revolute"),
-    "continuous": ("revolute", "revolute"),
+    "continuous": ("continuous", "revolute"),
     "prismatic": ("prismatic", "prismatic"),
     "ball": ("spherical", "spherical"),
     "fixed": ("fixed", "fixed"),
@@ -52,6 +52,8 @@ _TYPES: dict[str, tuple[str, str | None]] = {
     "revolute2": ("revolute", None),
 }
 """The kind of joint, and of loop, of each type; those with two axes are two joints."""
+_ROTOR = {"rotor": "drake:rotor_inertia", "gear": "drake:gear_ratio"}
+"""Drake's elements of joints with one axis, by the number of a drive that they are."""
 _AXES = {"revolute": 1, "continuous": 1, "prismatic": 1, "universal": 2, "revolute2": 2}
 
 
@@ -74,6 +76,8 @@ class _SdfReader(Elements):
         """Each frame's element, and the frame its pose is relative to where it does not say."""
         still = np.eye(3), np.zeros(3)
         self.poses: dict[str, FramePose] = {_MODEL: still}
+        self.inside: dict[tuple[str, str], FramePose] = {}
+        """Poses of frames in those that they are given in, as they are written."""
         self.world = _WORLD
         self.assumed: list[str] = []
         """Links of which the format assumes a mass or inertia."""
@@ -133,7 +137,7 @@ class _SdfReader(Elements):
     def model(self, root: XmlElement) -> tuple[XmlElement, tuple]:
         """The one model of the file that is no scenery, and gravity."""
         worlds, models = root.all("world"), root.all("model")
-        gravity: float | list[float] = 9.81
+        gravity = [0.0, 0.0, -9.81]
         for world in worlds:
             models += world.all("model")
             for element in world.all("gravity"):
@@ -142,8 +146,8 @@ class _SdfReader(Elements):
         if len(moving) != 1:
             names = listed([repr(m.name()) for m in moving], 6) or "none"
             self.refuse(root, f"a robot is one <model>, and here are {names}; leave one.")
-        name = None if isinstance(gravity, list) else "g"
-        return moving[0], gravity_of(gravity, 3, name=name)
+        _, along = gravity_of(gravity, 3)
+        return moving[0], gravity_of(math.hypot(*gravity), 3, along, name="g")
 
     # ------------------------------------------------------------ frames
     def declare(self, element: XmlElement) -> None:
@@ -179,8 +183,9 @@ class _SdfReader(Elements):
             return self.pose_of(around, element, above)
         self.only(pose, "relative_to", "frame", "degrees", "rotation_format")
         base = pose.attributes.get("relative_to", "").strip() or around
-        outer = self.pose_of(base, pose, above)
-        return _composed(outer, self.local(pose, where))
+        outer, local = self.pose_of(base, pose, above), self.local(pose, where)
+        self.inside[base, element.name()] = local
+        return _composed(outer, local)
 
     def local(self, pose: XmlElement, where: str) -> FramePose:
         """The numbers of a <pose>: position, then roll, pitch, yaw or a quaternion x, y, z, w."""
@@ -199,6 +204,13 @@ class _SdfReader(Elements):
         R, _ = rpy(*angles, snap=self.snap).lower(space, VALUES)
         return np.array(R, dtype=float), np.array(values[:3])
 
+    def relative(self, outer: str, name: str, asked_by: XmlElement) -> FramePose:
+        """A frame's pose in another one: as written, where it is given there."""
+        poses = self.pose_of(outer, asked_by), self.pose_of(name, asked_by)
+        if poses[0] is poses[1]:
+            return np.eye(3), np.zeros(3)
+        return self.inside.get((outer, name)) or _between(*poses)
+
     def frame(self, element: XmlElement) -> None:
         """A frame fixed to a link, directly or through others."""
         name, body, seen = element.name(), element.name(), set[str]()
@@ -209,7 +221,7 @@ class _SdfReader(Elements):
             seen.add(body)
             holder, around = self.written.get(body, (element, _MODEL))
             body = self.end(holder, "child", "") if holder.tag == "joint" else around
-        inside = _between(self.pose_of(body, element), self.pose_of(name, element))
+        inside = self.relative(body, name, element)
         self.mounts.append(Mount(name, body, _placement(inside)))
 
     # ------------------------------------------------------------ links
@@ -223,7 +235,7 @@ class _SdfReader(Elements):
         line = (inertial or element).line
         self.links[element.name()] = Link(element.name(), inertia, placement, line)
 
-    def inertial(self, element: XmlElement | None, where: str) -> tuple[Inertia, Placement]:
+    def inertial(self, element: XmlElement | None, where: str) -> tuple[Inertia | None, Placement]:
         mass, tensor, pose = 1.0, {"ixx": 1.0, "iyy": 1.0, "izz": 1.0}, None
         if element is not None:
             self.sort_out(element, "mass", "inertia", "pose")
@@ -239,6 +251,8 @@ class _SdfReader(Elements):
             self.assumed.append(where)
         Rp = self.local(pose, where) if pose is not None else (np.eye(3), np.zeros(3))
         numbers = tuple(tensor.get(key, 0.0) for key in _TENSOR)
+        if not mass and not any(numbers):
+            return None, Placement()
         return Inertia(mass, (0.0, 0.0, 0.0), numbers), _placement(Rp)
 
     # ------------------------------------------------------------ joints
@@ -258,9 +272,8 @@ class _SdfReader(Elements):
                 placed.add(child)
                 self.joint(element, where, parent, child)
         roots = [name for name in own if name not in placed]
-        outer = self.poses[self.world]
         if len(roots) == 1 and not held:
-            at = _placement(_between(outer, self.pose_of(roots[0], model)))
+            at = _placement(self.relative(self.world, roots[0], model))
             self.root = self.world if at.steps else roots[0]
             if at.steps:
                 weld = f"{roots[0]}_in_world"
@@ -299,15 +312,20 @@ class _SdfReader(Elements):
         """A joint of the tree; where its frame is not its child's, a link without mass lies
         between."""
         name, kind, axes = element.name(), self.kind(element, where)[0], self.axes(element, where)
-        at = self.pose_of(name, element)
-        outer = self.pose_of(parent, element)
-        inside = _between(at, self.pose_of(child, element))
-        placement = _placement(_between(outer, at))
+        inside = self.relative(name, child, element)
+        # a joint that has its child's frame is where the child is said to be
+        placed = name if _placement(inside).steps else child
+        placement = _placement(self.relative(parent, placed, element))
         steps = [
             (name if k == 0 else f"{name}_{k + 1}", kind, axis, tag)
             for k, (axis, tag) in enumerate(axes)
         ] or [(name, kind, (), None)]
         direct = not _placement(inside).steps
+        rotor = {
+            number: value
+            for number, tag in _ROTOR.items()
+            if len(axes) == 1 and (value := self.inside_of(element, tag, where)) is not None
+        }
         for k, (called, kind, axis, tag) in enumerate(steps):
             last = k == len(steps) - 1
             to = child if last and direct else f"{called}_frame"
@@ -322,7 +340,7 @@ class _SdfReader(Elements):
                     placement,
                     axis,
                     self.limits(tag, where),
-                    self.drive(tag, where),
+                    self.drive(tag, where, rotor if k == 0 else {}),
                     self.mimic(tag, where),
                     element.line,
                 )
@@ -337,11 +355,7 @@ class _SdfReader(Elements):
         kind, axes = self.kind(element, where)[1], self.axes(element, where)
         if kind is None:
             self.refuse(element, f"{where}: a joint with two axes that closes a loop is not known.")
-        at, ends = self.pose_of(element.name(), element), []
-        for side, link in (("a", parent), ("b", child)):
-            outer = self.pose_of(link, element)
-            ends.append(f"{element.name()}_{side}")
-            self.mounts.append(Mount(ends[-1], link, _placement(_between(outer, at))))
+        ends = [self.loop_end(element, "a", parent), self.loop_end(element, "b", child)]
         axis, tag = axes[0] if axes else ((), None)
         lost = [
             part for part in ("limit", "dynamics", "mimic") if tag is not None and tag.all(part)
@@ -353,12 +367,28 @@ class _SdfReader(Elements):
             )
         self.loops.append(Loop(element.name(), kind, (ends[0], ends[1]), axis, line=element.line))
 
+    def loop_end(self, loop: XmlElement, side: str, link: str) -> str:
+        """The frame of a loop's joint on a link: the file's own of that name, if it is there."""
+        joint = loop.name()
+        name = f"{joint}_{side}"
+        while name in self.written:
+            frame = self.written[name][0]
+            off = np.subtract(self.pose_of(name, frame)[1], self.pose_of(joint, loop)[1])
+            turned = np.subtract(self.pose_of(name, frame)[0], self.pose_of(joint, loop)[0])
+            close = max(abs(off).max(), abs(turned).max()) <= _SAME
+            if close and frame.attributes.get("attached_to") == link:
+                return name
+            name += "_"
+        self.mounts.append(Mount(name, link, _placement(self.relative(link, joint, loop))))
+        return name
+
     def kind(self, element: XmlElement, where: str) -> tuple[str, str | None]:
         given = self.text(element, "type", where)
         if given not in _TYPES:
             self.refuse(element, str(UnknownNameError("type", given, where, _TYPES)))
         self.only(element, "name", "type")
-        self.sort_out(element, "parent", "child", "pose", *self.axis_tags(given))
+        rotor = _ROTOR.values() if _AXES.get(given) == 1 else ()
+        self.sort_out(element, "parent", "child", "pose", *self.axis_tags(given), *rotor)
         return _TYPES[given]
 
     def axis_tags(self, given: str) -> tuple[str, ...]:
@@ -394,34 +424,35 @@ class _SdfReader(Elements):
         limit = self.one(axis, "limit", where) if axis is not None else None
         if limit is None:
             return Limits()
-        lower, upper = (self.inside(limit, tag, where) for tag in ("lower", "upper"))
-        effort, velocity = (self.inside(limit, tag, where) for tag in ("effort", "velocity"))
+        lower, upper = (self.inside_of(limit, tag, where) for tag in ("lower", "upper"))
+        effort, velocity = (self.inside_of(limit, tag, where) for tag in ("effort", "velocity"))
 
         def most(value: float | None) -> float:
             """A size, of which a negative one means that there is none."""
-            return INFINITE if value is None or value < 0 or value >= _UNLIMITED else value
+            return INFINITE if value is None or value < 0 or value >= UNLIMITED else value
 
         return Limits(
-            -INFINITE if lower is None or lower <= -_UNLIMITED else lower,
-            INFINITE if upper is None or upper >= _UNLIMITED else upper,
+            -INFINITE if lower is None or lower <= -UNLIMITED else lower,
+            INFINITE if upper is None or upper >= UNLIMITED else upper,
             most(velocity),
             most(effort),
         )
 
-    def drive(self, axis: XmlElement | None, where: str) -> Drive:
+    def drive(self, axis: XmlElement | None, where: str, rotor: dict[str, float]) -> Drive:
+        """Friction and spring, and the rotor as Drake's elements give it."""
         dynamics = self.one(axis, "dynamics", where) if axis is not None else None
         if dynamics is None:
-            return Drive()
+            return Drive(**rotor)
         tags = ("damping", "friction", "spring_stiffness", "spring_reference")
-        d, f, k, rest = (self.inside(dynamics, tag, where) or 0.0 for tag in tags)
-        return Drive(viscous=d, coulomb=f, stiffness=k, rest=rest if k else 0.0)
+        d, f, k, rest = (self.inside_of(dynamics, tag, where) or 0.0 for tag in tags)
+        return Drive(viscous=d, coulomb=f, stiffness=k, rest=rest if k else 0.0, **rotor)
 
     def mimic(self, axis: XmlElement | None, where: str) -> Mimic | None:
         tag = self.one(axis, "mimic", where) if axis is not None else None
         if tag is None:
             return None
         ratio, offset, reference = (
-            self.inside(tag, key, where) for key in ("multiplier", "offset", "reference")
+            self.inside_of(tag, key, where) for key in ("multiplier", "offset", "reference")
         )
         ratio = 1.0 if ratio is None else ratio
         leader = self.text(tag, "joint", where)
@@ -440,7 +471,7 @@ class _SdfReader(Elements):
     def number_in(self, element: XmlElement, where: str) -> float:
         return self.numbers(element, 1, where)[0]
 
-    def inside(self, element: XmlElement, tag: str, where: str) -> float | None:
+    def inside_of(self, element: XmlElement, tag: str, where: str) -> float | None:
         """The number in the element of that tag, perhaps infinite."""
         found = self.one(element, tag, where)
         if found is None:

@@ -1,5 +1,5 @@
-"""URDF: links, inertias, joints, limits, friction and mimics. Whatever else the file holds is
-counted and reported.
+"""URDF: links, inertias, joints, limits, friction and mimics; motors and loops are
+`urdf_motors`'. Whatever else the file holds is counted and reported.
 
 A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in
 the joint's frame and (1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N.
@@ -7,13 +7,12 @@ docs/formats.md states the policy."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from typing import Literal
 
 from freebody.errors import UnknownNameError
-from freebody.formats import read_file
-from freebody.formats.urdf_elements import UNEXPANDED, Elements, XmlElement
+from freebody.formats import read_file, urdf_motors
+from freebody.formats.urdf_elements import UNEXPANDED, UNLIMITED, Elements, XmlElement
 from freebody.model.description import (
     INFINITE,
     Drive,
@@ -70,8 +69,7 @@ class _UrdfReader(Elements):
             name = robot.name()
         else:
             self.notice("name", robot, f"<robot> has no name; the file's is used, {name!r}.")
-        self.sort_out(robot, "link", "joint")
-        self.remarks["<transmission> in <robot>"] = _reductions(robot)
+        self.sort_out(robot, "link", "joint", "transmission", "loop", "coupling")
         if not robot.all("link"):
             unexpanded = any(child.tag.startswith("xacro:") for child in robot.children)
             hint = f"; it is xacro, {UNEXPANDED}" if unexpanded else ""
@@ -80,12 +78,16 @@ class _UrdfReader(Elements):
             self.link(element)
         for element in robot.all("joint"):
             self.joint(element)
+        loops, mounts = urdf_motors.loops(self, robot)
+        joints = urdf_motors.with_motors(self, robot, self.joints, bool(loops))
         return RobotDescription(
             name,
             3,
             tuple(self.links),
-            tuple(self.joints),
+            tuple(joints),
             gravity_of(9.81, 3, name="g"),
+            mounts=tuple(mounts),
+            loops=tuple(loops),
             source=self.file,
             notices=(*self.notices, *self.summary()),
             file=self.file,
@@ -138,8 +140,7 @@ class _UrdfReader(Elements):
             parts += ["axis"]
         self.sort_out(element, *parts, owner=f"a {given} joint")
         parent, child = (self.end(element, tag, where) for tag in ("parent", "child"))
-        xyz, turned = self.origin(element, where)
-        placement = shift(*xyz).then(turned)
+        placement = self.placement(element, where)
         if kind == "planar":
             self.planar(element, where, parent, child, placement)
             return
@@ -207,22 +208,6 @@ class _UrdfReader(Elements):
             f"axis.",
         )
 
-    def axis(self, element: XmlElement, where: str) -> tuple[float, float, float]:
-        """The axis as written, (1, 0, 0) where there is none; refuses a zero one."""
-        tag = self.one(element, "axis", where)
-        if tag is None:
-            return 1.0, 0.0, 0.0
-        self.only(tag, "xyz")
-        axis = self.vector(tag, "xyz", where)
-        length = math.hypot(*axis)
-        if not any(axis):
-            self.refuse(tag, f'{where}: the axis is zero; give a direction such as xyz="0 0 1".')
-        if abs(length - 1.0) > 1e-6:
-            self.notice(
-                "axis", tag, f"{where}: the axis has length {length:g}; it is made a unit vector."
-            )
-        return axis
-
     def limits(self, element: XmlElement, kind: str, where: str) -> Limits:
         tag = self.one(element, "limit", where)
         if tag is None:
@@ -247,14 +232,19 @@ class _UrdfReader(Elements):
             for key, default in (("lower", -INFINITE), ("upper", INFINITE))
         )
         velocity, effort = (self.most(tag, key, where) for key in ("velocity", "effort"))
-        return Limits(lower, upper, velocity, effort)
+        return Limits(
+            lower if lower > -UNLIMITED else -INFINITE,
+            upper if upper < UNLIMITED else INFINITE,
+            velocity,
+            effort,
+        )
 
     def most(self, tag: XmlElement, key: str, where: str) -> float:
         """A limit of speed or effort; exporters write 0 for one they do not know, as no joint
         has."""
         value = self.number(tag, key, where, INFINITE, infinite=True)
         if value != 0.0:
-            return value
+            return value if value < UNLIMITED else INFINITE
         n, first = self.unknown.get(key, (0, tag.line))
         self.unknown[key] = n + 1, first
         return INFINITE
@@ -280,21 +270,6 @@ class _UrdfReader(Elements):
             self.number(tag, "offset", where, 0.0),
         )
 
-    def origin(
-        self, element: XmlElement, where: str
-    ) -> tuple[tuple[float, float, float], Placement]:
-        """Shift (m) and rotation of the <origin> inside."""
-        tag = self.one(element, "origin", where)
-        if tag is None:
-            return (0.0, 0.0, 0.0), Placement()
-        self.only(tag, "xyz", "rpy")
-        angles = self.vector(tag, "rpy", where)
-        for angle in angles:
-            off = abs(angle - round(angle / (math.pi / 2)) * (math.pi / 2))
-            if 0.0 < off <= self.snap:
-                self.changes.append(off)
-        return self.vector(tag, "xyz", where), rpy(*angles, snap=self.snap)
-
 
 def _other_format(tag: str) -> str:
     return {
@@ -302,25 +277,6 @@ def _other_format(tag: str) -> str:
         "mujoco": " (this is MJCF)",
         "COLLADA": " (this is a mesh)",
     }.get(tag, "")
-
-
-def _reductions(robot: XmlElement) -> str:
-    """A remark on the gears of transmissions, which are ignored, though the dynamics would need
-    them."""
-    ratios = {
-        transmission.name(): reduction.content
-        for transmission in robot.all("transmission")
-        for part in (transmission, *transmission.children)
-        for reduction in part.all("mechanicalReduction")
-        if reduction.content not in ("1", "1.0", "")
-    }
-    if not ratios:
-        return ""
-    first, ratio = next(iter(ratios.items()))
-    return (
-        f"; {len(ratios)} of them give a mechanicalReduction other than 1 (first {first!r}: "
-        f"{ratio}), but URDF has no rotor inertia that it would multiply"
-    )
 
 
 def shapes_of(link: XmlElement) -> tuple[Shape, ...]:

@@ -6,6 +6,7 @@ Nothing outside the file is read, and entities are refused.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import islice
@@ -15,6 +16,7 @@ from xml.parsers import expat
 from freebody.errors import FileError, IncludedLine, shown
 from freebody.formats import read_file
 from freebody.model.description import Notice
+from freebody.model.placement import Placement, rpy, shift
 
 _ELEMENTS, _ATTRIBUTES, _DEEPEST = 500_000, 2_000_000, 200
 _TEXT = 80  # characters kept of an element's text
@@ -22,6 +24,9 @@ _CUT_SHORT = [
     expat.errors.codes[message]
     for message in (expat.errors.XML_ERROR_NO_ELEMENTS, expat.errors.XML_ERROR_UNCLOSED_TOKEN)
 ]
+UNLIMITED = 1e16
+"""A limit from which Gazebo takes a joint to have none, and so what programs write that want a
+number."""
 _SHAPES = ("visual", "collision", "material")
 _MOST_KINDS = 100
 """Kinds of elements and attributes that are not read and yet named one by one."""
@@ -139,7 +144,6 @@ class Elements:
         self.notices: list[Notice] = []
         self.shapes: Counter[str] = Counter()
         self.ignored: dict[str, tuple[int, int | IncludedLine]] = {}
-        self.remarks: dict[str, str] = {}
         self.unknown: dict[str, tuple[int, int | IncludedLine]] = {}
         self.changes: list[float] = []
 
@@ -190,6 +194,42 @@ class Elements:
         if problem:
             self.refuse(element, f"{where}: {key} of <{element.tag}> is {value:g}, {problem}.")
         return value
+
+    def axis(self, element: XmlElement, where: str) -> tuple[float, float, float]:
+        """The axis as written, (1, 0, 0) where there is none; refuses a zero one."""
+        tag = self.one(element, "axis", where)
+        if tag is None:
+            return 1.0, 0.0, 0.0
+        self.only(tag, "xyz")
+        axis = self.vector(tag, "xyz", where)
+        length = math.hypot(*axis)
+        if not any(axis):
+            self.refuse(tag, f'{where}: the axis is zero; give a direction such as xyz="0 0 1".')
+        if abs(length - 1.0) > 1e-6:
+            self.notice(
+                "axis", tag, f"{where}: the axis has length {length:g}; it is made a unit vector."
+            )
+        return axis
+
+    def origin(
+        self, element: XmlElement, where: str
+    ) -> tuple[tuple[float, float, float], Placement]:
+        """Shift (m) and rotation of the <origin> inside."""
+        tag = self.one(element, "origin", where)
+        if tag is None:
+            return (0.0, 0.0, 0.0), Placement()
+        self.only(tag, "xyz", "rpy")
+        angles = self.vector(tag, "rpy", where)
+        for angle in angles:
+            off = abs(angle - round(angle / (math.pi / 2)) * (math.pi / 2))
+            if 0.0 < off <= self.snap:
+                self.changes.append(off)
+        return self.vector(tag, "xyz", where), rpy(*angles, snap=self.snap)
+
+    def placement(self, element: XmlElement, where: str) -> Placement:
+        """The placement that the <origin> inside gives."""
+        xyz, turned = self.origin(element, where)
+        return shift(*xyz).then(turned)
 
     # ------------------------------------------------------------ what is not used
     def only(self, element: XmlElement, *known: str, owner: str | None = None) -> None:
@@ -252,7 +292,7 @@ class Elements:
             notices.append(
                 Notice(
                     "ignored",
-                    f"{what} is ignored ({_times(n)}){self.remarks.get(what, '')}.",
+                    f"{what} is ignored ({_times(n)}).",
                     self.file,
                     line,
                 )

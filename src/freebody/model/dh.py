@@ -82,9 +82,12 @@ def describe(
     file: str | None = None,
     lines: Sequence[int] | None = None,
     joint_names: Sequence[str | None] = (),
+    base: Placement | None = None,
+    tool: Placement | None = None,
 ) -> RobotDescription:
     """The links and joints of a DH table; for a file also its name, the line of each row, and names
-    of joints."""
+    of joints. base: where frame 0 is in the root link; tool: a frame behind the last, the tip
+    then."""
     if convention not in ("standard", "modified"):
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
@@ -95,7 +98,7 @@ def describe(
     if not len(rows):
         raise ModelError("dh: the table has no rows; give one per joint.")
     links, joints, mounts = [Link("base")], [], []
-    behind = Placement()  # from the link frame to where the next joint's placement starts
+    behind = base or Placement()  # from the link frame to where the next joint's placement starts
     for i, row in enumerate(rows):
         line = lines[i] if lines else None
         try:
@@ -109,6 +112,8 @@ def describe(
         joints.append(joint)
         mounts.append(Mount(f"frame{i + 1}", link.name, frame))
         behind = frame
+    if tool is not None:
+        mounts.append(Mount("tool", mounts[-1].name, tool))
     return RobotDescription(
         name,
         3,

@@ -222,7 +222,7 @@ def test_dh_convention_is_never_guessed(tmp_path):
                           "joint, name, theta, d, "
          "a, alpha, m, "
          "cx, cy, cz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz, rotor, gear, viscous, coulomb, lower, upper, "
-         "velocity, effort."),
+         "velocity, effort, … (25 in all)."),
         ("joint,a,", "a,a,", "2: column 'a' appears twice; keep one."),
         ("R,1", "R", "3: dh row 1: it has 3 cells, the header 4."),
         ("P,0.5", "Q,0.5", "4: dh row 2: joint is 'Q', expected 'R' or 'P'."),

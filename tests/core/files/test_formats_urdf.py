@@ -264,12 +264,83 @@ def test_everything_else_is_counted(tmp_path):
     ]
     assert said(model, "ignored") == [
         "5: <gazebo> in <robot> is ignored (2 times, first here).",
-        "5: <transmission> in <robot> is ignored (once); 1 of them give a mechanicalReduction "
-        "other than 1 "
-        "(first 't': 100), but URDF has no rotor inertia that it would multiply.",
         "5: <safety_controller> in a revolute joint is ignored (once).",
         "5: attribute jerk of <limit> of a revolute joint is ignored (once).",
+        "5: <transmission> in <robot> is ignored (once).",
     ]
+
+
+def transmission(inside, joints='<joint name="{}"/>'):
+    joints = joints.format("j")
+    return f'<transmission name="t">{joints}<actuator name="m">{inside}</actuator></transmission>'
+
+
+ROTOR = '<drake:rotor_inertia value="0.002"/><drake:gear_ratio value="-50"/>'
+
+
+@pytest.mark.parametrize(
+    ("inside", "rotor", "gear"),
+    [
+        ("<mechanicalReduction>100</mechanicalReduction>", 0.0, 100.0),
+        (ROTOR, 0.002, -50.0),
+        (f"<mechanicalReduction>7</mechanicalReduction>{ROTOR}", 0.002, -50.0),
+        ('<drake:rotor_inertia value="0.002"/>', 0.002, 1.0),
+    ],
+)
+def test_motors_of_transmissions(tmp_path, inside, rotor, gear):
+    model = read(tmp_path, joint(name="j") + transmission(inside))
+    drive = model.bodies[0].joint.drive
+    assert (drive.rotor, drive.gear) == (rotor, gear)
+    assert len(said(model, "drive")) == (rotor == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("inside", "joints"),
+    [
+        ("<mechanicalReduction>fast</mechanicalReduction>", '<joint name="j"/>'),
+        (ROTOR, '<joint name="j"/><joint name="k"/>'),
+        (ROTOR, '<joint name="nobody"/>'),
+    ],
+)
+def test_transmissions_that_are_not_understood_are_named(tmp_path, inside, joints):
+    model = read(tmp_path, joint(name="j") + transmission(inside, joints))
+    assert (model.bodies[0].joint.drive.rotor, model.bodies[0].joint.drive.gear) == (0.0, 1.0)
+    assert any("<transmission> in <robot> is ignored (once)" in x for x in said(model, "ignored"))
+
+
+def test_loops_of_urdf_plus(tmp_path):
+    """Joints without a transmission are passive where others have one."""
+    rest = (
+        joint(name="j")
+        + '<link name="wrist"/>'
+        + joint(name="k", ends='<parent link="base"/><child link="wrist"/>')
+        + transmission("")
+        + '<loop name="l" type="revolute"><predecessor link="hand"><origin xyz="1 0 0"/>'
+        '</predecessor><successor link="wrist"/><axis xyz="0 0 1"/></loop>'
+    )
+    model = read(tmp_path, rest)
+    (loop,) = model.loops
+    assert (loop.name, loop.kind, loop.frames, loop.axis) == (
+        "l", "revolute", ("l_a", "wrist"), (0.0, 0.0, 1.0),
+    )  # fmt: skip
+    assert [body.joint.passive for body in model.bodies] == [False, True]
+
+
+@pytest.mark.parametrize(
+    ("loop", "said"),
+    [
+        ('<loop name="l" type="screw"/>', "no type 'screw' in loop 'l'"),
+        ('<loop name="l" type="fixed"/>', "it has no <predecessor>"),
+        ("<coupling/>", "<coupling> of URDF+ is not read; write <mimic>"),
+        (
+            '<loop name="l" type="revolute"><predecessor link="base"/><successor link="arm"/>'
+            '<axis xyz="0 0 0"/></loop>',
+            "the axis is zero",
+        ),
+    ],
+)
+def test_loops_that_are_refused(tmp_path, loop, said):
+    assert said in message(tmp_path, joint(name="j") + loop)
 
 
 BROKEN = (

@@ -1,0 +1,1 @@
+"""Models as text of each format that is written, a file each."""

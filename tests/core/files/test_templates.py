@@ -1,0 +1,95 @@
+"""Robots by their kind: each template moves as the closed forms of its kind say, with numbers of
+one's own."""
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from support.command import run
+from support.helpers import close, numbers, poses
+
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
+
+def at(model: fb.Model, frame: str, q) -> np.ndarray:
+    return poses(model, np.atleast_2d(q))[frame][0]
+
+
+def test_a_bundled_robot_is_its_template():
+    assert fb.template("five_bar") == fb.load("five_bar")
+    one, two = fb.load("scara"), fb.template("scara")
+    q, qd, _ = fb.random_state(one, 1, 3)
+    for name, arrays in (("mass_matrix", (q,)), ("bias", (q, qd)), ("forward_kinematics", (q,))):
+        np.testing.assert_array_equal(numbers(two, name, *arrays), numbers(one, name, *arrays))
+
+
+def test_gantry():
+    model = fb.template("gantry", m1=7, m2=5, m3=3, height=4, length=1.5)
+    M = numbers(model, "mass_matrix", np.array([[0.1, 0.2, 0.3]]))[0]
+    np.testing.assert_array_equal(M, np.diag([15.0, 8.0, 3.0]))
+    close(at(model, "tool", [0.1, 0.2, 0.3])[:3, 3], [0.1, 0.2, 4 + 0.3 - 1.5], 1e-15)
+
+
+def test_six_axis():
+    """Upright at zero, the forearm forwards; the wrist's axes meet, and so there are eight
+    branches."""
+    sizes = {"d1": 0.5, "a1": 0.2, "a2": 0.7, "a3": 0.05, "d4": 0.65, "d6": 0.12}
+    model = fb.template("six_axis", **sizes)
+    d1, a1, a2, a3, d4, d6 = sizes.values()
+    T = at(model, model.tip or "", np.zeros(6))
+    close(T[:3, 3], [a1 + d4 + d6, 0.0, d1 + a2 + a3], 1e-12)
+    q = np.array([0.3, 0.2, 0.4, 0.5, 0.6, 0.7])
+    assert len(fb.inverse_kinematics(model, at(model, model.tip or "", q)).q) == 8
+
+
+def test_delta():
+    """Clavel's inverse kinematics: each crank reaches its corner by a rod's length."""
+    R, r, l1, l2 = 0.25, 0.06, 0.3, 0.7
+    model = fb.template("delta", R=R, r=r, l1=l1, l2=l2)
+    goal = np.array([0.05, -0.08, -0.6])
+    q = dict(zip(model.position_names, fb.assemble(model), strict=True))
+    q |= dict(zip("xyz", goal, strict=True))
+    closed = fb.assemble(model, np.array(list(q.values())), free=["theta1", "theta2", "theta3"])
+    for k, angle in enumerate(np.deg2rad([0, 120, 240]), start=1):
+        turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+        x, y = turned @ goal[:2]
+        E, F, G = R - r - x, goal[2], (l2**2 - l1**2 - (R - r - x) ** 2 - y**2 - goal[2] ** 2)
+        theta = closed[model.position_names.index(f"theta{k}")]
+        # (R + l1 cos - r - x)² + y² + (-l1 sin - z)² = l2²
+        assert 2 * l1 * (E * np.cos(theta) + F * np.sin(theta)) == pytest.approx(G, abs=1e-12)
+    assert fb.mobility(model, closed).instantaneous == 3
+
+
+def test_palletiser():
+    """The hand stays level, and the forearm as the rocker, wherever the drives are."""
+    model = fb.template("palletiser", l1=1.1, l2=1.3, s=0.25)
+    home = dict(zip(model.position_names, fb.assemble(model), strict=True))
+    driven = set(model.driven_names)
+    moved = home | {"turn": 0.4, "shoulder": -1.2, "drive": 0.5, "hand_turn": 0.3}
+    q = fb.assemble(
+        model, np.array(list(moved.values())), free=[x for x in home if x not in driven]
+    )
+    assert driven == {"turn", "shoulder", "drive", "hand_turn"}
+    T = at(model, "hand", q)
+    close(T[:3, 2], [0.0, 0.0, 1.0], 1e-10)
+    reach = 0.2 + 1.1 * np.cos(1.2) + 1.3 * np.cos(0.5)
+    height = 0.8 + 1.1 * np.sin(1.2) - 1.3 * np.sin(0.5)
+    close(T[:3, 3], [reach * np.cos(0.4), reach * np.sin(0.4), height], 1e-10)
+
+
+def test_what_is_not_known():
+    with pytest.raises(fb.UnknownNameError, match="no template 'detla'"):
+        fb.template("detla")
+    with pytest.raises(fb.UnknownNameError, match="no template 'detla'"):
+        fb.load("template:detla")
+    with pytest.raises(fb.UnknownNameError, match="l9"):
+        fb.template("delta", l9=1.0)
+    with pytest.raises(fb.FreebodyError, match="lc1 follows from l1/2"):
+        fb.template("delta", lc1=0.1)
+
+
+def test_the_command_line(capsys):
+    assert run(["show", "template:gantry", "--parameter", "m3=33"]) == 0
+    assert "33" in capsys.readouterr().out
+    assert run(["show", "template:crane"]) == 2
+    assert "no template 'crane'" in capsys.readouterr().err
