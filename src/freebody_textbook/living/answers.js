@@ -114,7 +114,9 @@ function compared(node, line) {
     if (any.length && any.every((one) => isEqual(one))) return {at: found.length, of: found.length};
     const at = some.filter((one) => isEqual(one)).length;
     const isSomehow = (one) => isEqual(one) || (line.branches && others.some((all) => isEqual(all[found.indexOf(one)], all)));
-    return at && !saysNothing && some.every(isSomehow) ? {at, of: some.length} : null;
+    if (!at || saysNothing || !some.every(isSomehow)) return null;
+    if (at < some.length && line.moves) throw undecided("A second value of a function in a line of rates");
+    return {at, of: some.length};
   });
 }
 // Whether an answer may be in numbers, with the values of the robot's parameters, where the line has

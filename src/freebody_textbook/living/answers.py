@@ -23,10 +23,11 @@ from freebody.expressions.grammar.tables.spellings import SPELLINGS
 from freebody.expressions.notations.notation import BookNotation
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.lazy import cached_property
-from freebody.scalars.generators import function_of, symbol_of
+from freebody.scalars.generators import function_of, generators_in, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT
 from freebody_textbook.check.algebra.finite_field import RealPoint
+from freebody_textbook.check.algebra.quotients import pair
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations, equations_of, in_notation
 from freebody_textbook.check.numbers.units_of_symbols import in_other_units
@@ -91,6 +92,8 @@ class PageAnswers:
             found["level"] = 1
         if asked and asked[0].kind.has_branches:
             found["branches"] = 1
+            if any(atom(x).dots for x in generators_in(*pair(asked[0].compute()))):
+                found["moves"] = 1
         if asked and asked[0].idle:
             found["idle"] = 1
         if asked and asked[0].kind.is_drive:
