@@ -18,6 +18,7 @@ VALUES = {
     "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
     "stribeck": 0.5, "stribeck_speed": 0.3, "offset": 0.1, "asymmetric": 0.07, "quadratic": 0.2,
     "cube_root": 0.6, "hardening": 3.0, "hardening_rest": -0.1,
+    "cogging": 0.25, "cogging_count": 6.0, "cogging_phase": 0.7,
     "load_friction": 0.15, "efficiency": 0.8, "back_efficiency": 0.7,
 }  # fmt: skip
 """A number for each of all laws."""
