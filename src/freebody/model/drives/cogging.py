@@ -62,4 +62,5 @@ LAW = DriveLaw(
     "1 less the cosine of the angle whose sine it has",
     scalars=lambda amplitude, count, phase: (amplitude, count, phase, 1.0 / count),
     recounted=_recounted,
+    waves=lambda p: p[1],
 )

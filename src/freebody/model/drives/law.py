@@ -130,13 +130,14 @@ class DriveLaw:
     words, of a law that has one. scalars: of its numbers in their order, where they are not these.
     recounted: (numbers, flip, offset) -> the numbers of the same law where the joint is at flip
     times its position plus offset, flip being 1 or -1, where these are others. form: as a linear
-    function of other parameters than its strength. power: of the rate, to which friction is
-    proportional, where it is to one. signed: whether the torque depends on s. losses: (scalars) ->
-    which part of the torque that the joint transmits is lost while the motor drives it, and which
-    of it the motor is spared while the joint drives the motor. at_joint: whether the torque acts on
-    the joint itself, so that what is transmitted has it; friction and rotors are the motor's.
-    usual: whether it is counted wherever any law acts, so that kernels and regressors do not depend
-    on which of the usual ones are 0.
+    function of other parameters than its strength. waves: (scalars) -> by which angle a torque that
+    comes and goes with the position turns for each unit of it. power: of the rate, to which
+    friction is proportional, where it is to one. signed: whether the torque depends on s. losses:
+    (scalars) -> which part of the torque that the joint transmits is lost while the motor drives
+    it, and which of it the motor is spared while the joint drives the motor. at_joint: whether the
+    torque acts on the joint itself, so that what is transmitted has it; friction and rotors are the
+    motor's. usual: whether it is counted wherever any law acts, so that kernels and regressors do
+    not depend on which of the usual ones are 0.
     """
 
     name: str
@@ -151,6 +152,7 @@ class DriveLaw:
     scalars: Callable[..., Vector] | None = None
     recounted: Callable[[Vector, float, float], Vector] | None = None
     form: LinearForm | None = None
+    waves: Callable[[Vector], Scalar] | None = None
     power: int | None = None
     signed: bool = False
     losses: Callable[[Vector], tuple[Scalar, Scalar]] | None = None
