@@ -18,7 +18,7 @@ from freebody.algorithms.forward_dynamics import under_losses
 from freebody.algorithms.kinematics import between, coordinate_rates, moved
 from freebody.algorithms.loop_constraints import Counting, constrained_motion, onto_loops
 from freebody.algorithms.rnea import External
-from freebody.elementary import Scalar, absolute, less, sqrt, where
+from freebody.elementary import Scalar, absolute, less, maximum, sqrt, where
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub
@@ -162,7 +162,7 @@ def _implicit_euler(
     """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
-    them.
+    them, K where it is above 0: what pushes away would leave M + h D + h² K without an inverse.
     """
     M = crba(tree, q)
     lost = _losses(tree, q, qd, M, given.tau, loads, width) if tree.lossy else None
@@ -222,7 +222,7 @@ def _slopes(tree: Tree, q: Vector, qd: Vector, width: Scalar) -> tuple[Vector, V
             by_position, by_rate = body.drive.slopes(q, qd)
             size = sqrt(rate * rate + width * width)
             damping[k] = damping[k] + square * by_rate
-            stiffness[k] = stiffness[k] + square * by_position
+            stiffness[k] = stiffness[k] + square * maximum(by_position, 0.0)
             drag[k] = drag[k] + square * (body.drive.drag(q, qd) / size)
     return tuple(damping), tuple(stiffness), tuple(drag)
 

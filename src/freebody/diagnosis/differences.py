@@ -18,8 +18,6 @@ from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
 from freebody.outputs.display import InWords
 
-_ODD = ("offset", "asymmetric")
-"""Numbers of drives that change their sign with the direction in which a joint counts."""
 _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed limit",
            "effort": "effort limit"}  # fmt: skip
 
@@ -291,18 +289,20 @@ def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
 
 
 def _numbers(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[RobotDifference]:
-    one, two = pair.a.body.joint.drive, pair.b.body.joint.drive
-    if not any(VALUES.quantity(getattr(drive, law.strength)) for drive in (one, two)):
+    one, two = (
+        tuple([float(VALUES.quantity(getattr(x.body.joint.drive, n.name))) for n in law.numbers])
+        for x in (pair.a, pair.b)
+    )
+    if one[0] == two[0] == 0.0:
         return
-    for number in law.numbers:
-        x, y = (float(VALUES.quantity(getattr(drive, number.name))) for drive in (one, two))
-        if number.name in _ODD:
-            y *= pair.flip
-        if number.unit == "{position}":
-            y = pair.flip * y + pair.offset
-        if abs(x - y) > found.tolerances.share * max(abs(x), abs(y), 1e-9):
+    one = law.counted_otherwise(one, 1.0, 0.0)
+    two = law.counted_otherwise(two, pair.flip, pair.offset)
+    for number, x, y in zip(law.numbers, one, two, strict=True):
+        apart = abs(math.remainder(x - y, number.period))
+        scale = max(abs(x), abs(y), 1e-9) if math.isinf(number.period) else number.period
+        if apart > found.tolerances.share * scale:
             text = f"its {number.words} is {x:.6g} and {y:.6g}"
-            yield _of_joint("friction", pair, text, abs(x - y))
+            yield _of_joint("friction", pair, text, apart)
 
 
 def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:

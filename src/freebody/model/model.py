@@ -368,8 +368,8 @@ class Model(NamedParts, Tabled, ByValue):
         return inertial_parameters.with_inertial_parameters(self, pi)
 
     def without(self, *features: str) -> Model:
-        """The model without "friction", "rotors", "springs" (those of joints), "struts", or "loops"
-        (the tree that is left when they are cut)."""
+        """The model without "friction", "rotors", "springs" (those of joints, and cogging torques),
+        "struts", or "loops" (the tree that is left when they are cut)."""
         return changed.without(self, features)
 
     def with_payload(

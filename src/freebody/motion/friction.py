@@ -115,6 +115,15 @@ def friction_torque(model: Model, q: Array, qd: Array) -> Array:
     return found + strut_damping(model, q, qd) if model.struts else found
 
 
+def motor_springs(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) of what stores energy on the motors' side of their gears, such as
+    cogging, at q (..., nq) and qd (..., nv): no part of what joints transmit."""
+    found = np.zeros(qd.shape)
+    for drive in _only(model, lambda law: law.energy is not None and not law.at_joint):
+        found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
+    return found
+
+
 def strut_torque(model: Model, q: Array, qd: Array) -> Array:
     """The torque (..., nv) that struts need at q (..., nq) and qd (..., nv)."""
     tau = rnea(struts_alone(model.tree), *_columns(q, qd), (0.0,) * model.nv).tau

@@ -25,6 +25,7 @@ from freebody.model.tree import Tree
 from freebody.motion.friction import (
     friction_torque,
     lost_torque,
+    motor_springs,
     reflected_inertia,
     strut_damping,
     viscous_friction,
@@ -103,7 +104,8 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     viscous, dampers = viscous_friction(model) * qd, np.zeros(qd.shape)
     if model.struts:
         dampers = strut_damping(model, q, qd)
-    lost = lost_torque(model, qd, inertial + coriolis + gravity + springs + dampers)
+    sent = inertial + coriolis + gravity + springs - motor_springs(model, q, qd) + dampers
+    lost = lost_torque(model, qd, sent)
     parts = {
         "tau": inverse_dynamics(model, q, qd, qdd),
         "tau_inertial": inertial,

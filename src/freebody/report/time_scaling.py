@@ -26,7 +26,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.friction import lost_parts, lost_torque, viscous_friction
+from freebody.motion.friction import lost_parts, lost_torque, motor_springs, viscous_friction
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, with_drive
 from freebody.report.results import CLOSE
@@ -82,7 +82,8 @@ def parts(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
     square, linear, constant = _transmitted(model, data)
     lost = lost_torque(model, data["qd"].values, square + linear + constant)
     friction = get["friction"] - get["viscous"] - lost
-    return square + get["rotors"], get["viscous"], constant + friction
+    at_motor = motor_springs(model, data["q"].values, data["qd"].values)
+    return square + get["rotors"], get["viscous"], constant + at_motor + friction
 
 
 _PARTS = ("rotors", "viscous", "friction")
@@ -93,7 +94,8 @@ def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
     damping does, and not."""
     get = {name: data[f"tau_{name}"].values for name in _SENT}
     dampers = get["viscous"] - viscous_friction(model) * data["qd"].values
-    return get["inertial"] + get["coriolis"], dampers, get["gravity"] + get["springs"]
+    at_joint = get["springs"] - motor_springs(model, data["q"].values, data["qd"].values)
+    return get["inertial"] + get["coriolis"], dampers, get["gravity"] + at_joint
 
 
 _SENT = ("inertial", "coriolis", "viscous", "gravity", "springs")

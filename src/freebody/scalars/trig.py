@@ -28,6 +28,11 @@ _MOST_WORK = (
 )  # the same of a product before its terms are collected; FLINT aborts where memory ends
 
 
+_MOST_TURNS = 100
+"""The largest factor of an angle in a sine: its polynomial has half as many terms, each with a
+number as long as the factor."""
+
+
 class TrigRing:
     """The ring of one derivation: `angles` have sines and cosines, `others` (lengths, rates,
     parameters) do not."""
@@ -274,6 +279,11 @@ class Trig:
             if name is None or exact.denominator != 1:
                 raise FreebodyError(
                     f"sin and cos need a sum of angles with whole factors, not {self}."
+                )
+            if abs(exact.numerator) > _MOST_TURNS:
+                raise FreebodyError(
+                    f"sin and cos of {exact.numerator} {name} have more terms than a closed form "
+                    f"is worth; the largest factor of an angle is {_MOST_TURNS}."
                 )
             a, b = self.ring.sin(name), self.ring.cos(name)
             for _ in range(abs(exact.numerator)):

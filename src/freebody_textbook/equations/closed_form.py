@@ -415,8 +415,4 @@ def _law_torque(body: TreeBody, law: DriveLaw, q: Vector, qd: Vector) -> Any:
             raise FreebodyError(law.words)
         return body.drive.only(lambda other: other is law).torque(q, qd)
     except FreebodyError:
-        raise FreebodyError(
-            f"the {law.term} at body {body.name!r} has no closed form, which is a polynomial in "
-            f"sines, cosines and rates: derive without it, model.with_drive(joint, "
-            f"{law.strength}=0), or take numbers from a kernel."
-        ) from None
+        raise law.no_closed_form(f" at body {body.name!r}") from None

@@ -6,11 +6,13 @@ from fractions import Fraction
 
 from freebody.algorithms.energy import resting_energy
 from freebody.algorithms.kinematics import BodyMotions
+from freebody.errors import listed
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import eq
 from freebody.expressions.polynomials.arithmetic import inner
 from freebody.expressions.printed_names import sym, vec
 from freebody.lazy import cached_property
+from freebody.model.drives import LAWS, DriveLaw
 from freebody.scalars.trig import Trig
 from freebody.spatial import add, dot, times
 from freebody_textbook.derivation import Step
@@ -45,12 +47,33 @@ class Energies:
 
     @cached_property
     def springs(self) -> Trig:
-        """Energy of the joints' springs."""
+        """Energy that the laws of the joints' drives store."""
         total = self.s.symbols.zero()
         for body in self.s.tree.bodies:
             if body.drive is not None:
                 total = total + body.drive.energy(self.s.symbols.q)
         return total
+
+    @cached_property
+    def storing_laws(self) -> list[DriveLaw]:
+        """The laws of drives that store energy, each once, in the table's order."""
+        acting = {
+            x.law.name
+            for body in self.s.tree.bodies
+            for x in (() if body.drive is None else body.drive.laws)
+            if not self.s.symbols.element(x.p[0]).is_zero
+        }
+        return [law for law in LAWS.values() if law.energy is not None and law.name in acting]
+
+    @property
+    def storing(self) -> str:
+        """What stores energy besides weights, in words."""
+        return listed(list(dict.fromkeys(f"{law.words}s" for law in self.storing_laws)))
+
+    @property
+    def stored(self) -> list[str]:
+        """Sentences on the energies of what stores any besides weights."""
+        return [law.stored for law in self.storing_laws]
 
     @cached_property
     def rotors(self) -> Trig:

@@ -64,7 +64,7 @@ def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
     if energies.has_resting:
         yield Meaning((sym("V0"),), "potential energy of what is fixed to the base", glossary.JOULE)
     if energies.has_springs:
-        yield Meaning((sym("V_s"),), "potential energy of the springs", glossary.JOULE)
+        yield Meaning((sym("V_s"),), f"potential energy of the {energies.storing}", glossary.JOULE)
     yield Meaning((sym("L"),), "Lagrangian", glossary.JOULE)
 
 
@@ -279,11 +279,7 @@ def _potential(s: Setting, energies: Energies) -> Step:
         if energies.has_resting
         else []
     )
-    parts += (
-        ["that of a spring is half its stiffness times the square of its deflection"]
-        if energies.has_springs
-        else []
-    )
+    parts += energies.stored
     words = (
         "Potential energy: " + "; ".join(parts)
         if parts

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from freebody.elementary import Scalar
 from freebody.errors import listed
 from freebody.expressions.polynomials.symbols import RATE
+from freebody.model.drives import LAWS
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot
 from freebody_textbook.methods.setting import Setting
@@ -23,6 +24,10 @@ ABSOLUTE = (
     "motors of the joints that it carries."
 )
 """A sentence on torques along angles of the links."""
+_BURDENS = tuple(
+    dict.fromkeys(law.words for law in sorted(LAWS.values(), key=lambda law: law.inertia is None))
+)
+"""What else a motor works against, in the order in which it is told: rotors first."""
 
 
 def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
@@ -227,6 +232,6 @@ def drive(s: Setting, i: int) -> str:
         for x in own.laws
         if not s.symbols.element(x.p[0]).is_zero and not (s.at_rest and x.law.only_moving)
     }
-    found = [words for words in ("rotor", "friction", "spring") if words in acting]
+    found = [words for words in _BURDENS if words in acting]
     whose = "joint's" if len(moved) == 1 else "joints'"
     return f" The other terms are those of the {whose} {listed(found)}." if found else ""

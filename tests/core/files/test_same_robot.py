@@ -4,6 +4,7 @@ recognised; planted differences are found at their place with their size."""
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
@@ -233,6 +234,43 @@ def test_rotors_are_what_the_joint_feels():
     assert first is not None
     assert first.aspect == "friction"
     assert "its rotor's inertia is" in first.text
+
+
+COGGED = """
+name = "cogged"
+[[link]]
+name = "ground"
+[[link]]
+name = "bob"
+mass = 2.0
+com = [0.5, 0.1, 0.2]
+inertia = [0.1, 0, 0, 0.1, 0, 0.1]
+[[joint]]
+name = "pin"
+kind = "revolute"
+axis = "{axis}"
+parent = "ground"
+child = "bob"
+rpy = [0, {pitch}, 0]
+cogging = {{ amplitude = {amplitude}, count = 5, phase = {phase} }}
+"""
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "turned", "same"),
+    [(0.3, 0.0, True), (-0.3, math.pi, True), (0.3, 4 * math.pi, True), (0.3, 0.1, False)],
+)
+def test_cogs_are_the_same_from_another_zero_in_the_other_direction(amplitude, turned, same):
+    phase, pitch = 0.4, 0.3
+    one = {"axis": "y", "pitch": 0.0, "amplitude": 0.3, "phase": phase}
+    other = {
+        "axis": "-y", "pitch": pitch, "amplitude": amplitude, "phase": 5 * pitch - phase + turned
+    }  # fmt: skip
+    models = [fb.load(text=COGGED.format(**x), format="toml") for x in (one, other)]
+    forward = fb.inverse_dynamics(models[0], [0.1], [0.0], [1.0])
+    back = fb.inverse_dynamics(models[1], [pitch - 0.1], [0.0], [-1.0])
+    assert (forward == pytest.approx(-back)) is same
+    assert bool(fb.same_robot(*models)) is same
 
 
 def test_mimics_are_compared_through_zeros_and_directions():

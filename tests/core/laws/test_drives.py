@@ -4,6 +4,7 @@ import inspect
 
 import numpy as np
 import pytest
+from scipy.special import ellipk
 
 import freebody as fb
 from freebody.errors import FreebodyError, ModelError
@@ -18,6 +19,7 @@ VALUES = {
     "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
     "stribeck": 0.5, "stribeck_speed": 0.3, "offset": 0.1, "asymmetric": 0.07, "quadratic": 0.2,
     "cube_root": 0.6, "hardening": 3.0, "hardening_rest": -0.1,
+    "cogging": 0.25, "cogging_count": 6.0, "cogging_phase": 0.7,
     "load_friction": 0.15, "efficiency": 0.8, "back_efficiency": 0.7,
 }  # fmt: skip
 """A number for each of all laws."""
@@ -122,19 +124,16 @@ def test_what_a_law_takes_is_stored_or_lost(law):
 
 @pytest.mark.parametrize("law", TORQUES, ids=named)
 def test_a_law_seen_from_the_other_direction(law):
-    """Where the joint counts the other way a law is the same, or one with the opposite strength."""
+    """Where the joint counts the other way, or from another zero, the torque is the same."""
     (x,) = drive_of(law).laws
-    mirrored = [x.p, (-x.p[0], *x.p[1:])]
-    if law.energy is not None:
-        mirrored = [(p[0], *(-rest for rest in p[1:])) for p in mirrored]
-    errors = [
-        max(
-            abs(law.torque(p, -q, -qd, -np.sign(qd)) + law.torque(x.p, q, qd, np.sign(qd)))
-            for q, qd in STATES
-        )
-        for p in mirrored
-    ]
-    assert min(errors) < 1e-15
+    own = tuple(numbers(law).values())
+    for flip, offset in ((-1.0, 0.0), (1.0, 0.3), (-1.0, -0.4)):
+        other = dict(zip(numbers(law), law.counted_otherwise(own, flip, offset), strict=True))
+        p = law.scalars_of(other.__getitem__)
+        for q, qd in STATES:
+            expected = flip * law.torque(x.p, q, qd, np.sign(qd))
+            found = law.torque(p, flip * q + offset, flip * qd, flip * np.sign(qd))
+            assert found == pytest.approx(expected, abs=1e-14)
 
 
 def test_the_law_itself():
@@ -143,6 +142,7 @@ def test_the_law_itself():
         "stribeck": 0.5 * np.exp(-((rate / v) ** 2)), "cube_root": 0.6 * rate ** (1 / 3),
         "offset": 0.1, "asymmetric": 0.07 * rate, "quadratic": 0.2 * rate**2,
         "hardening": 3.0 * 0.5**3, "viscous": 0.4 * rate, "coulomb": 0.3, "spring": 5.0 * 0.2,
+        "cogging": 0.25 * np.sin(6.0 * 0.4 - 0.7),
     }  # fmt: skip
     assert {law.name: drive_of(law).torque((0.4,), (rate,)) for law in TORQUES} == pytest.approx(
         expected
@@ -301,8 +301,32 @@ def test_derivations_have_the_laws_that_are_polynomials():
     ).text()
     assert "+ o + e sgn(θ̇₁) θ̇₁" in text
     assert "+ c ḋ₂² sgn(ḋ₂)" in text
-    with pytest.raises(FreebodyError, match=r"^the Stribeck friction at body 'link1' has no clos"):
-        fb.derive(fb.planar("R", drives=[fb.Drive(stribeck=0.1, stribeck_speed=0.2)]))
+    for drive, words in (
+        (fb.Drive(stribeck=0.1, stribeck_speed=0.2), "the Stribeck friction at body 'link1' has n"),
+        (fb.Drive(stribeck="l", stribeck_speed="v"), "the Stribeck friction has no closed form"),
+        (fb.Drive(cogging="a", cogging_count="n"), "the cogging torque has no closed form"),
+        (fb.Drive(cogging="a", cogging_count=840), "the cogging torque at body 'link1' has no cl"),
+        (fb.Drive(cogging="a", cogging_count=2.5), "the cogging torque at body 'link1' has no cl"),
+    ):
+        with pytest.raises(FreebodyError, match=f"^{words}"):
+            fb.derive(fb.planar("R", drives=[drive]))
+
+
+def test_derivations_tell_what_stores_energy():
+    drive = fb.Drive(stiffness="k", hardening="h", cogging="a", cogging_count=3)
+    model = fb.planar("R", drives=[drive])
+    text = " ".join(fb.derive(model, "lagrange").text().split())
+    assert "potential energy of the springs and cogging torques" in text
+    assert "half its stiffness times the square of its deflection; that of a hardening" in text
+    assert "is its amplitude over the number of cogs in a turn, times 1 less the cosine" in text
+    assert "V_s = ¼ h θ₁⁴" in text
+    assert "a sin 3θ₁ cogging torque of joint 1" in text
+    text = " ".join(fb.derive(model, "newton-euler").text().split())
+    assert "The other terms are those of the joint's spring and cogging torque." in text
+    answer = "tau1 = (m1 lc1^2 + I1) ddtheta1 + m1 g lc1 cos(theta1) + {} sin(3 theta1)"
+    model = fb.planar("R", drives=[fb.Drive(cogging="a", cogging_count=3)])
+    assert fb.check(model, answer.format("a")).right
+    assert not fb.check(model, answer.format("3 a")).right
 
 
 # ------------------------------------------------------------ in motion
@@ -370,6 +394,42 @@ def test_a_hardening_spring_keeps_its_energy():
     energy = (run.kinetic_energy + run.potential_energy).values
     assert energy == pytest.approx(energy[0], rel=1e-8)
     assert energy[0] == pytest.approx(0.8**4 + 0.9**2)
+
+
+def test_what_swings_in_a_cog_is_a_pendulum():
+    """Of mass m and amplitude a the angle n q swings as a pendulum's does, with a n / m for g/l."""
+    model = block(cogging=3.0, cogging_count=10.0, cogging_phase=0.5)
+    t = 4.0 * ellipk(np.sin(0.6) ** 2) / np.sqrt(3.0 * 10.0 / 2.0) * np.array([0.0, 0.5, 1.0, 4.0])
+    expected = (0.5 + 1.2 * np.array([1.0, -1.0, 1.0, 1.0])) / 10.0
+    for more, error in (
+        ({}, 1e-8),
+        ({"method": "rk4", "step": 1e-3}, 1e-8),
+        ({"method": "implicit", "step": 1e-3}, 1e-4),
+    ):
+        run = fb.simulate(model, [expected[0]], [0.0], t, **more)
+        assert run.q.values[:, 0] == pytest.approx(expected, abs=error)
+    energy = (run.kinetic_energy + run.potential_energy).values
+    assert energy[0] == pytest.approx(3.0 / 10.0 * (1.0 - np.cos(1.2)))
+
+
+def test_implicit_steps_over_cogs_stay_bounded():
+    """Half of a cog pushes away, which may leave no inverse to what the steps divide by."""
+    model = block(cogging=2.0, cogging_count=100.0)
+    t = np.linspace(0.0, 10.0, 11)
+    run = fb.simulate(model, [[1e-3]], [[0.2], [0.3], [0.6]], t, method="implicit", step=0.1)
+    energy = (run.kinetic_energy + run.potential_energy).values
+    assert (energy.max(axis=1) < 2.0 * energy[:, 0]).all()
+
+
+def test_time_optimal_motions_see_every_cog():
+    drive = fb.Drive(cogging=3.0, cogging_count=700.0)
+    model = fb.planar("R", m=[1.0], lc=[0.3], l=[0.5], I=[0.1], drives=[drive])
+    given = {"torque": 12.0, "velocity": 8.0}
+    with pytest.raises(FreebodyError, match=r"^time_optimal: between two points of the grid the c"):
+        fb.time_optimal(model, [[0.0], [0.3]], points=61, **given)
+    motion = fb.time_optimal(model, [[0.0], [0.3]], points=301, **given)
+    q, qd, qdd = motion.at(np.linspace(*motion.t[[0, -1]], 20001))
+    assert np.abs(fb.inverse_dynamics(model, q, qd, qdd)).max() < 12.0 * (1 + 1e-3)
 
 
 def test_stops_and_smooth_friction_under_a_python_function():

@@ -14,7 +14,9 @@ from support import generate
 from support.exported import passes, require
 from support.extras import extra
 
-FRICTION = {"coulomb": 0.3, "viscous": 0.2, "stiffness": 2.0, "rest": 0.1}
+COGS = {"cogging": 0.5, "cogging_count": 4.0, "cogging_phase": 0.3}
+SPRINGS = {"stiffness": 2.0, "rest": 0.1, **COGS}
+FRICTION = {"coulomb": 0.3, "viscous": 0.2, **SPRINGS}
 LOAD = {"load_friction": 0.2}
 GEAR = {"efficiency": 0.8, "back_efficiency": 0.6}
 BOTH = LOAD | GEAR
@@ -95,7 +97,7 @@ def test_efficiency_is_a_ratio_of_powers():
     found = fb.inverse_dynamics(arm(**LOAD), q, qd, qdd)
     expected = sent + 0.2 * np.abs(sent) * np.sign(qd)
     np.testing.assert_allclose(found[:, [0, 2]], expected[:, [0, 2]], rtol=1e-12)
-    # friction and rotor are the motor's, the spring is the joint's
+    # friction, cogs and rotor are the motor's, the spring is the joint's
     sent = fb.inverse_dynamics(arm(stiffness=2.0, rest=0.1), q, qd, qdd)
     more = fb.inverse_dynamics(arm(**LOAD, **FRICTION, **ROTOR), q, qd, qdd)
     more -= fb.inverse_dynamics(friction, q, qd, qdd)
@@ -289,7 +291,7 @@ def test_numbers_by_name_inputs_and_families(whole):
         np.testing.assert_allclose(function(several, Q, QD, last), expected, rtol=1e-12)
     np.testing.assert_allclose(
         fb.forward_dynamics(whole.without("friction"), Q, QD, tau),
-        fb.forward_dynamics(arm(stiffness=2.0, rest=0.1, **ROTOR), Q, QD, tau),
+        fb.forward_dynamics(arm(**SPRINGS, **ROTOR), Q, QD, tau),
         rtol=1e-12,
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from freebody.model.drives import (
     asymmetric,
+    cogging,
     coulomb,
     cube_root,
     efficiency,
@@ -32,6 +33,7 @@ LAWS: dict[str, DriveLaw] = {
         quadratic.LAW,
         cube_root.LAW,
         hardening.LAW,
+        cogging.LAW,
         load.LAW,
         efficiency.LAW,
     )

@@ -20,4 +20,5 @@ LAW = DriveLaw(
         ),
     ),
     torque=lambda p, position, rate, s: p[0] * absolute(rate),
+    recounted=lambda numbers, flip, offset: (flip * numbers[0],),
 )

@@ -4,7 +4,7 @@ stretched, or softer where h is below 0."""
 from __future__ import annotations
 
 from freebody.elementary import Scalar
-from freebody.model.drives.law import DriveLaw, LawNumber
+from freebody.model.drives.law import DriveLaw, LawNumber, resting_elsewhere
 from freebody.spatial import Vector
 
 
@@ -40,5 +40,8 @@ LAW = DriveLaw(
     ),
     torque=_torque,
     energy=_energy,
+    stored="that of a hardening spring is a quarter of its hardening times the fourth power of its "
+    "deflection",
+    recounted=resting_elsewhere,
     at_joint=True,
 )

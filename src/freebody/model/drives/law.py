@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from freebody.elementary import Scalar
+from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.spatial import Vector
 
@@ -20,8 +21,8 @@ TorqueOfLaw = Callable[[Vector, Scalar, Scalar, Scalar], Scalar]
 rate or what stands for it; linear in s."""
 
 _UNITS = {
-    True: {"effort": "N m", "position": "rad", "inertia": "kg m²"},
-    False: {"effort": "N", "position": "m", "inertia": "kg"},
+    True: {"effort": "N m", "position": "rad", "inertia": "kg m²", "waves": "1"},
+    False: {"effort": "N", "position": "m", "inertia": "kg", "waves": "rad/m"},
 }
 """Units of a joint that turns, and of one that slides."""
 
@@ -31,11 +32,11 @@ class LawNumber:
     """One number of a law.
 
     name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
-    the table and its key. unit: with {effort}, {position} and {inertia} of the joint. what: in
-    words. short: in tables of symbols, where that differs. refused: why no joint has such a number,
-    or None. needed: whether a file that has its table gives it too. below: of a number within
-    bounds the upper one; where it is refused no motion follows from torques, so no policy accepts
-    it.
+    the table and its key. unit: with {effort}, {position}, {inertia} and {waves}, angle over
+    position, of the joint. what: in words. short: in tables of symbols, where that differs.
+    refused: why no joint has such a number, or None. needed: whether a file that has its table
+    gives it too. below: of a number within bounds the upper one; where it is refused no motion
+    follows from torques, so no policy accepts it. period: after which it means the same again.
     """
 
     name: str
@@ -47,6 +48,7 @@ class LawNumber:
     refused: Callable[[float], str | None] | None = None
     needed: bool = False
     below: float = math.inf
+    period: float = math.inf
 
     @property
     def words(self) -> str:
@@ -62,7 +64,8 @@ class LawNumber:
     @property
     def kind(self) -> str:
         """The kind of its unit, by which files may give others."""
-        return {"{position}": "angle", "{position}/s": "rate"}.get(self.unit, "number")
+        kinds = {"{position}": "angle", "rad": "angle", "{position}/s": "rate"}
+        return kinds.get(self.unit, "number")
 
     def unit_of(self, turns: bool) -> str:
         """The unit at a joint that turns, or slides."""
@@ -81,6 +84,13 @@ def at_least_zero(what: str) -> Callable[[float], str | None]:
 def above_zero(what: str) -> Callable[[float], str | None]:
     """The refusal of a number that is not positive."""
     return lambda x: None if x > 0.0 else f"{what} is {x:g}; give a number above 0"
+
+
+def resting_elsewhere(numbers: Vector, flip: float, offset: float) -> Vector:
+    """Strength and rest position of a spring, where the joint is at flip times its position plus
+    offset."""
+    strength, rest = numbers
+    return strength, flip * rest + offset
 
 
 @dataclass(frozen=True)
@@ -115,15 +125,19 @@ class DriveLaw:
     but losses is linear, and without which it does not act.
 
     feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
-    one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars)
-    -> what q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. scalars: of its
-    numbers in their order, where they are not these. form: as a linear function of other parameters
-    than its strength. power: of the rate, to which friction is proportional, where it is to one.
-    signed: whether the torque depends on s. losses: (scalars) -> which part of the torque that the
-    joint transmits is lost while the motor drives it, and which of it the motor is spared while the
-    joint drives the motor. at_joint: whether the torque acts on the joint itself, so that what is
-    transmitted has it; friction and rotors are the motor's. usual: whether it is counted wherever
-    any law acts, so that kernels and regressors do not depend on which of the usual ones are 0.
+    one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars) -> what
+    q̈ is multiplied by. energy: (scalars, position) -> the energy it stores. stored: the same in
+    words, of a law that has one. scalars: of its numbers in their order, where they are not these.
+    recounted: (numbers, flip, offset) -> the numbers of the same law where the joint is at flip
+    times its position plus offset, flip being 1 or -1, where these are others. form: as a linear
+    function of other parameters than its strength. waves: (scalars) -> by which angle a torque that
+    comes and goes with the position turns for each unit of it. power: of the rate, to which
+    friction is proportional, where it is to one. signed: whether the torque depends on s. losses:
+    (scalars) -> which part of the torque that the joint transmits is lost while the motor drives
+    it, and which of it the motor is spared while the joint drives the motor. at_joint: whether the
+    torque acts on the joint itself, so that what is transmitted has it; friction and rotors are the
+    motor's. usual: whether it is counted wherever any law acts, so that kernels and regressors do
+    not depend on which of the usual ones are 0.
     """
 
     name: str
@@ -134,8 +148,11 @@ class DriveLaw:
     torque: TorqueOfLaw | None = None
     inertia: Callable[[Vector], Scalar] | None = None
     energy: Callable[[Vector, Scalar], Scalar] | None = None
+    stored: str = ""
     scalars: Callable[..., Vector] | None = None
+    recounted: Callable[[Vector, float, float], Vector] | None = None
     form: LinearForm | None = None
+    waves: Callable[[Vector], Scalar] | None = None
     power: int | None = None
     signed: bool = False
     losses: Callable[[Vector], tuple[Scalar, Scalar]] | None = None
@@ -154,9 +171,28 @@ class DriveLaw:
         return {self.strength: 0.0} | bounded
 
     def scalars_of(self, read: Callable[[str], Scalar]) -> Vector:
-        """The scalars, of numbers by name."""
+        """The scalars, of numbers by name. Raises FreebodyError for symbols by which it cannot
+        divide."""
         own = tuple([read(number.name) for number in self.numbers])
-        return own if self.scalars is None else self.scalars(*own)
+        if self.scalars is None:
+            return own
+        try:
+            return self.scalars(*own)
+        except FreebodyError:
+            raise self.no_closed_form() from None
+
+    def no_closed_form(self, where: str = "") -> FreebodyError:
+        """The refusal of a law that is no polynomial; where: behind its name."""
+        return FreebodyError(
+            f"the {self.term}{where} has no closed form, which is a polynomial in sines, cosines "
+            f"and rates: derive without it, model.with_drive(joint, {self.strength}=0), or take "
+            f"numbers from a kernel."
+        )
+
+    def counted_otherwise(self, numbers: Vector, flip: float, offset: float) -> Vector:
+        """The numbers of the same law where the joint is at flip times its position plus offset;
+        flip is 1 or -1."""
+        return numbers if self.recounted is None else self.recounted(numbers, flip, offset)
 
     @cached_property
     def size(self) -> int:

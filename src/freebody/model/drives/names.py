@@ -23,6 +23,9 @@ class LawNumbers:
     cube_root: Quantity = 0.0
     hardening: Quantity = 0.0
     hardening_rest: Quantity = 0.0
+    cogging: Quantity = 0.0
+    cogging_count: Quantity = 0.0
+    cogging_phase: Quantity = 0.0
     load_friction: Quantity = 0.0
     efficiency: Quantity = 0.0
     back_efficiency: Quantity = 0.0
@@ -43,6 +46,9 @@ class LawNumbers:
         cube_root: Quantity | str = 0.0,
         hardening: Quantity | str = 0.0,
         hardening_rest: Quantity | str = 0.0,
+        cogging: Quantity | str = 0.0,
+        cogging_count: Quantity | str = 0.0,
+        cogging_phase: Quantity | str = 0.0,
         load_friction: Quantity | str = 0.0,
         efficiency: Quantity | str = 0.0,
         back_efficiency: Quantity | str = 0.0,

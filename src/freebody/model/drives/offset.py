@@ -12,5 +12,6 @@ LAW = DriveLaw(
     "constant torque of the drive",
     (LawNumber("offset", "friction.offset", "{effort}", "constant torque of the drive"),),
     torque=lambda p, position, rate, s: p[0],
+    recounted=lambda numbers, flip, offset: (flip * numbers[0],),
     power=0,
 )

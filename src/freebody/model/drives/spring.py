@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from freebody.elementary import Scalar
-from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm
+from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm, resting_elsewhere
 from freebody.model.drives.quotients import quotient
 from freebody.spatial import Vector
 
@@ -45,6 +45,8 @@ LAW = DriveLaw(
     ),
     torque=lambda p, position, rate, s: p[0] * (position - p[1]),
     energy=_energy,
+    stored="that of a spring is half its stiffness times the square of its deflection",
+    recounted=resting_elsewhere,
     at_joint=True,
     form=LinearForm(
         ("stiffness", "stiffness_rest"),

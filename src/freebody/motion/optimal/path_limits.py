@@ -30,6 +30,8 @@ _CUSHION = 5e-5
 """Part of a limit by which it is made stricter than what it was exceeded by."""
 _PLACES = np.linspace(0.0, 1.0, 17)
 """Places in an interval, as parts of its way."""
+_TURNED = 2.0
+"""Most of a wave of a torque, in rad, within an interval."""
 _SLIGHTLY = 0.01
 """Part of a squared speed that is given away at once rather than by computing the motion again."""
 
@@ -186,6 +188,7 @@ def path_problem(
     found = sampled(curves, np.concatenate([s, 0.5 * (s[:-1] + s[1:])]))
     at, between = (found.part(part) for part in _parts(len(s)))
     viscous, dry = simple_friction("time_optimal", limits.model)
+    _require_close_grid(limits.model, at.q)
     a, b, lo, hi = limits.rows(at, 1.0 - RESERVE)
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if dry.any():
@@ -202,6 +205,23 @@ def path_problem(
         rated = rated + strut_damping(limits.model, at.q, at.first)
     drag = limits.friction(at.q, rated) if rated.any() else None
     return PathProblem(limits, at, between, rows, drag)
+
+
+def _require_close_grid(model: Model, q: Array) -> None:
+    """Refuse a grid q (N + 1, P, nq) between whose points a torque comes and goes unseen."""
+    for body in model.tree.bodies:
+        for x in () if body.drive is None else body.drive.laws:
+            if x.law.waves is None or not np.any(x.p[0]):
+                continue
+            (position,) = body.coordinates.position(tuple(np.moveaxis(q, -1, 0)))
+            turned = np.abs(np.diff(position, axis=0)).max() * x.law.waves(x.p)
+            if turned > _TURNED:
+                least = int(np.ceil((len(q) - 1) * turned / _TURNED)) + 1
+                raise FreebodyError(
+                    f"time_optimal: between two points of the grid the {x.law.term} of body "
+                    f"{body.name!r} comes and goes; give {least} points or more, or plan without "
+                    f"it, model.with_drive(joint, {x.law.strength}=0)."
+                )
 
 
 def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Array:
