@@ -178,8 +178,8 @@ _LOADING, _OF_CODE = 16 * 2**20, 64
 """Bytes that it takes to load machine code, and further ones for each byte of it."""
 
 _PIECES = 16
-"""Pieces of memory with rights of their own that LLVM takes, of which the system gives a process only
-so many; rather too many."""
+"""Pieces of memory with rights of their own that LLVM takes, rather too many; the system gives a
+process only so many."""
 
 
 @cache
