@@ -1,5 +1,5 @@
-"""Where memory ends: an error that names what asked for it and how much, no end of the process; and
-a worker of the tests that dies nevertheless leaves its last words."""
+"""Where memory ends, or lies in pieces: an error that names what asked for it and how much, no end
+of the process; and a worker of the tests that dies nevertheless leaves its last words."""
 
 from __future__ import annotations
 
@@ -97,15 +97,20 @@ else:
 @pytest.mark.parametrize(
     ("room", "before", "words"),
     [
-        (1, "loaded", r"OutOfMemoryError LLVM may need \d\d MiB of memory to compile 0\.\d+ MB"),
-        (100, "nothing", "OutOfMemoryError LLVM may need 200 MiB of memory to load its library"),
+        (1, "loaded", r"OutOfMemoryError LLVM may need \d\d MiB of memory .*to compile 0\.\d+ MB"),
+        (100, "nothing", "OutOfMemoryError LLVM may need 200 MiB of memory .*to load its library"),
         (60, "loaded", "compiled"),
     ],
 )
 def test_a_kernel_without_memory_is_an_error_and_not_the_end(room: int, before: str, words: str):
     """LLVM ends a process whose memory ends."""
+    assert re.match(words, printed(LIMITED, str(room), before))
+
+
+def printed(program: str, *arguments: str) -> str:
+    """What a program prints, in a process of its own that compiles all that it needs."""
     done = subprocess.run(
-        [sys.executable, "-c", LIMITED, str(room), before],
+        [sys.executable, "-c", program, *arguments],
         capture_output=True,
         text=True,
         env=environment() | {"FREEBODY_CACHE": "off"},
@@ -113,7 +118,98 @@ def test_a_kernel_without_memory_is_an_error_and_not_the_end(room: int, before: 
         check=False,
     )
     assert done.returncode == 0, done.stderr[-500:]
-    assert re.match(words, done.stdout)
+    return done.stdout
+
+
+APART = """
+import ctypes
+import numpy as np
+import freebody as fb
+
+PAGE, FREE, TAKEN = 4096, 0x4022, 0x104022  # anywhere, or at an address: private, without memory
+system = ctypes.CDLL(None)
+system.mmap.restype = ctypes.c_void_p
+system.mmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t] + 3 * [ctypes.c_int] + [ctypes.c_long]
+system.munmap.argtypes = [ctypes.c_void_p, ctypes.c_size_t]
+
+def mappings():
+    for line in open("/proc/self/maps"):
+        addresses, rights, *others = line.split()
+        first, end = (int(x, 16) for x in addresses.split("-"))
+        yield first, end, rights, others[-1]
+
+def is_right(robot, quantity):
+    ask = [np.full(robot.nq, 0.5)] * len(fb.kernel(robot, quantity, target="numpy").program.inputs)
+    numpy, cpu = (fb.kernel(robot, quantity, target=target)(*ask) for target in ("numpy", "cpu"))
+    return np.allclose(numpy, cpu)
+
+robot = fb.load("2R")
+is_right(robot, "bias")  # what is imported and taken once
+low = system.mmap(None, 5 << 30, 0, FREE, -1, 0)  # all holes of the addresses above are filled
+above = [mapping for mapping in mappings() if mapping[0] >= low]
+for (_, end, *_), (first, _, _, name) in zip(above, above[1:]):
+    if name[0] != "[" and first > end:
+        system.mmap(end, first - end, 0, TAKEN, -1, 0)
+
+hole = low + (4 << 30)
+def free(pages):
+    global hole
+    system.munmap(hole, pages * PAGE)
+    hole += (pages + 1) * PAGE
+
+free(1)  # for constants, too small for code
+print(is_right(robot, "inverse_dynamics"))
+for pages in (2, 3, 4):  # for the object beside the kernel's
+    free(pages)
+print(is_right(fb.load("ur5e"), "inverse_dynamics"))
+print(any("x" in rights and low + (4 << 30) <= first < hole for first, _, rights, _ in mappings()))
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="asks Linux for addresses")
+def test_code_is_right_where_addresses_are_free_only_far_from_each_other():
+    """As in a long session that has taken and freed large pieces of memory."""
+    assert printed(APART).split() == 3 * ["True"]
+
+
+MOST = Path("/proc/sys/vm/max_map_count")
+
+IN_PIECES = """
+import mmap
+import freebody as fb
+
+model = fb.load("2R")
+fb.kernel(model, "bias")
+pieces = []
+try:
+    while True:
+        pieces.append(mmap.mmap(-1, 1))
+except OSError:
+    pass
+for left in range(100):
+    try:
+        fb.kernel(model, "inverse_dynamics")
+    except fb.OutOfMemoryError as problem:
+        print(problem)
+        pieces.pop().close()
+    else:
+        print("compiled")
+        break
+"""
+
+
+@pytest.mark.skipif(
+    not MOST.exists() or int(MOST.read_text()) > 200_000,
+    reason="needs a system that limits the pieces of a process's memory, to not too many",
+)
+def test_a_kernel_without_pieces_of_memory_is_an_error_and_not_the_end():
+    """Code whose pages do not get their rights ends the process when it is called."""
+    *refused, done = printed(IN_PIECES).splitlines()
+    assert done == "compiled"
+    assert 5 < len(refused) < 50
+    for words in refused:
+        assert re.match(r"LLVM may need \d\d MiB of memory in up to \d+ pieces to compile", words)
+        assert "vm.max_map_count" in words
 
 
 DIES = """

@@ -46,9 +46,10 @@ _numbers = itertools.count()
 def load(
     objects: Sequence[bytes], exports: Sequence[str], imports: Mapping[str, int]
 ) -> tuple[LoadedCode, dict[str, int]]:
-    """Load objects that may refer to each other: what keeps them, and the addresses of the exported
-    functions.
+    """Load objects: what keeps them, and the addresses of the exported functions.
 
+    objects: each calls only functions of those behind it. Of an object that is not there yet, LLVM
+    expects that it may come to lie anywhere, and of one that is there, that it lies within 2 GB.
     imports: addresses of the symbols that it refers to, besides the C functions that every kernel
     may call.
 
@@ -65,7 +66,10 @@ def load(
         # an engine of its own: what several share is not given back until all of them are gone
         module = llvm.parse_assembly("", _context())
         module.triple = host().triple
-        engine = llvm.create_mcjit_compiler(module, code_generator(jit=True))
+        # LLVM's own way of placing code looks for a hole among the process's addresses for each
+        # section; code reaches its constants only within 2 GB, and where no two holes are that
+        # near, LLVM ends the process. llvmlite's way has a single piece for each object.
+        engine = llvm.create_mcjit_compiler(module, code_generator(jit=True), use_lmm=True)
         engine.remove_module(module)  # it would be compiled, although there is nothing in it
         module.close()
         try:

@@ -177,6 +177,10 @@ _COMPILING, _OF_TEXT = 32 * 2**20, 32
 _LOADING, _OF_CODE = 16 * 2**20, 64
 """Bytes that it takes to load machine code, and further ones for each byte of it."""
 
+_PIECES = 16
+"""Pieces of memory with rights of their own that LLVM takes, rather too many; the system gives a
+process only so many."""
+
 
 @cache
 def library() -> Any:
@@ -213,13 +217,18 @@ def _exclusive(room: int, what: str) -> Iterator[None]:
 
 def _require_room(size: int, what: str) -> None:
     """Allocate memory as LLVM will, and give it back untouched."""
+    import mmap  # what has LLVM has it; Python in a browser has neither
+
     try:
         np.empty(size, np.uint8)
-    except MemoryError:
+        with contextlib.ExitStack() as pieces:
+            for _ in range(_PIECES):
+                pieces.enter_context(mmap.mmap(-1, 1))
+    except (MemoryError, OSError):
         raise OutOfMemoryError(
-            f"LLVM may need {size / 2**20:.0f} MiB of memory {what}, which this process does not "
-            f"get. Free some, raise its limit (such as ulimit -v), or set FREEBODY_TARGET=numpy, "
-            f"which compiles nothing."
+            f"LLVM may need {size / 2**20:.0f} MiB of memory in up to {_PIECES} pieces {what}, "
+            f"which this process does not get. Free some, raise its limits (such as ulimit -v and, "
+            f"on Linux, vm.max_map_count), or set FREEBODY_TARGET=numpy, which compiles nothing."
         ) from None
 
 
