@@ -261,6 +261,29 @@ def test_mimics_are_compared_through_zeros_and_directions():
     assert "an offset of 0.1 and 0.2" in str(other.first)
 
 
+def test_struts_are_compared():
+    arm = fb.load("ur5e")
+    gas = {"stiffness": 300.0, "rest": 0.4, "damping": 12.0, "preload": -60.0}
+    ends = ("base", "forearm_link")
+    one = arm.with_strut("gas", ends, **gas)
+    (only,) = fb.same_robot(one, arm).differences
+    assert only.place == ("gas", "") and "no counterpart" in only.text
+    (only,) = fb.same_robot(arm, one).differences
+    assert only.place == ("", "gas")
+    (only,) = fb.same_robot(one, arm.with_strut("gas", ends, **{**gas, "damping": 13})).differences
+    assert only.text == "its damping (N s/m) is 12 and 13"
+    other = fb.same_robot(one, arm.with_strut("gas", ("base", "wrist_1_link"), **gas))
+    assert len(other.differences) == 2
+    # the same force, told from the other end with another rest length
+    again = arm.with_strut("spring", ends[::-1], stiffness=300.0, rest=0.6, damping=12.0)
+    assert fb.same_robot(one, again)
+    # two between the same points, in another order
+    firm = {**gas, "stiffness": 900.0}
+    both = one.with_strut("firm", ends, **firm)
+    swapped = arm.with_strut("firm", ends, **firm).with_strut("gas", ends, **gas)
+    assert fb.same_robot(both, swapped)
+
+
 def test_loops_are_compared():
     model = fb.load("stewart")
     loop = model.loops[0]
