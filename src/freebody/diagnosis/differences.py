@@ -112,7 +112,8 @@ def _ends(
     robot: BodyTree, loop: Loop, bodies: Mapping[int, tuple[int, ArrayPose]]
 ) -> list[_HeldEnd]:
     """Both ends of a loop, in the bodies and poses that stand for its own."""
-    axis = np.array([*loop.axis, 0.0, 0.0, 0.0][:3])
+    in_plane = robot.model.dim == 2 and loop.kind == "revolute"
+    axis = np.array([*((0.0, 0.0, 1.0) if in_plane else loop.axis), 0.0, 0.0, 0.0][:3])
     distance = 0.0 if loop.distance is None else float(VALUES.quantity(loop.distance))
     return [
         _HeldEnd(loop.kind, distance, body, p, R @ axis)
@@ -255,13 +256,14 @@ def _masses_given(robot: BodyTree) -> frozenset[str]:
 
 def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
     share = found.tolerances.share
+    # writers of formats that lack massless bodies make up traces of mass
+    least = share**2 * max(x.model.mass for x in (found.a, found.b))
     for pair in found.pairs if compared else ():
         place = pair.a.body.name, pair.b.body.name
         one, two = pair.a.weight, pair.b.weight
         if one is None or two is None:
-            if one is not two:
-                has = one or two
-                assert has is not None
+            has = one or two
+            if has is not None and has.mass > least:
                 who = (found.a if two is None else found.b).model.name
                 text = f"has a mass in {who!r} alone, {has.mass:.6g} kg"
                 yield RobotDifference("masses", place, text, has.mass)
@@ -270,22 +272,36 @@ def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
             text = f"its mass is {one.mass:.6g} and {two.mass:.6g} kg"
             yield RobotDifference("masses", place, text, abs(one.mass - two.mass))
         R, p = pair.pose
+        normal = _normal(pair)
         centre = R @ two.com + p
-        off = norm(centre - one.com)
+        apart = centre - one.com
+        off = norm(apart if normal is None else apart - normal * (normal @ apart))
         if off > 3.0 * found.tolerances.length and one.mass:
             text = f"its centre of mass is {1e3 * off:.4g} mm away, at {_shown(one.com)} and "
             yield RobotDifference("masses", place, text + f"{_shown(centre)} m", off)
         tensor = R @ two.tensor @ R.T
-        about = pair.a.axis if pair.a.dim == 2 or pair.b.dim == 2 else None
-        own, other = (x if about is None else x[2:, 2:] for x in (one.tensor, tensor))
+        own, other = (
+            x if normal is None else np.array([[normal @ x @ normal]]) for x in (one.tensor, tensor)
+        )
         size = max(norm(own.ravel()), norm(other.ravel()))
         change = norm((own - other).ravel())
-        if change > 10.0 * share * size:
+        # no difference is less than that of a radius of gyration within the tolerance
+        small = max(abs(one.mass), abs(two.mass)) * found.tolerances.length**2
+        if change > 10.0 * share * size and change > small:
             entries = _entries(own, other)
             text = (
                 f"its inertia differs by {change:.3g} kg m² ({change / size:.2g} of it): {entries}"
             )
             yield RobotDifference("masses", place, text, change)
+
+
+def _normal(pair: MatchedJoint) -> np.ndarray | None:
+    """The normal of the plane that either body moves in, in the first's axes; along it nothing is
+    told of the robot in the plane. None where both are in space."""
+    z = np.array([0.0, 0.0, 1.0])
+    if pair.a.dim == 2:
+        return z
+    return pair.pose[0] @ z if pair.b.dim == 2 else None
 
 
 def _shown(vector: np.ndarray) -> str:
