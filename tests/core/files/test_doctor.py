@@ -342,7 +342,11 @@ def test_other_formats_are_looked_at(tmp_path):
 <limit><effort>0</effort></limit></axis></joint></model></sdf>""",
         encoding="utf-8",
     )
-    assert {x.kind for x in fb.doctor(sdf).findings} >= {"impossible inertia", "zero limit"}
+    found = fb.doctor(sdf)
+    assert {x.kind for x in found.findings} >= {"impossible inertia", "zero limit"}
+    (assumed,) = (x for x in found.findings if x.kind == "read otherwise")
+    assert assumed.severity == "warning"
+    assert assumed.reason == "link 'a': no mass or inertia, for which SDF assumes 1 kg and 1 kg m²"
 
 
 def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):

@@ -377,6 +377,10 @@ def test_a_strut_without_length_is_told():
             lambda: fb.inverse_dynamics(model, [0.0], *rest))  # fmt: skip
     refused("forward_dynamics" + told.format(" at sample 1"),
             lambda: fb.forward_dynamics(model, batch, *rest))  # fmt: skip
+    refused("simulate" + told.format(""),
+            lambda: fb.simulate(model, [0.0], [0.0], [0.0, 0.1]))  # fmt: skip
+    refused("payload_map" + told.format(" at sample 1"),
+            lambda: fb.payload_map(model, batch, effort=[9.0]))  # fmt: skip
     assert np.isfinite(fb.inverse_dynamics(model, [0.1], [0.1], [0.0])).all()
 
 
