@@ -28,10 +28,7 @@ def _doubled(facts: RobotFacts) -> Iterator[FoundFault]:
 def _warned(facts: RobotFacts) -> Iterator[FoundFault]:
     for notice in facts.model.notices if facts.model else ():
         if notice.kind in _MADE_UP_OR_LEFT and notice.text.startswith(_WARNING):
-            line = notice.line
-            if line is not None and notice.file is not None:
-                line = IncludedLine(notice.file, int(line))
-            yield FoundFault(notice.text.removeprefix(_WARNING).rstrip("."), line)
+            yield FoundFault(notice.text.removeprefix(_WARNING).rstrip("."), notice.line)
 
 
 _WARNING = "warning: "
