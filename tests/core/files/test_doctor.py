@@ -321,6 +321,8 @@ def test_the_command_tells_mends_and_ends_with_a_status(tmp_path, capsys):
     assert run(["doctor", "--fix", str(path)]) == 0
     assert '<limit> lower="2.0" becomes "-2.1"' in capsys.readouterr().out
     assert mended.read_text(encoding="utf-8") == arm()  # not a byte besides
+    assert run(["doctor", "--fix", "ur5e"]) == 0
+    assert "nothing is changed" in capsys.readouterr().out
     assert run(["doctor", "--json", str(path), "ur5e"]) == 1
     first, second = json.loads(capsys.readouterr().out)
     assert (first["sound"], second["sound"]) == (False, True)

@@ -364,6 +364,30 @@ def test_what_is_refused():
             call(gas, [0.1], [0.2], [0.3]) if call is fb.regressor else call(gas)
 
 
+def test_the_end_of_a_strut_is_no_tip():
+    text = """
+name = "flap"
+[[link]]
+name = "wall"
+[[link]]
+name = "door"
+[[joint]]
+name = "hinge"
+kind = "revolute"
+axis = "y"
+parent = "wall"
+child = "door"
+[[frame]]
+name = "head"
+parent = "door"
+origin = [0.25, 0, 0]
+"""
+    strut = '[[strut]]\nname = "gas"\nframes = ["wall", "head"]\nstiffness = 60\n'
+    handle = '[[frame]]\nname = "handle"\nparent = "head"\n'
+    tips = [fb.load(text=x, format="toml").tip for x in (text, text + strut, text + handle + strut)]
+    assert tips == ["head", "door", "handle"]
+
+
 def test_a_strut_without_length_is_told():
     arm = fb.planar("R", l=[0.5], lc=[0.2], m=[1.0], I=[0.1])
     arm = arm.with_frame("wall", [0.5, 0.0], frame=arm.frame_names[0])
