@@ -11,6 +11,9 @@ from support.helpers import close, numbers, poses
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
 
+TEMPLATES = ("delta", "five_bar", "gantry", "palletiser", "scara", "six_axis")
+
+
 def at(model: fb.Model, frame: str, q) -> np.ndarray:
     return poses(model, np.atleast_2d(q))[frame][0]
 
@@ -35,6 +38,14 @@ def test_numbers_take_the_place_of_formulas():
         assert {x.name for x in model.formulas} == {x.name for x in own.formulas} - set(found)
     halved = fb.template("delta", l1=0.5, I1=0.004)
     assert (halved.parameters["lc1"], halved.parameters["I1"]) == (0.25, 0.004)
+
+
+@pytest.mark.parametrize("name", TEMPLATES)
+def test_each_number_may_be_another(name):
+    own = fb.template(name).parameters
+    for key, value in own.items():
+        if key != "g":
+            assert fb.template(name, **{key: 1.1 * value}).parameters[key] == 1.1 * value, key
 
 
 def test_gantry():
