@@ -5,11 +5,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 import freebody as fb
-from freebody.formats.writing.toml import written as as_toml
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import of_dimension
 
@@ -227,7 +228,10 @@ def toml(bodies: Sequence[Written]) -> str:
     for body in bodies:
         if body.armature:
             model = model.with_drive(body.joint, rotor=body.armature, gear=1.0)
-    return as_toml(model)[0]
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "robot.toml"
+        fb.save(model, file)
+        return file.read_text(encoding="utf-8")
 
 
 FORMATS: dict[str, Callable[[Sequence[Written]], str]] = {

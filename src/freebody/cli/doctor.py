@@ -57,9 +57,16 @@ def doctor(
         told.append(found.data | ({"mended": str(mended)} if mended else {}))
         if not as_json:
             _print(found, left if mended else None)
+            if fix and not mended:
+                terminal.out().print(_UNCHANGED)
     if as_json:
         terminal.out().print(json.dumps(told, indent=2, ensure_ascii=False), soft_wrap=True)
     raise typer.Exit(status)
+
+
+_UNCHANGED = (
+    "nothing is changed: of URDF files what has one sensible remedy is mended, of others nothing"
+)
 
 
 def _mended(found: Diagnosis) -> Path | None:

@@ -115,10 +115,14 @@ class BodyTree:
 
     @cached_property
     def reach(self) -> float:
-        """The sum of the steps along the longest chain (m), at least 1 mm."""
+        """The sum of the steps along the longest chain, up to a centre of mass (m), at least
+        1 mm."""
         far: dict[int, float] = {}
         for k in reversed(self._ordered()):
-            far[k] = max([norm(x.pose[1]) + far[x.index] for x in self.children[k]], default=0.0)
+            own = self.parts[k].weight if k >= 0 else None
+            centre = 0.0 if own is None else norm(own.com)
+            steps = [norm(x.pose[1]) + far[x.index] for x in self.children[k]]
+            far[k] = max(centre, *steps, 0.0)
         return max(far[-1], 1e-3)
 
     def main_chain(self) -> list[SeenAxis]:

@@ -16,6 +16,7 @@ from freebody.errors import listed
 from freebody.model.description import Loop
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
+from freebody.model.struts import Strut
 from freebody.outputs.display import InWords
 
 _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed limit",
@@ -75,16 +76,14 @@ def _structure(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]
             yield _of_joint("joints", pair, f"is passive in {who!r} alone", math.inf)
     yield from _mimics(found)
     yield from _loops(found)
+    yield from _struts(found)
 
 
 def _loops(found: Alignment) -> Iterator[RobotDifference]:
     """Loops that hold no such points of the same bodies in the other robot."""
     own = [(loop, _ends(found.a, loop, {})) for loop in found.a.model.loops]
-    bodies = {pair.b.index: (pair.a.index, pair.pose) for pair in found.pairs}
-    others = [
-        (loop, _ends(found.b, loop, {-1: (-1, found.base), **bodies}))
-        for loop in found.b.model.loops
-    ]
+    bodies = _counterparts(found)
+    others = [(loop, _ends(found.b, loop, bodies)) for loop in found.b.model.loops]
     for loop, ends in own:
         same = [k for k, (_, other) in enumerate(others) if _coincide(ends, other, found)]
         if same:
@@ -111,14 +110,30 @@ def _ends(
     robot: BodyTree, loop: Loop, bodies: Mapping[int, tuple[int, ArrayPose]]
 ) -> list[_HeldEnd]:
     """Both ends of a loop, in the bodies and poses that stand for its own."""
+    in_plane = robot.model.dim == 2 and loop.kind == "revolute"
+    axis = np.array([*((0.0, 0.0, 1.0) if in_plane else loop.axis), 0.0, 0.0, 0.0][:3])
+    distance = 0.0 if loop.distance is None else float(VALUES.quantity(loop.distance))
+    return [
+        _HeldEnd(loop.kind, distance, body, p, R @ axis)
+        for body, (R, p) in _held_frames(robot, loop.frames, bodies)
+    ]
+
+
+def _counterparts(found: Alignment) -> dict[int, tuple[int, ArrayPose]]:
+    """The body of the first robot that each body of the second lies on, and where it lies there."""
+    bodies = {pair.b.index: (pair.a.index, pair.pose) for pair in found.pairs}
+    return {-1: (-1, found.base), **bodies}
+
+
+def _held_frames(
+    robot: BodyTree, names: tuple[str, str], bodies: Mapping[int, tuple[int, ArrayPose]]
+) -> list[tuple[int, ArrayPose]]:
+    """Body and pose of each of these frames, in the bodies and poses that stand for its own."""
     found = []
-    for name in loop.frames:
+    for name in names:
         frame = next(x for x in robot.model.frames if x.name == name)
         body, pose = bodies.get(frame.body, (frame.body, (np.eye(3), np.zeros(3))))
-        R, p = composed(pose, pose_in_space(frame.placement, robot.model.dim))
-        axis = np.array([*loop.axis, 0.0, 0.0, 0.0][:3])
-        distance = 0.0 if loop.distance is None else float(VALUES.quantity(loop.distance))
-        found.append(_HeldEnd(loop.kind, distance, body, p, R @ axis))
+        found.append((body, composed(pose, pose_in_space(frame.placement, robot.model.dim))))
     return found
 
 
@@ -133,6 +148,52 @@ def _coincide(ends: list[_HeldEnd], others: list[_HeldEnd], found: Alignment) ->
             and norm(y.point - x.point - x.axis * (x.axis @ (y.point - x.point)))
             <= 3.0 * found.tolerances.length
             for x, y in zip(ends, way, strict=True)
+        )
+        for way in (others, others[::-1])
+    )
+
+
+def _struts(found: Alignment) -> Iterator[RobotDifference]:
+    """Struts between points that no strut of the other robot joins, and those of other force."""
+    bodies, length = _counterparts(found), found.tolerances.length
+    others = [(x, _held_frames(found.b, x.frames, bodies)) for x in found.b.model.struts]
+    for strut in found.a.model.struts:
+        ends = _held_frames(found.a, strut.frames, {})
+        same = [k for k, (_, other) in enumerate(others) if _same_points(ends, other, length)]
+        if not same:
+            text = f"a strut that {found.b.model.name!r} has no counterpart of"
+            yield RobotDifference("joints", (strut.name, ""), text, math.inf)
+            continue
+        # of several between the same points, the one of the most similar force
+        numbers = _law(strut)
+        off = [sum(abs(np.subtract(numbers, _law(others[k][0])))) for k in same]
+        other, _ = others.pop(same[int(np.argmin(off))])
+        for what, x, y in zip(_OF_STRUTS, numbers, _law(other), strict=True):
+            if abs(x - y) > found.tolerances.share * max(abs(x), abs(y)):
+                text = f"its {what} is {x:.6g} and {y:.6g}"
+                yield RobotDifference("joints", (strut.name, other.name), text, abs(x - y))
+    for strut, _ in others:
+        text = f"a strut that {found.a.model.name!r} has no counterpart of"
+        yield RobotDifference("joints", ("", strut.name), text, math.inf)
+
+
+_OF_STRUTS = ("stiffness (N/m)", "damping (N s/m)", "force at length 0 (N)")
+"""What tells the force of a strut, whichever part of it is called preload."""
+
+
+def _law(strut: Strut) -> tuple[float, float, float]:
+    stiffness, rest, damping, preload = map(float, map(VALUES.quantity, strut.numbers))
+    return stiffness, damping, preload - stiffness * rest
+
+
+def _same_points(
+    ends: list[tuple[int, ArrayPose]], others: list[tuple[int, ArrayPose]], length: float
+) -> bool:
+    """Whether two pairs of frames have their origins at the same places, in either order."""
+    return any(
+        all(
+            body == other and norm(p - place) <= 3.0 * length
+            for (body, (_, p)), (other, (_, place)) in zip(ends, way, strict=True)
         )
         for way in (others, others[::-1])
     )
@@ -193,13 +254,14 @@ def _masses_given(robot: BodyTree) -> frozenset[str]:
 
 def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
     share = found.tolerances.share
+    # writers of formats that lack massless bodies make up traces of mass
+    least = share**2 * max(x.model.mass for x in (found.a, found.b))
     for pair in found.pairs if compared else ():
         place = pair.a.body.name, pair.b.body.name
         one, two = pair.a.weight, pair.b.weight
         if one is None or two is None:
-            if one is not two:
-                has = one or two
-                assert has is not None
+            has = one or two
+            if has is not None and has.mass > least:
                 who = (found.a if two is None else found.b).model.name
                 text = f"has a mass in {who!r} alone, {has.mass:.6g} kg"
                 yield RobotDifference("masses", place, text, has.mass)
@@ -208,22 +270,36 @@ def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
             text = f"its mass is {one.mass:.6g} and {two.mass:.6g} kg"
             yield RobotDifference("masses", place, text, abs(one.mass - two.mass))
         R, p = pair.pose
+        normal = _normal(pair)
         centre = R @ two.com + p
-        off = norm(centre - one.com)
+        apart = centre - one.com
+        off = norm(apart if normal is None else apart - normal * (normal @ apart))
         if off > 3.0 * found.tolerances.length and one.mass:
             text = f"its centre of mass is {1e3 * off:.4g} mm away, at {_shown(one.com)} and "
             yield RobotDifference("masses", place, text + f"{_shown(centre)} m", off)
         tensor = R @ two.tensor @ R.T
-        about = pair.a.axis if pair.a.dim == 2 or pair.b.dim == 2 else None
-        own, other = (x if about is None else x[2:, 2:] for x in (one.tensor, tensor))
+        own, other = (
+            x if normal is None else np.array([[normal @ x @ normal]]) for x in (one.tensor, tensor)
+        )
         size = max(norm(own.ravel()), norm(other.ravel()))
         change = norm((own - other).ravel())
-        if change > 10.0 * share * size:
+        # no difference is less than that of a radius of gyration within the tolerance
+        small = max(abs(one.mass), abs(two.mass)) * found.tolerances.length**2
+        if change > 10.0 * share * size and change > small:
             entries = _entries(own, other)
             text = (
                 f"its inertia differs by {change:.3g} kg m² ({change / size:.2g} of it): {entries}"
             )
             yield RobotDifference("masses", place, text, change)
+
+
+def _normal(pair: MatchedJoint) -> np.ndarray | None:
+    """The normal of the plane that either body moves in, in the first's axes; along it nothing is
+    told of the robot in the plane. None where both are in space."""
+    z = np.array([0.0, 0.0, 1.0])
+    if pair.a.dim == 2:
+        return z
+    return pair.pose[0] @ z if pair.b.dim == 2 else None
 
 
 def _shown(vector: np.ndarray) -> str:

@@ -100,8 +100,9 @@ def same_robot(
     What a description is free to choose does not count, and is told: where the base stands and what
     the tool's frame is, where a joint's zero is and which way it counts, where the frames of links
     are, names, and links that are split into several. Joints of several axes are compared with
-    their frames as they are, and what is fixed to the base only by the joints on it. Limits,
-    friction and masses that one of them does not give at all are told, not compared.
+    their frames as they are, and what is fixed to the base only by the joints on it. A robot in the
+    plane is compared with one in space by what moves it there. Limits, friction and masses that one
+    of them does not give at all are told, not compared.
 
     Parameters
     ----------
@@ -121,14 +122,15 @@ def same_robot(
     FileError
         A file that cannot be read.
     FreebodyError
-        A family, parameters without value, or one robot in the plane and one in space.
+        A family, or parameters without value.
     """
     if isinstance(tolerance, bool) or not 0.0 < tolerance < 1.0:
         raise FreebodyError(f"same_robot: tolerance is {tolerance}, expected one between 0 and 1.")
     one, two = (_model(x) for x in (a, b))
-    if one.dim != two.dim:
-        raise FreebodyError(
-            f"same_robot: one of {one.name!r} and {two.name!r} is in the plane, the other in space."
+    if one.name == two.name:
+        # sentences name the robot that they mean
+        one, two = (
+            x.replace(name=f"{x.name} ({which})") for x, which in ((one, "first"), (two, "second"))
         )
     robots = BodyTree(one), BodyTree(two)
     lengths = tolerance * max(robot.reach for robot in robots)

@@ -44,4 +44,7 @@ def template(name: str, /, **numbers: Any) -> Model:
     if name not in names:
         raise UnknownNameError("template", name, "template", names)
     model = load(f"{TEMPLATE}{name}", physical="ignore")
+    # a number of one's own takes the place of the template's formula for it
+    followed = {formula.name for formula in model.formulas} & numbers.keys()
+    model = model.bind({key: key for key in followed}) if followed else model
     return model.bind(**numbers) if numbers else model

@@ -115,6 +115,8 @@ def strut(table: TomlTable) -> Strut:
 
 
 def _two_frames(table: TomlTable) -> tuple[str, str]:
+    if "frames" not in table:
+        table.refuse('frames is missing; name the two: frames = ["one", "other"].')
     first, second = table.listed(table.get("frames", None), "frames", 2)
     if not isinstance(first, str) or not isinstance(second, str):
         table.refuse("frames must be the names of two frames.", "frames")

@@ -21,7 +21,7 @@ def fixed_frame(model: Model, joint: str, function: str) -> Frame:
     another; refuses other names."""
     found = {frame.name: frame for frame in model.frames if frame.parent}
     found |= {frame.joint: frame for frame in model.frames if frame.joint}
-    if joint not in found:
+    if not isinstance(joint, str) or joint not in found:
         raise UnknownNameError("joint", joint, function, (*model.reaction_names, *found))
     return found[joint]
 

@@ -139,7 +139,7 @@ class Drive(_LawNumbers, Keeps):
         """
         for strength, name in _TOGETHER:
             if _is_given(getattr(self, name)) and not _is_given(getattr(self, strength)):
-                return f"{name} is given without {strength}; give both"
+                return f"{name} is given without {strength} above 0; give both"
         for number in self.listed:
             if number.refused is not None and (not bounded or number.below < math.inf):
                 for x in _values(getattr(self, number.name)):

@@ -187,10 +187,13 @@ def _close(a: Quantity, b: Quantity) -> bool:
 
 def _end(parts: NamedParts, at: int, fingers: set[int]) -> str:
     """The frame at the end of a body: outward from the link that carries its gripper, else from its
-    own frame, as far as what is fixed there does not fork."""
+    own frame, as far as what is fixed there does not fork. A frame that is there for a strut alone
+    is no end."""
+    pulled = {name for strut in parts.struts for name in strut.frames}
+    pulled -= {frame.parent for frame in parts.frames}
     fixed: dict[str, list[Frame]] = {}
     for frame in parts.frames:
-        if frame.body == at:
+        if frame.body == at and not (frame.mounted and frame.name in pulled):
             fixed.setdefault(frame.parent, []).append(frame)
     palms = {parts.bodies[k].joint.parent for k in fingers if parts.bodies[k].parent == at}
     name = palms.pop() if len(palms) == 1 else fixed[""][0].name

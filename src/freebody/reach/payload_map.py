@@ -30,7 +30,7 @@ from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.public_calls import JointVector, finite_vector
+from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length
 from freebody.values import ByValue
 from freebody.ways_out.kernel import formula
 
@@ -140,6 +140,7 @@ def payload_map(
         )
     name = model.frame(frame).name
     centre = np.zeros(model.dim) if point is None else _point(model, point)
+    refuse_without_length(function, model, at)
     found = _by_torques if model.loops or model.family else _at_once
     mass, joint, over = found(model, at, name, np.minimum(given, _UNLIMITED), centre)
     free = mass >= _UNLIMITED * 1e-6

@@ -321,6 +321,8 @@ def test_the_command_tells_mends_and_ends_with_a_status(tmp_path, capsys):
     assert run(["doctor", "--fix", str(path)]) == 0
     assert '<limit> lower="2.0" becomes "-2.1"' in capsys.readouterr().out
     assert mended.read_text(encoding="utf-8") == arm()  # not a byte besides
+    assert run(["doctor", "--fix", "ur5e"]) == 0
+    assert "nothing is changed" in capsys.readouterr().out
     assert run(["doctor", "--json", str(path), "ur5e"]) == 1
     first, second = json.loads(capsys.readouterr().out)
     assert (first["sound"], second["sound"]) == (False, True)
@@ -342,7 +344,11 @@ def test_other_formats_are_looked_at(tmp_path):
 <limit><effort>0</effort></limit></axis></joint></model></sdf>""",
         encoding="utf-8",
     )
-    assert {x.kind for x in fb.doctor(sdf).findings} >= {"impossible inertia", "zero limit"}
+    found = fb.doctor(sdf)
+    assert {x.kind for x in found.findings} >= {"impossible inertia", "zero limit"}
+    (assumed,) = (x for x in found.findings if x.kind == "read otherwise")
+    assert assumed.severity == "warning"
+    assert assumed.reason == "link 'a': no mass or inertia, for which SDF assumes 1 kg and 1 kg m²"
 
 
 def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):

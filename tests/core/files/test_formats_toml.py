@@ -231,6 +231,9 @@ def test_loops():
         message(text % "distance")
         == "arm.toml:12: loop 'bar': give the distance (m) between its frames."
     )
+    assert message((text % "fixed").replace('frames = ["base", "arm"]', "")) == (
+        'arm.toml:12: loop \'bar\': frames is missing; name the two: frames = ["one", "other"].'
+    )
     assert message(text % "belt").startswith(
         "arm.toml:14: no kind 'belt' in loop 'bar'. Kinds: revolute,"
     )

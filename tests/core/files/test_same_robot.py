@@ -299,6 +299,63 @@ def test_mimics_are_compared_through_zeros_and_directions():
     assert "an offset of 0.1 and 0.2" in str(other.first)
 
 
+@pytest.mark.parametrize("name", ["cart_pole", "five_bar", "acrobot"])
+def test_a_robot_in_the_plane_is_the_same_as_its_twin_in_space(name, tmp_path):
+    flat = fb.load(name)
+    flat = flat.bind(**{key: 0.7 for key, value in flat.parameters.items() if value is None})
+    twin = flat.to_space()
+    assert fb.same_robot(flat, twin)
+    assert fb.same_robot(twin, flat)
+    # MuJoCo has moments of inertia about all axes, and traces where there are none
+    fb.save(flat, tmp_path / "robot.xml", lossy=True)
+    found = fb.same_robot(tmp_path / "robot.xml", flat)
+    assert {x.aspect for x in found.differences} <= {"joints"}
+    # within the plane all counts
+    heavier = flat.with_inertial_parameters(
+        {key: 1.01 * value for key, value in fb.inertial_parameters(flat).items()}
+    )
+    assert {x.aspect for x in fb.same_robot(heavier, twin).differences} >= {"masses"}
+
+
+def test_a_loop_in_the_plane_turns_about_its_normal():
+    flat = fb.load("five_bar")
+    twin = flat.to_space()
+    tilted = replace(twin, loops=tuple(replace(x, axis=(1.0, 0.0, 0.0)) for x in twin.loops))
+    for pair in ((flat, tilted), (tilted, flat)):
+        assert {x.aspect for x in fb.same_robot(*pair).differences} == {"joints"}
+
+
+def test_sentences_tell_robots_of_one_name_apart():
+    arm = fb.load("cart_pole")
+    arm = arm.bind(**{key: 0.7 for key, value in arm.parameters.items() if value is None})
+    (only,) = fb.same_robot(arm, arm.replace(actuated=arm.joint_names)).differences
+    assert only.text == "is passive in 'cart_pole (first)' alone"
+
+
+def test_struts_are_compared():
+    arm = fb.load("ur5e")
+    gas = {"stiffness": 300.0, "rest": 0.4, "damping": 12.0, "preload": -60.0}
+    ends = ("base", "forearm_link")
+    one = arm.with_strut("gas", ends, **gas)
+    (only,) = fb.same_robot(one, arm).differences
+    assert only.place == ("gas", "")
+    assert "no counterpart" in only.text
+    (only,) = fb.same_robot(arm, one).differences
+    assert only.place == ("", "gas")
+    (only,) = fb.same_robot(one, arm.with_strut("gas", ends, **{**gas, "damping": 13})).differences
+    assert only.text == "its damping (N s/m) is 12 and 13"
+    other = fb.same_robot(one, arm.with_strut("gas", ("base", "wrist_1_link"), **gas))
+    assert len(other.differences) == 2
+    # the same force, told from the other end with another rest length
+    again = arm.with_strut("spring", ends[::-1], stiffness=300.0, rest=0.6, damping=12.0)
+    assert fb.same_robot(one, again)
+    # two between the same points, in another order
+    firm = {**gas, "stiffness": 900.0}
+    both = one.with_strut("firm", ends, **firm)
+    swapped = arm.with_strut("firm", ends, **firm).with_strut("gas", ends, **gas)
+    assert fb.same_robot(both, swapped)
+
+
 def test_loops_are_compared():
     model = fb.load("stewart")
     loop = model.loops[0]
@@ -348,16 +405,16 @@ def test_the_command_and_what_is_refused(tmp_path, capsys):
     path = tmp_path / "arm.toml"
     fb.save(fb.load("ur5e").with_payload(1.0), path)
     assert run(["diff", "ur5e", "ur5e"]) == 0
-    assert capsys.readouterr().out == "ur5e and ur5e are the same robot.\n"
+    assert capsys.readouterr().out == "ur5e (first) and ur5e (second) are the same robot.\n"
     assert run(["diff", "ur5e", str(path)]) == 1
     out = capsys.readouterr().out
-    assert "ur5e and ur5e differ in " in out
+    assert "ur5e (first) and ur5e (second) differ in " in out
     assert "masses: 'wrist_3_link': its mass is 0.365 and 1.365 kg" in out
     assert run(["diff", "ur5e", str(path), "--json"]) == 1
     data = json.loads(capsys.readouterr().out)
     assert data["differences"][0]["place"] == ["wrist_3_link", "wrist_3_link"]
-    assert run(["diff", "ur5e", "2R"]) == 2
-    assert "is in the plane, the other in space" in capsys.readouterr().err
+    assert run(["diff", "ur5e", "nowhere"]) == 2
+    capsys.readouterr()
     with pytest.raises(fb.FreebodyError, match="tolerance is 2"):
         fb.same_robot("ur5e", "ur5e", tolerance=2)
     with pytest.raises(fb.KindError):

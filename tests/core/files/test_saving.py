@@ -67,6 +67,8 @@ def left(model: fb.Model, lost: list[str]) -> fb.Model:
         model = model.replace(gravity=[0.0, 0.0, -size])
     if said(lost, "the stiffness of the spring"):
         model = model.without("springs")
+    if said(lost, "and its force"):
+        model = model.without("struts")
     return model
 
 
@@ -192,6 +194,32 @@ def test_loops_hold_the_same_motions(name, kind, tmp_path):
     rest = np.zeros(model.nv)
     found = fb.forward_dynamics(read, there, rest, force)[at]
     close(found, fb.forward_dynamics(model, q, rest, tau), 1e-12)
+
+
+def test_a_strut_is_a_tendon_of_mjcf_and_a_loss_elsewhere(tmp_path):
+    gas = {"stiffness": 300.0, "rest": 0.4, "damping": 12.0, "preload": -60.0}
+    arm = valued("ur5e").with_strut("gas", ("base", "forearm_link"), **gas)
+    for kind in ("urdf", "sdf", "csv"):
+        assert said(fb.losses(arm, kind), "the strut 'gas' and its force"), kind
+    read, lost = after(arm, "mjcf", tmp_path)
+    same_motion(arm, read, lost)
+    assert said(lost, "its force is written as that of a spring with the rest length 0.6 m")
+    q, qd, qdd = fb.random_state(arm, 5, 2)
+    for found, own in zip(fb.strut_states(read, q, qd), fb.strut_states(arm, q, qd), strict=True):
+        close(found, own, 1e-12, 1.0, what="strut")
+    close(
+        numbers(read, "inverse_dynamics", q, qd, qdd),
+        numbers(arm, "inverse_dynamics", q, qd, qdd),
+        1e-12,
+        1.0,
+        what="torques",
+    )
+
+
+@pytest.mark.parametrize("spring", [{}, {"stiffness": 300.0, "rest": 0.1}])
+def test_a_preload_that_no_rest_length_makes_is_lost_in_mjcf(spring):
+    arm = valued("ur5e").with_strut("gas", ("base", "forearm_link"), **spring, preload=60.0)
+    assert "the preload of the strut 'gas'" in fb.losses(arm, "mjcf")
 
 
 def test_a_loop_that_is_open_where_sdf_draws_it_is_lost():

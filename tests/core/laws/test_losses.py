@@ -372,7 +372,7 @@ def test_what_locks_itself_is_refused():
         ({"efficiency": 0.5, "back_efficiency": -0.2}, r"locks itself"),
         ({"efficiency": 1.5, "back_efficiency": 0.5}, r"efficiency of the gear is 1\.5; give a n"),
         ({"efficiency": 0.5}, r"back_efficiency of the gear is 0"),
-        ({"back_efficiency": 0.5}, r"back_efficiency is given without efficiency; give both"),
+        ({"back_efficiency": 0.5}, r"back_efficiency is given without efficiency above 0; give b"),
     ):
         with pytest.raises(ModelError, match=words):
             model.with_drive("joint1", **given)

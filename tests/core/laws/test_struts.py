@@ -364,6 +364,30 @@ def test_what_is_refused():
             call(gas, [0.1], [0.2], [0.3]) if call is fb.regressor else call(gas)
 
 
+def test_the_end_of_a_strut_is_no_tip():
+    text = """
+name = "flap"
+[[link]]
+name = "wall"
+[[link]]
+name = "door"
+[[joint]]
+name = "hinge"
+kind = "revolute"
+axis = "y"
+parent = "wall"
+child = "door"
+[[frame]]
+name = "head"
+parent = "door"
+origin = [0.25, 0, 0]
+"""
+    strut = '[[strut]]\nname = "gas"\nframes = ["wall", "head"]\nstiffness = 60\n'
+    handle = '[[frame]]\nname = "handle"\nparent = "head"\n'
+    tips = [fb.load(text=x, format="toml").tip for x in (text, text + strut, text + handle + strut)]
+    assert tips == ["head", "door", "handle"]
+
+
 def test_a_strut_without_length_is_told():
     arm = fb.planar("R", l=[0.5], lc=[0.2], m=[1.0], I=[0.1])
     arm = arm.with_frame("wall", [0.5, 0.0], frame=arm.frame_names[0])
@@ -377,6 +401,10 @@ def test_a_strut_without_length_is_told():
             lambda: fb.inverse_dynamics(model, [0.0], *rest))  # fmt: skip
     refused("forward_dynamics" + told.format(" at sample 1"),
             lambda: fb.forward_dynamics(model, batch, *rest))  # fmt: skip
+    refused("simulate" + told.format(""),
+            lambda: fb.simulate(model, [0.0], [0.0], [0.0, 0.1]))  # fmt: skip
+    refused("payload_map" + told.format(" at sample 1"),
+            lambda: fb.payload_map(model, batch, effort=[9.0]))  # fmt: skip
     assert np.isfinite(fb.inverse_dynamics(model, [0.1], [0.1], [0.0])).all()
 
 

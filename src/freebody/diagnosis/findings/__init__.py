@@ -61,6 +61,7 @@ FINDINGS: tuple[FindingKind, ...] = (
     axes.DEGREES,
     names.NO_TIP,
     refused.DOUBLED,
+    refused.WARNED,
     refused.REFUSED,
 )
 """The table: a new finding is a record in a file of this folder, and a line here."""

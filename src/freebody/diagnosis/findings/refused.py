@@ -1,4 +1,5 @@
-"""Findings that the readers themselves tell: a file that they refuse, and equal elements twice."""
+"""Findings that the readers themselves tell: a file that they refuse, equal elements twice, and
+what they make up or leave out that moves bodies."""
 
 from __future__ import annotations
 
@@ -24,5 +25,16 @@ def _doubled(facts: RobotFacts) -> Iterator[FoundFault]:
             yield FoundFault(notice.text.rstrip("."), notice.line)
 
 
+def _warned(facts: RobotFacts) -> Iterator[FoundFault]:
+    for notice in facts.model.notices if facts.model else ():
+        if notice.kind in _MADE_UP_OR_LEFT and notice.text.startswith(_WARNING):
+            yield FoundFault(notice.text.removeprefix(_WARNING).rstrip("."), notice.line)
+
+
+_WARNING = "warning: "
+_MADE_UP_OR_LEFT = ("inertia", "ignored")
+"""Kinds of notices on what a model has otherwise than its file."""
+
 REFUSED = FindingKind("refused", "error", "until then no model is made of the file", _refused)
 DOUBLED = FindingKind("given twice", "warning", "leave one", _doubled)
+WARNED = FindingKind("read otherwise", "warning", "write what is meant, or load it so", _warned)

@@ -23,6 +23,7 @@ from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.single_joints import is_taken_apart, with_single_joints
+from freebody.model.struts import NUMBERS
 from freebody.model.tip import chosen
 from freebody.model.tree import Attached, Pose
 from freebody.spatial import space
@@ -41,7 +42,8 @@ class Holds:
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
     gravity, velocity (its limits): whether there is a place for it. base: how a floating base is
     told, where it is not written. passive: whether joints without motor are told, of closed
-    chains. keeps_tip: whether the tip is written; else readers choose it.
+    chains. keeps_tip: whether the tip is written; else readers choose it. struts: whether springs
+    and dampers between two points are.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Holds:
     base: str = ""
     passive: bool = False
     keeps_tip: bool = False
+    struts: bool = False
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,15 @@ class WrittenLoop:
 
 
 @dataclass(frozen=True)
+class WrittenStrut:
+    """A strut between two links or mounted frames, with its numbers by name."""
+
+    name: str
+    frames: tuple[str, str]
+    numbers: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class Contents:
     """A model in plain numbers, links in an order where parents come first, and its losses."""
 
@@ -104,6 +116,7 @@ class Contents:
     """Names of the joints that move, in the order of the coordinates."""
     free: WrittenJoint | None = None
     """The joint that carries the root of a robot whose base floats."""
+    struts: tuple[WrittenStrut, ...] = ()
 
     def with_losses(self, more: Iterable[str]) -> Contents:
         """Contents like these that lose more."""
@@ -150,12 +163,19 @@ class _Collection:
         free = next((self.joint(body) for body in self.model.bodies if not body.joint.parent), None)
         if free is not None and self.holds.base:
             self.losses.append(f"the floating base: {self.holds.base}")
-        loops = tuple(self.loops())
+        loops, struts = tuple(self.loops()), tuple(self.struts())
         self.losses += [
             f"the {what} of {listed(names, _SHOWN)}" for what, names in self.of_joints.items()
         ]
         return Contents(
-            self.model.name, links, loops, gravity, tuple(self.losses), self.model.joint_names, free
+            self.model.name,
+            links,
+            loops,
+            gravity,
+            tuple(self.losses),
+            self.model.joint_names,
+            free,
+            struts,
         )
 
     # ------------------------------------------------------------ what becomes another
@@ -277,6 +297,14 @@ class _Collection:
                 yield WrittenLoop(loop.name, loop.kind, loop.frames, tuple(map(float, loop.axis)))
             else:
                 self.losses.append(f"the {loop.kind} loop {loop.name!r}, which is left open")
+
+    def struts(self) -> Iterable[WrittenStrut]:
+        for strut in self.model.struts:
+            if self.holds.struts:
+                values = {n.name: float(VALUES.quantity(getattr(strut, n.name))) for n in NUMBERS}
+                yield WrittenStrut(strut.name, strut.frames, values)
+            else:
+                self.losses.append(f"the strut {strut.name!r} and its force")
 
     # ------------------------------------------------------------ what is lost
     def gravity(self) -> tuple[float, float, float]:

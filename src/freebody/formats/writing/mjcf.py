@@ -1,5 +1,5 @@
 """MJCF of a model: bodies one in another, their joints in them, frames as sites, loops and mimics
-as equalities between sites and joints."""
+as equalities between sites and joints, struts as tendons."""
 
 from __future__ import annotations
 
@@ -40,6 +40,7 @@ HOLDS = Holds(
     gravity=True,
     velocity=False,
     passive=True,
+    struts=True,
 )
 _WORLD = "world"
 _LEAST = 2e-15
@@ -53,7 +54,7 @@ _ROUNDED = 1e-12
 def written(model: Model) -> tuple[str, list[str]]:
     """The text, and in words what of the model is not in it."""
     contents = contents_of(model, HOLDS)
-    checked_names(contents, "MJCF")
+    checked_names(contents, "MJCF", [strut.name for strut in contents.struts])
     return _Writer(contents, flat=model.dim == 2).written()
 
 
@@ -70,6 +71,8 @@ class _Writer:
         SubElement(self.root, "option", {"gravity": numbers(contents.gravity)})
         self.world = SubElement(self.root, "worldbody")
         self.bodies: dict[str, Element] = {}
+        self.sites: set[str] = set()
+        """Names of sites besides those of frames."""
 
     def written(self) -> tuple[str, list[str]]:
         contents = self.contents
@@ -84,6 +87,7 @@ class _Writer:
                 f"{', '.join(map(str, found))}"
             )
         self.equalities()
+        self.tendons()
         driven = [
             link.joint.name
             for link in contents.links
@@ -275,14 +279,50 @@ class _Writer:
         by: np.ndarray,
     ) -> None:
         """Two sites that are held together, `by` off the frames of a loop."""
-        sites = []
-        for side, (body, R, p) in zip("ab", ends, strict=True):
-            # readers call the ends so
-            sites.append(f"{name}_{side}")
-            while sites[-1] in self.contents.parts:
-                sites[-1] += "_"
-            SubElement(body, "site", {"name": sites[-1], **_place((R, p + R @ by))})
+        sites = [
+            self.site(f"{name}_{side}", body, (R, p + R @ by))  # readers call the ends so
+            for side, (body, R, p) in zip("ab", ends, strict=True)
+        ]
         SubElement(equality, tag, {"name": name, "site1": sites[0], "site2": sites[1]})
+
+    def site(self, name: str, body: Element, pose: tuple[np.ndarray, np.ndarray]) -> str:
+        """The name of a site that is added to a body, like `name` where that is free."""
+        while name in self.contents.parts or name in self.sites:
+            name += "_"
+        self.sites.add(name)
+        SubElement(body, "site", {"name": name, **_place(pose)})
+        return name
+
+    def tendons(self) -> None:
+        """Struts. MuJoCo has no preload; with a spring, it is a rest length that is another."""
+        if not self.contents.struts:
+            return
+        tendon = SubElement(self.root, "tendon")
+        for strut in self.contents.struts:
+            stiffness, rest = strut.numbers["stiffness"], strut.numbers["rest"]
+            preload = strut.numbers["preload"]
+            relaxed = rest - preload / stiffness if stiffness else rest
+            if preload and (not stiffness or relaxed < 0.0):
+                self.losses.append(f"the preload of the strut {strut.name!r}")
+            elif preload:
+                self.losses.append(
+                    f"the preload of the strut {strut.name!r} as a number: its force is written as "
+                    f"that of a spring with the rest length {relaxed:g} m"
+                )
+                rest = relaxed
+            given = {
+                "name": strut.name,
+                "stiffness": repr(stiffness),
+                "damping": repr(strut.numbers["damping"]),
+                "springlength": repr(rest),
+            }
+            spatial = SubElement(tendon, "spatial", given)
+            for frame, side in zip(strut.frames, "ab", strict=True):
+                site = frame
+                if not self.contents.parts[frame].mounted:
+                    body, R, p = self.end(frame)
+                    site = self.site(f"{strut.name}_{side}", body, (R, p))
+                SubElement(spatial, "site", {"site": site})
 
 
 def _place(pose: Pose | tuple[np.ndarray, np.ndarray]) -> dict[str, str]:

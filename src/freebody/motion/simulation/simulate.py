@@ -46,7 +46,7 @@ from freebody.motion.simulation.side_by_side import side_by_side
 from freebody.motion.simulation.step_kernels import STEP_METHODS
 from freebody.motion.simulation.unending import MOST
 from freebody.targets import result_memory
-from freebody.trees.public_calls import FrameWrenchTable, JointVector
+from freebody.trees.public_calls import FrameWrenchTable, JointVector, refuse_without_length
 from freebody.trees.special_joints import refuse_massless
 
 if TYPE_CHECKING:
@@ -210,6 +210,7 @@ def simulate(
     _refuse_endless(run, chosen)
     if not model.loops:
         refuse_massless(model, "simulate")
+    refuse_without_length("simulate", model, run.q)
     if contacts is not None:
         refuse_beyond(model, contacts, run.q)
     result = _empty_result(run, _used(model, run, chosen, friction))
