@@ -147,7 +147,7 @@ def object_code(text: str, opt: int | None = None, here: Host | None = None) -> 
     ):
         # a context keeps all constants that were ever read in it: one for each text
         try:
-            module = llvm.parse_assembly(text, context)
+            module = llvm.parse_assembly(text + _room_for_addresses(text), context)
         except RuntimeError as problem:
             raise CompileError(
                 f"LLVM {here.llvm} refused the text of a kernel: {problem}"
@@ -155,6 +155,16 @@ def object_code(text: str, opt: int | None = None, here: Host | None = None) -> 
         with module:
             module.triple, module.data_layout = here.triple, str(machine.target_data)
             return machine.emit_object(module)
+
+
+def _room_for_addresses(text: str) -> str:
+    """A piece of an object that can be written to, as long as a table of what the object calls.
+
+    LLVM fills such a table when it loads an object, but llvmlite's memory manager is not asked for
+    it on x86; without another such piece it has no memory for it, and ends the process.
+    """
+    most = 32 + text.count("declare ")  # and what LLVM calls of its own accord
+    return f"\n@freebody.room = internal global [{most} x i64] zeroinitializer\n"
 
 
 def code_generator(opt: int = 2, jit: bool = False, here: Host | None = None) -> Any:
