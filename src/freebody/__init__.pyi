@@ -6,6 +6,8 @@ from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
 from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
+from freebody.diagnosis.doctor import doctor as doctor
+from freebody.diagnosis.same_robot import same_robot as same_robot
 from freebody.errors import FileError as FileError
 from freebody.errors import FreebodyError as FreebodyError
 from freebody.errors import FreebodyWarning as FreebodyWarning
@@ -30,7 +32,9 @@ from freebody.figures.kinematic import kinematic_diagram as kinematic_diagram
 from freebody.figures.loci import singularity_diagram as singularity_diagram
 from freebody.figures.map_diagram import map_diagram as map_diagram
 from freebody.formats.loading import load as load
+from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
+from freebody.formats.templates import template as template
 from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
 from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
 from freebody.inverse.rates import inverse_velocity as inverse_velocity
@@ -87,6 +91,7 @@ from freebody.trees.controllers import momentum_observer as momentum_observer
 from freebody.trees.controllers import operational_space_control as operational_space_control
 from freebody.trees.controllers import pd_gravity as pd_gravity
 from freebody.trees.dynamics import bias as bias
+from freebody.trees.dynamics import centroidal_momentum_matrix as centroidal_momentum_matrix
 from freebody.trees.dynamics import coriolis_matrix as coriolis_matrix
 from freebody.trees.dynamics import forward_dynamics_derivatives as forward_dynamics_derivatives
 from freebody.trees.dynamics import gravity_torque as gravity_torque
@@ -96,8 +101,10 @@ from freebody.trees.dynamics import (
 )
 from freebody.trees.dynamics import kinetic_energy as kinetic_energy
 from freebody.trees.dynamics import mass_matrix as mass_matrix
+from freebody.trees.dynamics import mass_matrix_inverse as mass_matrix_inverse
 from freebody.trees.dynamics import momentum as momentum
 from freebody.trees.dynamics import potential_energy as potential_energy
+from freebody.trees.dynamics import strut_states as strut_states
 from freebody.trees.dynamics import tip_wrench as tip_wrench
 from freebody.trees.kinematics import acceleration as acceleration
 from freebody.trees.kinematics import center_of_mass as center_of_mass
@@ -108,18 +115,14 @@ from freebody.trees.kinematics import jacobian_dot as jacobian_dot
 from freebody.trees.kinematics import velocity as velocity
 from freebody.trees.linearization import discrete_lqr as discrete_lqr
 from freebody.trees.linearization import linearize as linearize
-from freebody.trees.operational_space import (
-    centroidal_momentum_matrix as centroidal_momentum_matrix,
-)
-from freebody.trees.operational_space import energy_regressor as energy_regressor
-from freebody.trees.operational_space import (
-    forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
-)
-from freebody.trees.operational_space import inertial_parameters as inertial_parameters
-from freebody.trees.operational_space import mass_matrix_inverse as mass_matrix_inverse
 from freebody.trees.operational_space import operational_space_bias as operational_space_bias
 from freebody.trees.operational_space import operational_space_inertia as operational_space_inertia
-from freebody.trees.operational_space import regressor as regressor
+from freebody.trees.regressors import energy_regressor as energy_regressor
+from freebody.trees.regressors import (
+    forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
+)
+from freebody.trees.regressors import inertial_parameters as inertial_parameters
+from freebody.trees.regressors import regressor as regressor
 from freebody.trees.states import difference as difference
 from freebody.trees.states import integrate as integrate
 from freebody.trees.states import neutral as neutral
@@ -128,6 +131,7 @@ from freebody.trees.states import random_state as random_state
 from freebody.trees.states import rotation as rotation
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
+from freebody.ways_out.fmus import export_fmu as export_fmu
 from freebody.ways_out.in_jax import to_jax as to_jax
 from freebody.ways_out.in_torch import to_torch as to_torch
 from freebody.ways_out.kernel import formula as formula
