@@ -60,7 +60,7 @@ class _Gear:
         return not (isinstance(self.inertia, float) and self.inertia == 0.0)
 
     def sent(self, qdd: Vector, part: Scalar) -> Scalar:
-        """What is transmitted at these accelerations, where this part of it is lost."""
+        """The torque that is transmitted at these accelerations, where this part of it is lost."""
         return (self.given - self._rotor(qdd)) / (1.0 + part)
 
     def settled(self, qd: Vector, qdd: Vector, part: Scalar, sent: Scalar) -> Scalar:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def lossy_joints(bodies: Sequence[Body]) -> dict[str, DriveLaw]:
-    """By the name of each joint that loses a part of what it transmits the first law of that."""
+    """The first law of losses of each joint that loses a part of what it transmits, by its name."""
     found: dict[str, DriveLaw] = {}
     for body in bodies:
         for law in body.joint.drive.listed_laws:

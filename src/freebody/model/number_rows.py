@@ -82,7 +82,7 @@ class NumberRows:
         """Functions that pick mass and tensor of the inertias to which a number belongs, by its
         slot."""
         self.below: dict[int, float] = {}
-        """By slot the bound such that numbers not above 0, or not below it, have to be looked at
+        """The bound by slot such that numbers not above 0, or not below it, have to be looked at
         closely."""
         self.positions: list[ShiftSum] = []
         self.places: list[Vector] = []

@@ -134,8 +134,8 @@ def without_friction(model: Model) -> Model:
 
 
 def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:
-    """What drives give (..., nv) besides what their joints transmit (..., nv) at the rates qd
-    (..., nv), of which a part is lost."""
+    """The torque that drives give (..., nv) besides what their joints transmit (..., nv) at the
+    rates qd (..., nv), of which a part is lost."""
     found = np.zeros(qd.shape)
     for body in model.tree.bodies:
         if body.drive is not None and body.drive.lossy:

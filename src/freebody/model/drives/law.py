@@ -106,7 +106,7 @@ NO_PARAMETERS = LinearForm(
     energies=lambda p, position: (),
     numbers=lambda entries, now, owner: {},
 )
-"""Of a law that is linear in nothing: its numbers are no parameters."""
+"""The form of a law that is linear in nothing: its numbers are no parameters."""
 
 
 @dataclass(frozen=True)
