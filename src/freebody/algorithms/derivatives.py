@@ -52,8 +52,8 @@ class Derivatives:
     by_qd: Matrix
     by_last: Matrix
     factors: dict[int, Scalar] = field(default_factory=dict)
-    """The tau for each unit transmitted, by coordinate, where a joint loses a part of the torque that
-    it transmits; by q̈ it is then no longer M, nor symmetric."""
+    """The tau for each unit transmitted, by coordinate, where a joint loses a part of the torque
+    that it transmits; by q̈ it is then no longer M, nor symmetric."""
 
 
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
