@@ -178,7 +178,7 @@ def _struts(found: Alignment) -> Iterator[RobotDifference]:
 
 
 _OF_STRUTS = ("stiffness (N/m)", "damping (N s/m)", "force at length 0 (N)")
-"""What tells the force of a strut, whichever part of it is called preload."""
+"""The numbers that tell the force of a strut, whichever part of it is called preload."""
 
 
 def _law(strut: Strut) -> tuple[float, float, float]:
