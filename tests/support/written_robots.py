@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import freebody as fb
-from freebody.formats.saving import as_toml
+from freebody.formats.writing.toml import written
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import of_dimension
 
@@ -227,7 +227,7 @@ def toml(bodies: Sequence[Written]) -> str:
     for body in bodies:
         if body.armature:
             model = model.with_drive(body.joint, rotor=body.armature, gear=1.0)
-    return as_toml(model)
+    return written(model)[0]
 
 
 FORMATS: dict[str, Callable[[Sequence[Written]], str]] = {

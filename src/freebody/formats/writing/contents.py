@@ -23,6 +23,8 @@ from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.single_joints import is_taken_apart, with_single_joints
+from freebody.model.struts import NUMBERS as STRUT_NUMBERS
+from freebody.model.struts import Strut
 from freebody.model.tip import chosen
 from freebody.model.tree import Attached, Pose
 from freebody.spatial import space
@@ -39,8 +41,8 @@ class Holds:
     """A format's place for what a model can have besides links, joints and masses.
 
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
-    gravity, velocity (its limits): whether there is a place for it. base: how a floating base is
-    told, where it is not written. passive: whether joints without motor are told, of closed
+    struts, gravity, velocity (its limits): whether there is a place for it. base: how a floating
+    base is told, where it is not written. passive: whether joints without motor are told, of closed
     chains. keeps_tip: whether the tip is written; else readers choose it.
     """
 
@@ -48,6 +50,7 @@ class Holds:
     kinds: Mapping[str, str]
     drive: frozenset[str]
     loops: frozenset[str] = frozenset()
+    struts: bool = False
     gravity: bool = False
     velocity: bool = True
     base: str = ""
@@ -58,7 +61,8 @@ class Holds:
 @dataclass(frozen=True)
 class WrittenLink:
     """A link, or a frame that is mounted on one, where it is in its parent link; without a joint it
-    is fixed there. The root has no parent. Its inertia is in its own frame."""
+    is fixed there, by a fixed joint whose name is known or empty. The root has no parent. Its
+    inertia is in its own frame."""
 
     name: str
     parent: str
@@ -66,6 +70,7 @@ class WrittenLink:
     inertia: Inertia | None = None
     joint: WrittenJoint | None = None
     mounted: bool = False
+    fixed: str = ""
 
 
 @dataclass(frozen=True)
@@ -98,6 +103,7 @@ class Contents:
     name: str
     links: tuple[WrittenLink, ...]
     loops: tuple[WrittenLoop, ...]
+    struts: tuple[Strut, ...]
     gravity: tuple[float, float, float]
     losses: tuple[str, ...]
     joint_names: tuple[str, ...]
@@ -117,6 +123,12 @@ class Contents:
         last = len(place)
         held = (link for link in self.links if link.parent)
         return sorted(held, key=lambda link: place[link.joint.name] if link.joint else last)
+
+    @property
+    def taken(self) -> set[str]:
+        """Names of joints, fixed ones included."""
+        fixed = {link.fixed for link in self.links if link.fixed}
+        return fixed.union(self.joint_names)
 
     @property
     def parts(self) -> dict[str, WrittenLink]:
@@ -150,12 +162,19 @@ class _Collection:
         free = next((self.joint(body) for body in self.model.bodies if not body.joint.parent), None)
         if free is not None and self.holds.base:
             self.losses.append(f"the floating base: {self.holds.base}")
-        loops = tuple(self.loops())
+        loops, struts = tuple(self.loops()), self.struts()
         self.losses += [
             f"the {what} of {listed(names, _SHOWN)}" for what, names in self.of_joints.items()
         ]
         return Contents(
-            self.model.name, links, loops, gravity, tuple(self.losses), self.model.joint_names, free
+            self.model.name,
+            links,
+            loops,
+            struts,
+            gravity,
+            tuple(self.losses),
+            self.model.joint_names,
+            free,
         )
 
     # ------------------------------------------------------------ what becomes another
@@ -188,6 +207,7 @@ class _Collection:
         joints = {body.name: body for body in model.bodies if body.joint.parent}
         poses = {frame.name: frame.placement for frame in model.frames}
         masses = self.masses()
+        others = {*model.joint_names, *(loop.name for loop in model.loops)}
         waiting: dict[str, list[WrittenLink]] = {}
         for frame in model.frames:
             body = joints.get(frame.name)
@@ -202,8 +222,10 @@ class _Collection:
                     masses.get(frame.name),
                     self.joint(body) if body else None,
                     frame.mounted,
+                    "" if frame.joint in others else frame.joint,
                 )
             )
+        self.losses += lost_names(others.intersection(model.fixed_joint_names))
         found = list(waiting.pop("", ()))
         for link in found:  # it grows meanwhile
             found += waiting.pop(link.name, ())
@@ -278,6 +300,19 @@ class _Collection:
             else:
                 self.losses.append(f"the {loop.kind} loop {loop.name!r}, which is left open")
 
+    def struts(self) -> tuple[Strut, ...]:
+        struts = self.model.struts
+        if struts and not self.holds.struts:
+            s = "s" if len(struts) > 1 else ""
+            self.losses.append(f"the strut{s} {listed([x.name for x in struts], _SHOWN)}")
+            return ()
+        return tuple(
+            replace(
+                x, **{n.name: float(VALUES.quantity(getattr(x, n.name))) for n in STRUT_NUMBERS}
+            )
+            for x in struts
+        )
+
     # ------------------------------------------------------------ what is lost
     def gravity(self) -> tuple[float, float, float]:
         x, y, z = map(float, self.model.gravity)
@@ -344,6 +379,15 @@ def _as_tuples(R: np.ndarray, p: np.ndarray) -> Pose:
     return tuple(tuple(map(float, row)) for row in R), tuple(map(float, p))
 
 
+def lost_names(fixed: Iterable[str]) -> list[str]:
+    """The loss of the names of fixed joints, if there are any."""
+    names = sorted(fixed)
+    if not names:
+        return []
+    s = "s" if len(names) > 1 else ""
+    return [f"the name{s} of the fixed joint{s} {listed(names, _SHOWN)}"]
+
+
 def fixed_name(link: str, taken: set[str]) -> str:
     """A name for the joint that holds a link, where the model keeps none."""
     name = f"{link}_joint"
@@ -356,8 +400,9 @@ def fixed_name(link: str, taken: set[str]) -> str:
 def checked_names(contents: Contents, format_name: str, more: Sequence[str] = ()) -> None:
     """Refuse names that XML does not keep."""
     names = [link.name for link in contents.links]
-    names += [link.joint.name for link in contents.links if link.joint]
-    for name in (contents.name, *names, *(loop.name for loop in contents.loops), *more):
+    names += [link.joint.name if link.joint else link.fixed for link in contents.links]
+    names += [part.name for part in (*contents.loops, *contents.struts)]
+    for name in (contents.name, *names, *more):
         kept_name(name, format_name)
 
 

@@ -14,7 +14,13 @@ import numpy as np
 
 from freebody.errors import FreebodyError, listed
 from freebody.formats import dh_csv
-from freebody.formats.writing.contents import Contents, Holds, WrittenLink, contents_of
+from freebody.formats.writing.contents import (
+    Contents,
+    Holds,
+    WrittenLink,
+    contents_of,
+    lost_names,
+)
 from freebody.formats.writing.xml import angles
 from freebody.model.build import build_model
 from freebody.model.description import INFINITE
@@ -78,7 +84,8 @@ def written(model: Model) -> tuple[str, list[str]]:
     used = [c for c in dh_csv.COLUMNS if any(row.get(c) for row in table)]
     lines = [", ".join(used), *(", ".join(row.get(c, "") for c in used) for row in table)]
     text = "\n".join([*head, *lines]) + "\n"
-    losses = [*contents.losses, *_lost(contents, drawn, text, model.tip)]
+    fixed = lost_names(link.fixed for link in contents.links if link.fixed)
+    losses = [*contents.losses, *_lost(contents, drawn, text, model.tip), *fixed]
     resting = _resting(contents)
     if resting:
         losses.append(f"the mass of {listed(resting, 6)}, which does not move")

@@ -1,5 +1,5 @@
 """MJCF of a model: bodies one in another, their joints in them, frames as sites, loops and mimics
-as equalities between sites and joints."""
+as equalities between sites and joints, struts as tendons between sites."""
 
 from __future__ import annotations
 
@@ -13,12 +13,14 @@ from freebody.formats.writing.contents import (
     WrittenLink,
     checked_names,
     contents_of,
+    lost_names,
 )
 from freebody.formats.writing.xml import Element, SubElement, numbers, text_of
 from freebody.model.description import INFINITE
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
+from freebody.model.struts import Strut
 from freebody.model.tree import Pose
 
 HOLDS = Holds(
@@ -37,6 +39,7 @@ HOLDS = Holds(
         )
     ),
     loops=frozenset(("spherical", "fixed", "revolute")),
+    struts=True,
     gravity=True,
     velocity=False,
     passive=True,
@@ -70,6 +73,8 @@ class _Writer:
         SubElement(self.root, "option", {"gravity": numbers(contents.gravity)})
         self.world = SubElement(self.root, "worldbody")
         self.bodies: dict[str, Element] = {}
+        self.sites = {link.name for link in contents.links}
+        """Names that no further site may have."""
 
     def written(self) -> tuple[str, list[str]]:
         contents = self.contents
@@ -84,6 +89,10 @@ class _Writer:
                 f"{', '.join(map(str, found))}"
             )
         self.equalities()
+        self.tendons()
+        self.losses += lost_names(
+            link.fixed for link in contents.links if link.fixed not in ("", f"{link.name}_weld")
+        )
         driven = [
             link.joint.name
             for link in contents.links
@@ -275,14 +284,63 @@ class _Writer:
         by: np.ndarray,
     ) -> None:
         """Two sites that are held together, `by` off the frames of a loop."""
-        sites = []
-        for side, (body, R, p) in zip("ab", ends, strict=True):
-            # readers call the ends so
-            sites.append(f"{name}_{side}")
-            while sites[-1] in self.contents.parts:
-                sites[-1] += "_"
-            SubElement(body, "site", {"name": sites[-1], **_place((R, p + R @ by))})
+        # readers call the ends so
+        sites = [
+            self.site(f"{name}_{side}", body, (R, p + R @ by))
+            for side, (body, R, p) in zip("ab", ends, strict=True)
+        ]
         SubElement(equality, tag, {"name": name, "site1": sites[0], "site2": sites[1]})
+
+    def site(self, name: str, body: Element, pose: Pose | tuple[np.ndarray, np.ndarray]) -> str:
+        """The name of a new site on a body."""
+        while name in self.sites:
+            name += "_"
+        self.sites.add(name)
+        SubElement(body, "site", {"name": name, **_place(pose)})
+        return name
+
+    # ------------------------------------------------------------ struts
+    def tendons(self) -> None:
+        """Struts as tendons that are a spring and a damper between two sites."""
+        told = [(strut, self.spring(strut)) for strut in self.contents.struts]
+        kept = [(strut, rest) for strut, rest in told if strut.stiffness or strut.damping]
+        if not kept:
+            return
+        tendon = SubElement(self.root, "tendon")
+        for strut, rest in kept:
+            numbers_of = {
+                "stiffness": strut.stiffness,
+                "damping": strut.damping,
+                "springlength": rest,
+            }
+            given = {key: repr(x) for key, x in numbers_of.items()}
+            spatial = SubElement(tendon, "spatial", {"name": strut.name, **given})
+            for side, frame in zip("ab", strut.frames, strict=True):
+                site = frame
+                if not self.contents.parts[frame].mounted:
+                    body, R, p = self.end(frame)
+                    site = self.site(f"{strut.name}_{side}", body, (R, p))
+                SubElement(spatial, "site", {"site": site})
+
+    def spring(self, strut: Strut) -> float:
+        """The rest length at which the spring of a strut, which has no preload in MuJoCo, has the
+        same force."""
+        stiffness, rest, damping, preload = map(float, strut.numbers)
+        if not stiffness and not damping:
+            which = "which is a preload alone" if preload else "which has no force"
+            self.losses.append(f"the strut {strut.name!r}, {which}")
+        elif preload:
+            free = rest - preload / stiffness if stiffness else -1.0
+            if free >= 0.0:
+                self.losses.append(
+                    f"the preload of the strut {strut.name!r}: with the rest length {free:.6g} m, "
+                    f"which is written, its spring has the same force"
+                )
+                return free
+            self.losses.append(
+                f"the preload of the strut {strut.name!r}, which no rest length stands for"
+            )
+        return rest
 
 
 def _place(pose: Pose | tuple[np.ndarray, np.ndarray]) -> dict[str, str]:
