@@ -23,8 +23,6 @@ from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.single_joints import is_taken_apart, with_single_joints
-from freebody.model.struts import NUMBERS as STRUT_NUMBERS
-from freebody.model.struts import Strut
 from freebody.model.tip import chosen
 from freebody.model.tree import Attached, Pose
 from freebody.spatial import space
@@ -97,13 +95,25 @@ class WrittenLoop:
 
 
 @dataclass(frozen=True)
+class WrittenStrut:
+    """A strut between two frames, in plain numbers."""
+
+    name: str
+    frames: tuple[str, str]
+    stiffness: float
+    rest: float
+    damping: float
+    preload: float
+
+
+@dataclass(frozen=True)
 class Contents:
     """A model in plain numbers, links in an order where parents come first, and its losses."""
 
     name: str
     links: tuple[WrittenLink, ...]
     loops: tuple[WrittenLoop, ...]
-    struts: tuple[Strut, ...]
+    struts: tuple[WrittenStrut, ...]
     gravity: tuple[float, float, float]
     losses: tuple[str, ...]
     joint_names: tuple[str, ...]
@@ -300,15 +310,17 @@ class _Collection:
             else:
                 self.losses.append(f"the {loop.kind} loop {loop.name!r}, which is left open")
 
-    def struts(self) -> tuple[Strut, ...]:
+    def struts(self) -> tuple[WrittenStrut, ...]:
         struts = self.model.struts
         if struts and not self.holds.struts:
             s = "s" if len(struts) > 1 else ""
             self.losses.append(f"the strut{s} {listed([x.name for x in struts], _SHOWN)}")
             return ()
         return tuple(
-            replace(
-                x, **{n.name: float(VALUES.quantity(getattr(x, n.name))) for n in STRUT_NUMBERS}
+            WrittenStrut(
+                x.name,
+                x.frames,
+                *(float(VALUES.quantity(n)) for n in (x.stiffness, x.rest, x.damping, x.preload)),
             )
             for x in struts
         )

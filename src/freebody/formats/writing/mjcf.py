@@ -11,6 +11,7 @@ from freebody.formats.writing.contents import (
     Holds,
     WrittenJoint,
     WrittenLink,
+    WrittenStrut,
     checked_names,
     contents_of,
     lost_names,
@@ -20,7 +21,6 @@ from freebody.model.description import INFINITE
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
 from freebody.model.model import Model
-from freebody.model.struts import Strut
 from freebody.model.tree import Pose
 
 HOLDS = Holds(
@@ -322,11 +322,11 @@ class _Writer:
                     site = self.site(f"{strut.name}_{side}", body, (R, p))
                 SubElement(spatial, "site", {"site": site})
 
-    def spring(self, strut: Strut) -> float:
+    def spring(self, strut: WrittenStrut) -> float:
         """The rest length at which the spring of a strut, which has no preload in MuJoCo, has the
         same force."""
-        stiffness, rest, damping, preload = map(float, strut.numbers)
-        if not stiffness and not damping:
+        stiffness, rest, preload = strut.stiffness, strut.rest, strut.preload
+        if not stiffness and not strut.damping:
             which = "which is a preload alone" if preload else "which has no force"
             self.losses.append(f"the strut {strut.name!r}, {which}")
         elif preload:
