@@ -128,6 +128,8 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
             if said(lost, "which is a point"):
                 kept = one.limits.lower < one.limits.upper
             assert found[kept].tolist() == own_limits[kept].tolist(), name
+    if said(lost, "which the last joint does not move"):
+        return
     theirs, own = poses(two, there), poses(one, q)
     if said(lost, "where the frames") or said(lost, "the name of the tip"):
         own, theirs = {"tip": own[one.tip or ""]}, {"tip": theirs[two.tip or ""]}
@@ -469,6 +471,22 @@ def test_a_dh_table_is_fitted_to_the_axes(tmp_path):
     text = (tmp_path / "arm.csv").read_text(encoding="utf-8")
     assert "# fitted to the axes of the joints, which are off by at most" in text
     assert "# tool: " in text
+
+
+def test_a_dh_table_has_its_coordinates_from_the_base_outwards(tmp_path):
+    joints = [
+        HINGE.format(k=k, axis="y", parent=f"l{k - 1}" if k > 1 else "base") for k in (3, 2, 1)
+    ]
+    links = "\n".join(LINK.format(k=k) for k in range(1, 4))
+    model = fb.load(text=ARM.format(links=links, joints="\n".join(joints)), format="toml")
+    assert model.joint_names == ("j3", "j2", "j1")
+    read, lost = after(model, "csv", tmp_path)
+    assert said(lost, "the order of its coordinates, which is that from the base outwards: j1, j2")
+    assert read.joint_names == ("j1", "j2", "j3")
+    same_motion(model, read, lost)
+    inner = fb.losses(model.replace(tip="l2"), "csv")
+    assert said(inner, "the tip 'l2', which the last joint does not move")
+    assert said(inner, "plate")
 
 
 def test_angles_near_right_ones_are_a_loss_by_name(tmp_path):
