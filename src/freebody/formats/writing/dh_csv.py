@@ -87,10 +87,20 @@ def written(model: Model) -> tuple[str, list[str]]:
     text = "\n".join([*head, *lines]) + "\n"
     fixed = lost_names(link.fixed for link in contents.links if link.fixed)
     losses = [*contents.losses, *_lost(contents, drawn, text, None if inner else model.tip), *fixed]
-    if inner:
+    losses += _lost_of_arm(contents, chain, model.tip if inner else None)
+    if off > _FITTED:
+        losses.append(f"{off:.1g} m or rad: the table does not fit the axes better")
+    return text, losses
+
+
+def _lost_of_arm(contents: Contents, chain: list[WrittenLink], inner: str | None) -> list[str]:
+    """The losses of an arm that has its coordinates in another order, or its tip, `inner`, not on
+    the last link, or a base with mass."""
+    losses = []
+    if inner is not None:
         losses.append(
-            f"the tip {model.tip!r}, which the last joint does not move: that of a "
-            f"table is on the last link"
+            f"the tip {inner!r}, which the last joint does not move: that of a table is on the "
+            f"last link"
         )
     order = tuple(link.joint.name for link in chain if link.joint)
     if order != contents.joint_names:
@@ -101,9 +111,7 @@ def written(model: Model) -> tuple[str, list[str]]:
     resting = _resting(contents)
     if resting:
         losses.append(f"the mass of {listed(resting, 6)}, which does not move")
-    if off > _FITTED:
-        losses.append(f"{off:.1g} m or rad: the table does not fit the axes better")
-    return text, losses
+    return losses
 
 
 # ---------------------------------------------------------------- the arm
