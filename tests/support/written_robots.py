@@ -11,6 +11,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 import freebody as fb
+from freebody.formats.writing.toml import written
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import of_dimension
 
@@ -228,10 +229,7 @@ def toml(bodies: Sequence[Written]) -> str:
     for body in bodies:
         if body.armature:
             model = model.with_drive(body.joint, rotor=body.armature, gear=1.0)
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "robot.toml"
-        fb.save(model, file)
-        return file.read_text(encoding="utf-8")
+    return written(model)[0]
 
 
 FORMATS: dict[str, Callable[[Sequence[Written]], str]] = {

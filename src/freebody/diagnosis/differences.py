@@ -13,7 +13,7 @@ from freebody.diagnosis.alignment import Alignment, MatchedJoint
 from freebody.diagnosis.bodies_in_space import BodyTree, cross, pose_in_space
 from freebody.diagnosis.facts import ArrayPose, composed, norm
 from freebody.errors import listed
-from freebody.model.description import Loop
+from freebody.model.description import Drive, Loop
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
 from freebody.model.struts import Strut
@@ -82,22 +82,36 @@ def _structure(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]
 def _loops(found: Alignment) -> Iterator[RobotDifference]:
     """Loops that hold no such points of the same bodies in the other robot."""
     own = [(loop, _ends(found.a, loop, {})) for loop in found.a.model.loops]
-    bodies = _counterparts(found)
-    others = [(loop, _ends(found.b, loop, bodies)) for loop in found.b.model.loops]
+    others = [(loop, _ends(found.b, loop, _stand_for(found))) for loop in found.b.model.loops]
     for loop, ends in own:
         same = [k for k, (_, other) in enumerate(others) if _coincide(ends, other, found)]
         if same:
             del others[same[0]]
         else:
-            text = f"a loop that {found.b.model.name!r} has no counterpart of"
-            yield RobotDifference("joints", (loop.name, ""), text, math.inf)
+            yield _lone("joints", found, 0, loop)
     for loop, _ in others:
-        text = f"a loop that {found.a.model.name!r} has no counterpart of"
-        yield RobotDifference("joints", ("", loop.name), text, math.inf)
+        yield _lone("joints", found, 1, loop)
+
+
+def _lone(aspect: str, found: Alignment, which: int, part: Loop | Strut) -> RobotDifference:
+    """The difference that a loop or strut of one robot is none of the other's."""
+    other = (found.b, found.a)[which].model.name
+    place = (part.name, "") if which == 0 else ("", part.name)
+    what = "loop" if isinstance(part, Loop) else "strut"
+    return RobotDifference(
+        aspect, place, f"a {what} that {other!r} has no counterpart of", math.inf
+    )
+
+
+def _stand_for(found: Alignment) -> dict[int, tuple[int, ArrayPose]]:
+    """The body, and the pose in it, that stands for each body of the second robot."""
+    bodies = {pair.b.index: (pair.a.index, pair.pose) for pair in found.pairs}
+    return {-1: (-1, found.base), **bodies}
 
 
 class _HeldEnd(NamedTuple):
-    """The end of a loop: kind and distance of the loop, and body, point and axis where it holds."""
+    """The end of a loop or strut: its kind and distance, and body, point and axis where it
+    holds."""
 
     kind: str
     distance: float
@@ -107,38 +121,25 @@ class _HeldEnd(NamedTuple):
 
 
 def _ends(
-    robot: BodyTree, loop: Loop, bodies: Mapping[int, tuple[int, ArrayPose]]
+    robot: BodyTree, part: Loop | Strut, bodies: Mapping[int, tuple[int, ArrayPose]]
 ) -> list[_HeldEnd]:
-    """Both ends of a loop, in the bodies and poses that stand for its own."""
-    in_plane = robot.model.dim == 2 and loop.kind == "revolute"
-    axis = np.array([*((0.0, 0.0, 1.0) if in_plane else loop.axis), 0.0, 0.0, 0.0][:3])
-    distance = 0.0 if loop.distance is None else float(VALUES.quantity(loop.distance))
-    return [
-        _HeldEnd(loop.kind, distance, body, p, R @ axis)
-        for body, (R, p) in _held_frames(robot, loop.frames, bodies)
-    ]
-
-
-def _counterparts(found: Alignment) -> dict[int, tuple[int, ArrayPose]]:
-    """The body of the first robot that each body of the second lies on, and where it lies there."""
-    bodies = {pair.b.index: (pair.a.index, pair.pose) for pair in found.pairs}
-    return {-1: (-1, found.base), **bodies}
-
-
-def _held_frames(
-    robot: BodyTree, names: tuple[str, str], bodies: Mapping[int, tuple[int, ArrayPose]]
-) -> list[tuple[int, ArrayPose]]:
-    """Body and pose of each of these frames, in the bodies and poses that stand for its own."""
+    """Both ends of a loop or strut, in the bodies and poses that stand for its own."""
+    kind, along, distance = "strut", (), 0.0
+    if isinstance(part, Loop):
+        kind, along = part.kind, part.axis
+        distance = 0.0 if part.distance is None else float(VALUES.quantity(part.distance))
     found = []
-    for name in names:
+    for name in part.frames:
         frame = next(x for x in robot.model.frames if x.name == name)
         body, pose = bodies.get(frame.body, (frame.body, (np.eye(3), np.zeros(3))))
-        found.append((body, composed(pose, pose_in_space(frame.placement, robot.model.dim))))
+        R, p = composed(pose, pose_in_space(frame.placement, robot.model.dim))
+        axis = np.array([*along, 0.0, 0.0, 0.0][:3])
+        found.append(_HeldEnd(kind, distance, body, p, R @ axis))
     return found
 
 
 def _coincide(ends: list[_HeldEnd], others: list[_HeldEnd], found: Alignment) -> bool:
-    """Whether two loops hold the same, from either end; an axis counts, not the point on it."""
+    """Whether two loops or struts hold the same, from either end; of an axis no point counts."""
     return any(
         all(
             x.kind == y.kind
@@ -360,6 +361,8 @@ def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
         for law in LAWS.values():
             if law.term in compared and law.inertia is not None:
                 yield from _rotors(found, pair)
+            elif law.term in compared and law.losses is not None:
+                yield from _losses(found, pair, law)
             elif law.term in compared:
                 yield from _numbers(found, pair, law)
 
@@ -381,6 +384,27 @@ def _numbers(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[Ro
             yield _of_joint("friction", pair, text, apart)
 
 
+def _losses(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[RobotDifference]:
+    """What joints lose of the torque that they transmit, nothing by an efficiency of 1."""
+    one, two = (_parts_lost(part.body.joint.drive, law) for part in (pair.a, pair.b))
+    for who, x, y in zip(("the motor", "the joint"), one, two, strict=True):
+        if abs(x - y) > found.tolerances.share:
+            text = (
+                f"its {law.term} takes {x:.6g} and {y:.6g} of the torque that it transmits while "
+                f"{who} drives"
+            )
+            yield _of_joint("friction", pair, text, abs(x - y))
+
+
+def _parts_lost(drive: Drive, law: DriveLaw) -> tuple[float, float]:
+    assert law.losses is not None
+    numbers = tuple(float(VALUES.quantity(getattr(drive, x.name))) for x in law.numbers)
+    if not getattr(drive, law.strength):
+        return 0.0, 0.0
+    driving, driven = law.losses(numbers)
+    return float(driving), float(driven)
+
+
 def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:
     """Rotors as the joint feels them: one behind a gear is another one without."""
     x, y = (
@@ -392,11 +416,65 @@ def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:
         yield _of_joint("friction", pair, text, abs(x - y))
 
 
+# ------------------------------------------------------------ struts
+def _struts_given(robot: BodyTree) -> frozenset[str]:
+    return frozenset(["struts"] if robot.model.struts else [])
+
+
+def _struts(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
+    """Struts between other points, and the numbers of those between the same."""
+    if not compared:
+        return
+    own = [(strut, _ends(found.a, strut, {})) for strut in found.a.model.struts]
+    others = [(strut, _ends(found.b, strut, _stand_for(found))) for strut in found.b.model.struts]
+    for strut, ends in own:
+        same = [
+            (list(_of_strut(found, strut, other)), k)
+            for k, (other, held) in enumerate(others)
+            if _coincide(ends, held, found)
+        ]
+        if not same:
+            yield _lone("struts", found, 0, strut)
+            continue
+        differences, k = min(same, key=lambda one: len(one[0]))  # some may stand side by side
+        del others[k]
+        yield from differences
+    for strut, _ in others:
+        yield _lone("struts", found, 1, strut)
+
+
+def _of_strut(found: Alignment, one: Strut, two: Strut) -> Iterator[RobotDifference]:
+    """The differences of two struts between the same points. Where both have springs, a preload is
+    as good as another rest length, and the length without force is compared."""
+    (k, rest, damping, preload), (other_k, other_rest, other_damping, other_preload) = (
+        tuple(map(float, map(VALUES.quantity, strut.numbers))) for strut in (one, two)
+    )
+    if k and other_k:
+        force = (
+            "length without force",
+            "m",
+            rest - preload / k,
+            other_rest - other_preload / other_k,
+        )
+    else:
+        force = ("preload", "N", preload, other_preload)
+    for what, unit, x, y in (
+        ("stiffness", "N/m", k, other_k),
+        force,
+        ("damping", "N s/m", damping, other_damping),
+    ):
+        least = found.tolerances.length if unit == "m" else 0.0
+        if abs(x - y) > max(found.tolerances.share * max(abs(x), abs(y)), least):
+            text = f"its {what} is {x:.6g} and {y:.6g} {unit}"
+            yield RobotDifference("struts", (one.name, two.name), text, abs(x - y))
+
+
 ASPECTS: tuple[Aspect, ...] = (
     Aspect("joints", _structure),
     Aspect("geometry", _geometry),
     Aspect("masses", _masses, _masses_given),
     Aspect("limits", _limits, _limits_given),
     Aspect("friction", _drives, _drives_given),
+    Aspect("struts", _struts, _struts_given),
 )
 """All aspects, in the order in which a difference counts as the first."""

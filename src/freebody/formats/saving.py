@@ -12,10 +12,10 @@ from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.outputs.files import write
 
-_WrittenText = Callable[[Model], tuple[str, list[str]]]
+_TextAndLosses = Callable[[Model], tuple[str, list[str]]]
 """The text of a model, and in words what of the model is not in it."""
 
-_WRITERS: dict[str, _WrittenText] = {
+_WRITERS: dict[str, _TextAndLosses] = {
     ".toml": toml.written,
     ".urdf": urdf.written,
     ".sdf": sdf.written,

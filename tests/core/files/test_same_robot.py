@@ -429,3 +429,102 @@ def test_robots_of_a_data_wheel_are_themselves(name):
     except fb.FileError:
         return  # refused
     assert fb.same_robot(model, model)
+
+
+# ------------------------------------------------------------ struts and losses
+UPPER, WRIST = ("z", 1, (0.05, 0.0, 0.4)), ("w", 4, (0.6, -0.2, 0.1))
+"""Ends of a strut: a name, a body, and where it is in the world with all joints at zero."""
+
+
+def strutted(model: fb.Model, ends=(UPPER, WRIST), name="gas", **numbers: float) -> fb.Model:
+    """With a strut between points of two bodies, whatever their frames are."""
+    for end, k, point in ends:
+        link = model.bodies[k].name
+        T = fb.forward_kinematics(model, np.zeros(model.nq), frame=link)
+        model = model.with_frame(end, T[:3, :3].T @ (np.array(point) - T[:3, 3]), frame=link)
+    return model.with_strut(name, (ends[0][0], ends[1][0]), **numbers)
+
+
+GAS = {"stiffness": 500.0, "rest": 0.3, "damping": 20.0, "preload": -50.0}
+
+
+@pytest.fixture
+def table(tmp_path) -> fb.Model:
+    """The UR5e with other frames, those of a DH table."""
+    fb.save(fb.load("ur5e"), tmp_path / "arm.csv", lossy=True)
+    return fb.load(tmp_path / "arm.csv")
+
+
+def test_struts_are_recognised_by_their_points(table):
+    model = strutted(fb.load("ur5e"), **GAS)
+    for other in (
+        strutted(table, **GAS),
+        strutted(table, ends=(WRIST, UPPER), name="spring", **GAS),
+        strutted(table, **(GAS | {"rest": 0.4, "preload": 0.0})),
+    ):
+        found = fb.same_robot(model, other)
+        assert found, str(found)
+        assert "struts" not in "\n".join(found.regardless)
+    assert "gives no struts: not compared" in str(fb.same_robot(model, table))
+    assert "gives no struts: not compared" in str(fb.same_robot(table, model))
+
+
+@pytest.mark.parametrize(
+    ("change", "text", "size"),
+    [
+        ({"stiffness": 505.0}, "its stiffness is 500 and 505 N/m", 5.0),
+        ({"damping": 0.0}, "its damping is 20 and 0 N s/m", 20.0),
+        ({"rest": 0.31}, "its length without force is 0.4 and 0.41 m", 0.01),
+        ({"preload": -45.0}, "its length without force is 0.4 and 0.39 m", 0.01),
+        ({"stiffness": 0.0, "preload": -40.0}, "its preload is -50 and -40 N", 10.0),
+    ],
+)
+def test_differences_of_struts(change, text, size, table):
+    found = fb.same_robot(strutted(fb.load("ur5e"), **GAS), strutted(table, **(GAS | change)))
+    told = {x.text: x for x in found.differences}
+    assert told[text].aspect == "struts"
+    assert told[text].place == ("gas", "gas")
+    assert told[text].size == pytest.approx(size)
+    # by its stiffness a preload is another length
+    assert len(told) == (2 if "stiffness" in change else 1)
+
+
+def test_a_strut_between_other_points_has_no_counterpart(table):
+    moved = (*WRIST[:2], (0.6, -0.2, 0.103))
+    model, other = strutted(fb.load("ur5e"), **GAS), strutted(table, (UPPER, moved), "air", **GAS)
+    found = fb.same_robot(model, other)
+    assert [x.place for x in found.differences] == [("gas", ""), ("", "air")]
+    assert found.first
+    assert found.first.text == f"a strut that {table.name!r} has no counterpart of"
+
+
+def test_struts_side_by_side_are_told_apart(table):
+    numbers = [GAS, GAS | {"damping": 1.0}]
+    one, two = fb.load("ur5e"), table
+    for k, j in ((0, 1), (1, 0)):
+        ends = [(f"{end}{k}", body, point) for end, body, point in (UPPER, WRIST)]
+        one = strutted(one, ends, f"strut{k}", **numbers[k])
+        two = strutted(two, ends, f"strut{k}", **numbers[j])
+    assert fb.same_robot(one, two)
+
+
+def test_losses_of_gears():
+    plain = fb.load("ur5e")
+    joint = plain.joint_names[1]
+
+    def geared(forward: float, back: float) -> fb.Model:
+        model = plain.with_drive(plain.joint_names[0], efficiency=0.9, back_efficiency=0.8)
+        return model.with_drive(joint, efficiency=forward, back_efficiency=back)
+
+    assert fb.same_robot(geared(0.8, 0.7), geared(0.8, 0.7))
+    assert fb.same_robot(geared(1.0, 1.0), geared(0.0, 0.0))
+    found = fb.same_robot(geared(0.8, 0.7), geared(0.0, 0.0))
+    assert [(x.place, x.size) for x in found.differences] == [
+        ((joint, joint), pytest.approx(0.25)),
+        ((joint, joint), pytest.approx(0.3)),
+    ]
+    assert "takes 0.25 and 0 of the torque that it transmits while the motor drives" in str(found)
+    one, two = (plain.with_drive(joint, load_friction=x) for x in (0.1, 0.2))
+    assert fb.same_robot(one, two).differences[0].size == pytest.approx(0.1)
+    told = "\n".join(fb.same_robot(one, plain).regardless)
+    assert "gives no load-dependent friction: not compared" in told

@@ -40,16 +40,16 @@ class Holds:
     """A format's place for what a model can have besides links, joints and masses.
 
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
-    gravity, velocity (its limits): whether there is a place for it. base: how a floating base is
-    told, where it is not written. passive: whether joints without motor are told, of closed
-    chains. keeps_tip: whether the tip is written; else readers choose it. struts: whether springs
-    and dampers between two points are.
+    struts, gravity, velocity (its limits): whether there is a place for it. base: how a floating
+    base is told, where it is not written. passive: whether joints without motor are told, of closed
+    chains. keeps_tip: whether the tip is written; else readers choose it.
     """
 
     name: str
     kinds: Mapping[str, str]
     drive: frozenset[str]
     loops: frozenset[str] = frozenset()
+    struts: bool = False
     gravity: bool = False
     velocity: bool = True
     base: str = ""
@@ -61,7 +61,8 @@ class Holds:
 @dataclass(frozen=True)
 class WrittenLink:
     """A link, or a frame that is mounted on one, where it is in its parent link; without a joint it
-    is fixed there. The root has no parent. Its inertia is in its own frame."""
+    is fixed there, by a fixed joint whose name is known or empty. The root has no parent. Its
+    inertia is in its own frame."""
 
     name: str
     parent: str
@@ -69,6 +70,7 @@ class WrittenLink:
     inertia: Inertia | None = None
     joint: WrittenJoint | None = None
     mounted: bool = False
+    fixed: str = ""
 
 
 @dataclass(frozen=True)
@@ -96,11 +98,14 @@ class WrittenLoop:
 
 @dataclass(frozen=True)
 class WrittenStrut:
-    """A strut between two links or mounted frames, with its numbers by name."""
+    """A strut between two frames, in plain numbers."""
 
     name: str
     frames: tuple[str, str]
-    numbers: Mapping[str, float]
+    stiffness: float
+    rest: float
+    damping: float
+    preload: float
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,7 @@ class Contents:
     name: str
     links: tuple[WrittenLink, ...]
     loops: tuple[WrittenLoop, ...]
+    struts: tuple[WrittenStrut, ...]
     gravity: tuple[float, float, float]
     losses: tuple[str, ...]
     joint_names: tuple[str, ...]
@@ -130,6 +136,12 @@ class Contents:
         last = len(place)
         held = (link for link in self.links if link.parent)
         return sorted(held, key=lambda link: place[link.joint.name] if link.joint else last)
+
+    @property
+    def taken(self) -> set[str]:
+        """Names of joints, fixed ones included."""
+        fixed = {link.fixed for link in self.links if link.fixed}
+        return fixed.union(self.joint_names)
 
     @property
     def parts(self) -> dict[str, WrittenLink]:
@@ -163,7 +175,7 @@ class _Collection:
         free = next((self.joint(body) for body in self.model.bodies if not body.joint.parent), None)
         if free is not None and self.holds.base:
             self.losses.append(f"the floating base: {self.holds.base}")
-        loops, struts = tuple(self.loops()), tuple(self.struts())
+        loops, struts = tuple(self.loops()), self.struts()
         self.losses += [
             f"the {what} of {listed(names, _SHOWN)}" for what, names in self.of_joints.items()
         ]
@@ -171,11 +183,11 @@ class _Collection:
             self.model.name,
             links,
             loops,
+            struts,
             gravity,
             tuple(self.losses),
             self.model.joint_names,
             free,
-            struts,
         )
 
     # ------------------------------------------------------------ what becomes another
@@ -208,6 +220,7 @@ class _Collection:
         joints = {body.name: body for body in model.bodies if body.joint.parent}
         poses = {frame.name: frame.placement for frame in model.frames}
         masses = self.masses()
+        others = {*model.joint_names, *(loop.name for loop in model.loops)}
         waiting: dict[str, list[WrittenLink]] = {}
         for frame in model.frames:
             body = joints.get(frame.name)
@@ -222,8 +235,10 @@ class _Collection:
                     masses.get(frame.name),
                     self.joint(body) if body else None,
                     frame.mounted,
+                    "" if frame.joint in others else frame.joint,
                 )
             )
+        self.losses += lost_names(others.intersection(model.fixed_joint_names))
         found = list(waiting.pop("", ()))
         for link in found:  # it grows meanwhile
             found += waiting.pop(link.name, ())
@@ -298,13 +313,20 @@ class _Collection:
             else:
                 self.losses.append(f"the {loop.kind} loop {loop.name!r}, which is left open")
 
-    def struts(self) -> Iterable[WrittenStrut]:
-        for strut in self.model.struts:
-            if self.holds.struts:
-                values = {n.name: float(VALUES.quantity(getattr(strut, n.name))) for n in NUMBERS}
-                yield WrittenStrut(strut.name, strut.frames, values)
-            else:
-                self.losses.append(f"the strut {strut.name!r} and its force")
+    def struts(self) -> tuple[WrittenStrut, ...]:
+        struts = self.model.struts
+        if struts and not self.holds.struts:
+            s = "s" if len(struts) > 1 else ""
+            self.losses.append(f"the strut{s} {listed([x.name for x in struts], _SHOWN)}")
+            return ()
+        return tuple(
+            WrittenStrut(
+                x.name,
+                x.frames,
+                *(float(VALUES.quantity(n)) for n in (x.stiffness, x.rest, x.damping, x.preload)),
+            )
+            for x in struts
+        )
 
     # ------------------------------------------------------------ what is lost
     def gravity(self) -> tuple[float, float, float]:
@@ -372,6 +394,15 @@ def _as_tuples(R: np.ndarray, p: np.ndarray) -> Pose:
     return tuple(tuple(map(float, row)) for row in R), tuple(map(float, p))
 
 
+def lost_names(fixed: Iterable[str]) -> list[str]:
+    """The loss of the names of fixed joints, if there are any."""
+    names = sorted(fixed)
+    if not names:
+        return []
+    s = "s" if len(names) > 1 else ""
+    return [f"the name{s} of the fixed joint{s} {listed(names, _SHOWN)}"]
+
+
 def fixed_name(link: str, taken: set[str]) -> str:
     """A name for the joint that holds a link, where the model keeps none."""
     name = f"{link}_joint"
@@ -384,8 +415,9 @@ def fixed_name(link: str, taken: set[str]) -> str:
 def checked_names(contents: Contents, format_name: str, more: Sequence[str] = ()) -> None:
     """Refuse names that XML does not keep."""
     names = [link.name for link in contents.links]
-    names += [link.joint.name for link in contents.links if link.joint]
-    for name in (contents.name, *names, *(loop.name for loop in contents.loops), *more):
+    names += [link.joint.name if link.joint else link.fixed for link in contents.links]
+    names += [part.name for part in (*contents.loops, *contents.struts)]
+    for name in (contents.name, *names, *more):
         kept_name(name, format_name)
 
 

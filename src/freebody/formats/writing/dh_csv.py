@@ -14,7 +14,13 @@ import numpy as np
 
 from freebody.errors import FreebodyError, listed
 from freebody.formats import dh_csv
-from freebody.formats.writing.contents import Contents, Holds, WrittenLink, contents_of
+from freebody.formats.writing.contents import (
+    Contents,
+    Holds,
+    WrittenLink,
+    contents_of,
+    lost_names,
+)
 from freebody.formats.writing.xml import angles
 from freebody.model.build import build_model
 from freebody.model.description import INFINITE
@@ -58,7 +64,8 @@ def written(model: Model) -> tuple[str, list[str]]:
     contents = contents_of(model, HOLDS)
     chain = _chain(contents)
     drawn = _drawn(contents)
-    tip = drawn[model.tip if model.tip in drawn else chain[-1].name]
+    inner = model.tip in drawn and not _moves_with(contents, model.tip, chain[-1])
+    tip = drawn[model.tip if model.tip in drawn and not inner else chain[-1].name]
     axes = [_axis(link, drawn) for link in chain]
     fit = _fitted(axes, tip)
     tool = _between(fit.frames[-1], tip)
@@ -78,13 +85,33 @@ def written(model: Model) -> tuple[str, list[str]]:
     used = [c for c in dh_csv.COLUMNS if any(row.get(c) for row in table)]
     lines = [", ".join(used), *(", ".join(row.get(c, "") for c in used) for row in table)]
     text = "\n".join([*head, *lines]) + "\n"
-    losses = [*contents.losses, *_lost(contents, drawn, text, model.tip)]
-    resting = _resting(contents)
-    if resting:
-        losses.append(f"the mass of {listed(resting, 6)}, which does not move")
+    fixed = lost_names(link.fixed for link in contents.links if link.fixed)
+    losses = [*contents.losses, *_lost(contents, drawn, text, None if inner else model.tip), *fixed]
+    losses += _lost_of_arm(contents, chain, model.tip if inner else None)
     if off > _FITTED:
         losses.append(f"{off:.1g} m or rad: the table does not fit the axes better")
     return text, losses
+
+
+def _lost_of_arm(contents: Contents, chain: list[WrittenLink], inner: str | None) -> list[str]:
+    """The losses of an arm that has its coordinates in another order, or its tip, `inner`, not on
+    the last link, or a base with mass."""
+    losses = []
+    if inner is not None:
+        losses.append(
+            f"the tip {inner!r}, which the last joint does not move: that of a table is on the "
+            f"last link"
+        )
+    order = tuple(link.joint.name for link in chain if link.joint)
+    if order != contents.joint_names:
+        losses.append(
+            f"the order of its coordinates, which is that from the base outwards: "
+            f"{', '.join(order)}"
+        )
+    resting = _resting(contents)
+    if resting:
+        losses.append(f"the mass of {listed(resting, 6)}, which does not move")
+    return losses
 
 
 # ---------------------------------------------------------------- the arm
@@ -105,6 +132,14 @@ def _chain(contents: Contents) -> list[WrittenLink]:
     if not chain:
         _refuse(contents, "nothing moves")
     return chain
+
+
+def _moves_with(contents: Contents, name: str, link: WrittenLink) -> bool:
+    """Whether a link or frame is fixed to a link."""
+    at = contents.parts[name]
+    while at.parent and at.joint is None:
+        at = contents.parts[at.parent]
+    return at is link
 
 
 def _refuse(contents: Contents, why: str) -> None:
@@ -273,7 +308,7 @@ def _lost(contents: Contents, drawn: dict[str, DhFrame], text: str, tip: str | N
     described = dh_csv.describe("table", text, name=contents.name, convention=None)
     table = build_model(described, physical="ignore")
     read = _drawn(contents_of(table, HOLDS))
-    if tip != table.tip:
+    if tip is not None and tip != table.tip:
         losses.append(f"the name of the tip {tip!r}, which is {table.tip!r} in a table")
     missing = [name for name in drawn if name not in read and name != tip]
     moved = [name for name in drawn if name in read and not _is_near(drawn[name], read[name])]

@@ -1,5 +1,5 @@
 """MJCF of a model: bodies one in another, their joints in them, frames as sites, loops and mimics
-as equalities between sites and joints, struts as tendons."""
+as equalities between sites and joints, struts as tendons between sites."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from freebody.formats.writing.contents import (
     Holds,
     WrittenJoint,
     WrittenLink,
+    WrittenStrut,
     checked_names,
     contents_of,
+    lost_names,
 )
 from freebody.formats.writing.xml import Element, SubElement, numbers, text_of
 from freebody.model.description import INFINITE
@@ -37,6 +39,7 @@ HOLDS = Holds(
         )
     ),
     loops=frozenset(("spherical", "fixed", "revolute")),
+    struts=True,
     gravity=True,
     velocity=False,
     passive=True,
@@ -71,8 +74,8 @@ class _Writer:
         SubElement(self.root, "option", {"gravity": numbers(contents.gravity)})
         self.world = SubElement(self.root, "worldbody")
         self.bodies: dict[str, Element] = {}
-        self.sites: set[str] = set()
-        """Names of sites besides those of frames."""
+        self.sites = {link.name for link in contents.links}
+        """Names that no further site may have."""
 
     def written(self) -> tuple[str, list[str]]:
         contents = self.contents
@@ -88,6 +91,9 @@ class _Writer:
             )
         self.equalities()
         self.tendons()
+        self.losses += lost_names(
+            link.fixed for link in contents.links if link.fixed not in ("", f"{link.name}_weld")
+        )
         driven = [
             link.joint.name
             for link in contents.links
@@ -279,50 +285,63 @@ class _Writer:
         by: np.ndarray,
     ) -> None:
         """Two sites that are held together, `by` off the frames of a loop."""
+        # readers call the ends so
         sites = [
-            self.site(f"{name}_{side}", body, (R, p + R @ by))  # readers call the ends so
+            self.site(f"{name}_{side}", body, (R, p + R @ by))
             for side, (body, R, p) in zip("ab", ends, strict=True)
         ]
         SubElement(equality, tag, {"name": name, "site1": sites[0], "site2": sites[1]})
 
-    def site(self, name: str, body: Element, pose: tuple[np.ndarray, np.ndarray]) -> str:
-        """The name of a site that is added to a body, like `name` where that is free."""
-        while name in self.contents.parts or name in self.sites:
+    def site(self, name: str, body: Element, pose: Pose | tuple[np.ndarray, np.ndarray]) -> str:
+        """The name of a new site on a body."""
+        while name in self.sites:
             name += "_"
         self.sites.add(name)
         SubElement(body, "site", {"name": name, **_place(pose)})
         return name
 
+    # ------------------------------------------------------------ struts
     def tendons(self) -> None:
-        """Struts. MuJoCo has no preload; with a spring, it is a rest length that is another."""
-        if not self.contents.struts:
+        """Struts as tendons that are a spring and a damper between two sites."""
+        told = [(strut, self.spring(strut)) for strut in self.contents.struts]
+        kept = [(strut, rest) for strut, rest in told if strut.stiffness or strut.damping]
+        if not kept:
             return
         tendon = SubElement(self.root, "tendon")
-        for strut in self.contents.struts:
-            stiffness, rest = strut.numbers["stiffness"], strut.numbers["rest"]
-            preload = strut.numbers["preload"]
-            relaxed = rest - preload / stiffness if stiffness else rest
-            if preload and (not stiffness or relaxed < 0.0):
-                self.losses.append(f"the preload of the strut {strut.name!r}")
-            elif preload:
-                self.losses.append(
-                    f"the preload of the strut {strut.name!r} as a number: its force is written as "
-                    f"that of a spring with the rest length {relaxed:g} m"
-                )
-                rest = relaxed
-            given = {
-                "name": strut.name,
-                "stiffness": repr(stiffness),
-                "damping": repr(strut.numbers["damping"]),
-                "springlength": repr(rest),
+        for strut, rest in kept:
+            numbers_of = {
+                "stiffness": strut.stiffness,
+                "damping": strut.damping,
+                "springlength": rest,
             }
-            spatial = SubElement(tendon, "spatial", given)
-            for frame, side in zip(strut.frames, "ab", strict=True):
+            given = {key: repr(x) for key, x in numbers_of.items()}
+            spatial = SubElement(tendon, "spatial", {"name": strut.name, **given})
+            for side, frame in zip("ab", strut.frames, strict=True):
                 site = frame
                 if not self.contents.parts[frame].mounted:
                     body, R, p = self.end(frame)
                     site = self.site(f"{strut.name}_{side}", body, (R, p))
                 SubElement(spatial, "site", {"site": site})
+
+    def spring(self, strut: WrittenStrut) -> float:
+        """The rest length at which the spring of a strut, which has no preload in MuJoCo, has the
+        same force."""
+        stiffness, rest, preload = strut.stiffness, strut.rest, strut.preload
+        if not stiffness and not strut.damping:
+            which = "which is a preload alone" if preload else "which has no force"
+            self.losses.append(f"the strut {strut.name!r}, {which}")
+        elif preload:
+            free = rest - preload / stiffness if stiffness else -1.0
+            if free >= 0.0:
+                self.losses.append(
+                    f"the preload of the strut {strut.name!r}: with the rest length {free:.6g} m, "
+                    f"which is written, its spring has the same force"
+                )
+                return free
+            self.losses.append(
+                f"the preload of the strut {strut.name!r}, which no rest length stands for"
+            )
+        return rest
 
 
 def _place(pose: Pose | tuple[np.ndarray, np.ndarray]) -> dict[str, str]:

@@ -68,7 +68,7 @@ def written(model: Model) -> tuple[str, list[str]]:
     links = _links(contents)
     for link in links:
         _link(robot, link)
-    taken = {link.joint.name for link in links if link.joint}
+    taken = contents.taken
     for link in contents.joined:
         if not link.mounted:
             _joint(robot, link, taken)
@@ -85,7 +85,7 @@ def _with_names_apart(contents: Contents) -> Contents:
     """The contents with other names for joints and loops that are called like a link or frame,
     which no two parts of a model are in SDF."""
     parts = {link.name for link in contents.links}
-    given = [*contents.joint_names, *(loop.name for loop in contents.loops)]
+    given = [*sorted(contents.taken), *(loop.name for loop in contents.loops)]
     taken, renamed = parts.union(given), dict[str, str]()
     for name in given:
         if name in parts:
@@ -101,7 +101,10 @@ def _with_names_apart(contents: Contents) -> Contents:
 
     return replace(
         contents,
-        links=tuple(replace(link, joint=other(link.joint)) for link in contents.links),
+        links=tuple(
+            replace(x, joint=other(x.joint), fixed=renamed.get(x.fixed, x.fixed))
+            for x in contents.links
+        ),
         loops=tuple(replace(x, name=renamed.get(x.name, x.name)) for x in contents.loops),
         joint_names=tuple(renamed.get(name, name) for name in contents.joint_names),
         losses=(
@@ -193,7 +196,7 @@ def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
     joint = link.joint
     if joint and joint.kind == "free":
         return
-    name = joint.name if joint else fixed_name(link.name, taken)
+    name = joint.name if joint else link.fixed or fixed_name(link.name, taken)
     kind = HOLDS.kinds[joint.kind] if joint else "fixed"
     element = SubElement(robot, "joint", {"name": name, "type": kind})
     SubElement(element, "parent").text = link.parent

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from freebody.formats.writing.contents import fixed_name
 from freebody.model.bodies import Frame
 from freebody.model.description import Drive, Joint, Limits, Loop
 from freebody.model.doubts import DOUBT_KINDS, read_doubts
@@ -83,11 +84,20 @@ class _TomlWriter:
     def parts(self) -> list[str]:
         frames = {frame.name: frame for frame in self.model.frames}
         fixed = [frame for frame in self.links if frame.parent]
-        taken = {joint.name for joint in self.joints}
+        moving = {joint.name for joint in self.joints}
+        taken = moving.union(self.model.fixed_joint_names)
         return [
             *(self.link(frame) for frame in self.links),
             *(_joint(joint, frames[joint.parent].placement) for joint in self.joints),
-            *(_fixed(frame, frames[frame.parent], taken) for frame in fixed),
+            *(
+                _fixed(
+                    frame,
+                    frames[frame.parent],
+                    frame.joint if frame.joint not in moving else "",
+                    taken,
+                )
+                for frame in fixed
+            ),
             *(
                 _mounted(frame, frames[frame.parent])
                 for frame in self.model.frames
@@ -194,11 +204,8 @@ for _number in (number for law in LAWS.values() if law.usual for number in law.n
     _NOTHING.setdefault(_number.place[0], {})[_number.place[1]] = repr(_number.default)
 
 
-def _fixed(frame: Frame, parent: Frame, taken: set[str]) -> str:
-    name = frame.joint or f"{frame.name}_joint"
-    while name in taken:
-        name += "_"
-    taken.add(name)
+def _fixed(frame: Frame, parent: Frame, name: str, taken: set[str]) -> str:
+    name = name or fixed_name(frame.name, taken)
     entries = {"name": name, "kind": "fixed", "parent": parent.name, "child": frame.name}
     place = _place(_behind(parent.placement, frame.placement))
     return _section("joint", {key: _text(value) for key, value in entries.items()} | place)

@@ -49,7 +49,7 @@ def written(model: Model) -> tuple[str, list[str]]:
     robot = Element("robot", {"name": contents.name})
     for link in contents.links:
         _link(robot, link)
-    taken = {link.joint.name for link in contents.links if link.joint}
+    taken = contents.taken
     for link in contents.joined:
         _joint(robot, link, taken)
     for link in contents.joined:
@@ -90,7 +90,7 @@ def _origin(element: Element, pose: Pose) -> None:
 def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
     """The joint that moves a link, or holds it."""
     joint = link.joint
-    name = joint.name if joint else fixed_name(link.name, taken)
+    name = joint.name if joint else link.fixed or fixed_name(link.name, taken)
     kind = HOLDS.kinds[joint.kind] if joint else "fixed"
     element = SubElement(robot, "joint", {"name": name, "type": kind})
     SubElement(element, "parent", {"link": link.parent})

@@ -18,6 +18,8 @@ from freebody.spatial import Matrix, space
 SNAPPED = 3e-9
 """rad from a multiple of a right angle within which readers take an angle for that multiple."""
 _ALIKE = 1e-12
+_ROUNDED = 1e-15
+"""Change of an entry of a rotation that is rounding."""
 
 __all__ = ["Element", "SubElement"]
 
@@ -41,9 +43,13 @@ def limit(value: float) -> str:
 
 def angles(R: Matrix) -> tuple[float, float, float]:
     """Roll, pitch and yaw of a rotation; where the pitch is a right angle, of the many the ones
-    that give this matrix."""
-    pitch = math.atan2(-R[2][0], math.hypot(R[0][0], R[1][0]))
+    that give this matrix, and near it a right yaw, which readers do not round, where it does."""
+    across = math.hypot(R[0][0], R[1][0])
+    pitch = math.atan2(-R[2][0], across)
     yaw = math.atan2(R[1][0], R[0][0])
+    right = round(yaw / (math.pi / 2)) * (math.pi / 2)
+    if abs(yaw - right) * across < _ROUNDED:
+        yaw = right
     s, c = math.sin(yaw), math.cos(yaw)
     roll = math.atan2(s * R[0][2] - c * R[1][2], c * R[1][1] - s * R[0][1])
     return roll, pitch, yaw
