@@ -76,7 +76,6 @@ def _structure(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]
             yield _of_joint("joints", pair, f"is passive in {who!r} alone", math.inf)
     yield from _mimics(found)
     yield from _loops(found)
-    yield from _struts(found)
 
 
 def _loops(found: Alignment) -> Iterator[RobotDifference]:
@@ -126,7 +125,8 @@ def _ends(
     """Both ends of a loop or strut, in the bodies and poses that stand for its own."""
     kind, along, distance = "strut", (), 0.0
     if isinstance(part, Loop):
-        kind, along = part.kind, part.axis
+        in_plane = robot.model.dim == 2 and part.kind == "revolute"
+        kind, along = part.kind, (0.0, 0.0, 1.0) if in_plane else part.axis
         distance = 0.0 if part.distance is None else float(VALUES.quantity(part.distance))
     found = []
     for name in part.frames:
@@ -149,52 +149,6 @@ def _coincide(ends: list[_HeldEnd], others: list[_HeldEnd], found: Alignment) ->
             and norm(y.point - x.point - x.axis * (x.axis @ (y.point - x.point)))
             <= 3.0 * found.tolerances.length
             for x, y in zip(ends, way, strict=True)
-        )
-        for way in (others, others[::-1])
-    )
-
-
-def _struts(found: Alignment) -> Iterator[RobotDifference]:
-    """Struts between points that no strut of the other robot joins, and those of other force."""
-    bodies, length = _counterparts(found), found.tolerances.length
-    others = [(x, _held_frames(found.b, x.frames, bodies)) for x in found.b.model.struts]
-    for strut in found.a.model.struts:
-        ends = _held_frames(found.a, strut.frames, {})
-        same = [k for k, (_, other) in enumerate(others) if _same_points(ends, other, length)]
-        if not same:
-            text = f"a strut that {found.b.model.name!r} has no counterpart of"
-            yield RobotDifference("joints", (strut.name, ""), text, math.inf)
-            continue
-        # of several between the same points, the one of the most similar force
-        numbers = _law(strut)
-        off = [sum(abs(np.subtract(numbers, _law(others[k][0])))) for k in same]
-        other, _ = others.pop(same[int(np.argmin(off))])
-        for what, x, y in zip(_OF_STRUTS, numbers, _law(other), strict=True):
-            if abs(x - y) > found.tolerances.share * max(abs(x), abs(y)):
-                text = f"its {what} is {x:.6g} and {y:.6g}"
-                yield RobotDifference("joints", (strut.name, other.name), text, abs(x - y))
-    for strut, _ in others:
-        text = f"a strut that {found.a.model.name!r} has no counterpart of"
-        yield RobotDifference("joints", ("", strut.name), text, math.inf)
-
-
-_OF_STRUTS = ("stiffness (N/m)", "damping (N s/m)", "force at length 0 (N)")
-"""The numbers that tell the force of a strut, whichever part of it is called preload."""
-
-
-def _law(strut: Strut) -> tuple[float, float, float]:
-    stiffness, rest, damping, preload = map(float, map(VALUES.quantity, strut.numbers))
-    return stiffness, damping, preload - stiffness * rest
-
-
-def _same_points(
-    ends: list[tuple[int, ArrayPose]], others: list[tuple[int, ArrayPose]], length: float
-) -> bool:
-    """Whether two pairs of frames have their origins at the same places, in either order."""
-    return any(
-        all(
-            body == other and norm(p - place) <= 3.0 * length
-            for (body, (_, p)), (other, (_, place)) in zip(ends, way, strict=True)
         )
         for way in (others, others[::-1])
     )
@@ -417,14 +371,9 @@ def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:
 
 
 # ------------------------------------------------------------ struts
-def _struts_given(robot: BodyTree) -> frozenset[str]:
-    return frozenset(["struts"] if robot.model.struts else [])
-
-
-def _struts(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
-    """Struts between other points, and the numbers of those between the same."""
-    if not compared:
-        return
+def _struts(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]:
+    """Struts between other points, and the numbers of those between the same; a robot without any
+    is another one."""
     own = [(strut, _ends(found.a, strut, {})) for strut in found.a.model.struts]
     others = [(strut, _ends(found.b, strut, _stand_for(found))) for strut in found.b.model.struts]
     for strut, ends in own:
@@ -439,8 +388,8 @@ def _struts(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
         differences, k = min(same, key=lambda one: len(one[0]))  # some may stand side by side
         del others[k]
         yield from differences
-    for strut, _ in others:
-        yield _lone("struts", found, 1, strut)
+    for lone in others:
+        yield _lone("struts", found, 1, lone[0])
 
 
 def _of_strut(found: Alignment, one: Strut, two: Strut) -> Iterator[RobotDifference]:
@@ -475,6 +424,6 @@ ASPECTS: tuple[Aspect, ...] = (
     Aspect("masses", _masses, _masses_given),
     Aspect("limits", _limits, _limits_given),
     Aspect("friction", _drives, _drives_given),
-    Aspect("struts", _struts, _struts_given),
+    Aspect("struts", _struts),
 )
 """All aspects, in the order in which a difference counts as the first."""

@@ -23,7 +23,6 @@ from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.single_joints import is_taken_apart, with_single_joints
-from freebody.model.struts import NUMBERS
 from freebody.model.tip import chosen
 from freebody.model.tree import Attached, Pose
 from freebody.spatial import space
@@ -55,7 +54,6 @@ class Holds:
     base: str = ""
     passive: bool = False
     keeps_tip: bool = False
-    struts: bool = False
 
 
 @dataclass(frozen=True)
@@ -122,7 +120,6 @@ class Contents:
     """Names of the joints that move, in the order of the coordinates."""
     free: WrittenJoint | None = None
     """The joint that carries the root of a robot whose base floats."""
-    struts: tuple[WrittenStrut, ...] = ()
 
     def with_losses(self, more: Iterable[str]) -> Contents:
         """Contents like these that lose more."""

@@ -43,7 +43,6 @@ HOLDS = Holds(
     gravity=True,
     velocity=False,
     passive=True,
-    struts=True,
 )
 _WORLD = "world"
 _LEAST = 2e-15
