@@ -206,6 +206,8 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
         )
         if not (reads and own):
             _watch["touched"].append((event, str(path), mode))
+    elif event in ("os.putenv", "os.unsetenv") and arguments[0].startswith(b"PYDANTIC_"):
+        pass  # the reader of commands does so for as long as it validates
     elif event.startswith(_DOINGS) and event not in (
         "os.listdir",
         "os.scandir",

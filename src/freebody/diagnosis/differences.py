@@ -339,7 +339,7 @@ def _numbers(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[Ro
 
 
 def _losses(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[RobotDifference]:
-    """What joints lose of the torque that they transmit, nothing by an efficiency of 1."""
+    """The parts that joints lose of the torque transmitted; an efficiency of 1 loses none."""
     one, two = (_parts_lost(part.body.joint.drive, law) for part in (pair.a, pair.b))
     for who, x, y in zip(("the motor", "the joint"), one, two, strict=True):
         if abs(x - y) > found.tolerances.share:

@@ -67,7 +67,7 @@ class Energies:
 
     @property
     def storing(self) -> str:
-        """What stores energy besides weights, in words."""
+        """The parts that store energy besides weights, in words."""
         return listed(list(dict.fromkeys(f"{law.words}s" for law in self.storing_laws)))
 
     @property

@@ -27,7 +27,7 @@ ABSOLUTE = (
 _BURDENS = tuple(
     dict.fromkeys(law.words for law in sorted(LAWS.values(), key=lambda law: law.inertia is None))
 )
-"""What else a motor works against, in the order in which it is told: rotors first."""
+"""The laws that a motor works against besides, in the order in which it is told: rotors first."""
 
 
 def gyroscopic(s: Setting, i: int, moment: Vector) -> str:

@@ -6,7 +6,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import freebody as fb
-from freebody.errors import FileError, ModelError, UnknownNameError
 
 J, M = 0.9, 2.0
 """Inertia of the rotor seen behind its gear, kg, and the mass behind the shaft, kg."""
@@ -219,11 +218,11 @@ def test_joints_that_cannot_be_flexible():
         (arm(stiffness=3.0), {"stiffness": 1.0}, r"its spring acts on the link's angle"),
         (slide(1.0), {"stiffness": 1.0}, r"already has a joint 'joint1_twist'; is 'joint1' fl"),
     ):
-        with pytest.raises(ModelError, match=words):
+        with pytest.raises(fb.ModelError, match=words):
             model.with_flexible_joint("joint1", **given)
-    with pytest.raises(UnknownNameError, match="joint3"):
+    with pytest.raises(fb.UnknownNameError, match="joint3"):
         arm().with_flexible_joint("joint3", stiffness=1.0)
-    with pytest.raises(FileError, match=r"joint 'joint1', flexible: its rotor has no inertia"):
+    with pytest.raises(fb.FileError, match=r"joint 'joint1', flexible: its rotor has no inertia"):
         fb.load(text=TEXT.replace("inertia = 1e-3", "inertia = 0"), format="toml")
     finger = """
 [[link]]
@@ -237,10 +236,16 @@ parent = "slider"
 child = "finger"
 mimic = { joint = "joint1" }
 """
-    with pytest.raises(FileError, match=r"joint 'joint1' is flexible, and its rotor would be fol"):
+    with pytest.raises(
+        fb.FileError, match=r"joint 'joint1' is flexible, and its rotor would be fol"
+    ):
         fb.load(text=TEXT + finger, format="toml")
     followed = fb.load(text=TEXT.replace("flexible =", "# ") + finger, format="toml")
-    with pytest.raises(ModelError, match=r"joint 'follower' follows 'joint1', and would follow i"):
+    with pytest.raises(
+        fb.ModelError, match=r"joint 'follower' follows 'joint1', and would follow i"
+    ):
         followed.with_flexible_joint("joint1", stiffness=1.0)
-    with pytest.raises(ModelError, match=r"joint 'follower': it follows 'joint1'; give a joint th"):
+    with pytest.raises(
+        fb.ModelError, match=r"joint 'follower': it follows 'joint1'; give a joint th"
+    ):
         followed.with_flexible_joint("follower", stiffness=1.0)

@@ -397,8 +397,9 @@ def test_turns_of_a_screw_beyond_the_starts_are_not_called_out_of_reach():
 COMMON = {"fixed", "free", "planar", "point", "distance"}
 """Names of kinds that are words with other meanings too."""
 OTHERWISE = {
-    f"formats/{name}.py": "what the format calls them" for name in ("urdf", "sdf", "mjcf/reader")
-}
+    f"{name}.py": "what the format calls them, or something else"
+    for name in ("formats/urdf", "formats/sdf", "formats/mjcf/reader", "ways_out/fmus")
+} | {"model/cut.py": "the joint that stands for a fixed one"}
 SOURCE = Path(fb.__file__).parent
 
 
