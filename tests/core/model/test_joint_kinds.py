@@ -397,9 +397,20 @@ def test_turns_of_a_screw_beyond_the_starts_are_not_called_out_of_reach():
 COMMON = {"fixed", "free", "planar", "point", "distance"}
 """Names of kinds that are words with other meanings too."""
 OTHERWISE = {
-    f"{name}.py": "what the format calls them, or something else"
-    for name in ("formats/urdf", "formats/sdf", "formats/mjcf/reader", "ways_out/fmus")
-} | {"model/cut.py": "the joint that stands for a fixed one"}
+    "formats/urdf.py": "what the format calls them",
+    "formats/urdf_motors.py": "what the format calls them",
+    "formats/sdf.py": "what the format calls them",
+    "formats/mjcf/reader.py": "what the format calls them",
+    "formats/writing/dh_csv.py": "the kinds that the format has",
+    "formats/writing/mjcf.py": "the kinds that the format has",
+    "formats/writing/sdf.py": "the kinds that the format has",
+    "diagnosis/facts.py": "what URDF calls them",
+    "diagnosis/findings/limits.py": "what URDF calls them",
+    "diagnosis/bodies_in_space.py": "the axis that joints of the plane have in space",
+    "diagnosis/differences.py": "the axis that loops of the plane have in space",
+    "model/cut.py": "the joint that stands for a fixed one",
+    "ways_out/fmus.py": "how a variable of FMI varies",
+}
 SOURCE = Path(fb.__file__).parent
 
 
