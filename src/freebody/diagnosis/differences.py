@@ -18,6 +18,7 @@ from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.quantity_reader import VALUES
 from freebody.model.struts import Strut
 from freebody.outputs.display import InWords
+from freebody.outputs.number_text import compared
 
 _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed limit",
            "effort": "effort limit"}  # fmt: skip
@@ -173,7 +174,8 @@ def _mimics(found: Alignment) -> Iterator[RobotDifference]:
         offset = pair.flip * two.offset + pair.offset - ratio * leader.offset
         for what, x, y in (("ratio", one.ratio, ratio), ("offset", one.offset, offset)):
             if abs(x - y) > found.tolerances.share * max(1.0, abs(x)):
-                text = f"follows by a{'n' if what[0] == 'o' else ''} {what} of {x:.6g} and {y:.6g}"
+                a = "an" if what[0] == "o" else "a"
+                text = f"follows by {a} {what} of {' and '.join(compared(x, y, digits=6))}"
                 yield _of_joint("joints", pair, text, abs(x - y))
 
 

@@ -385,7 +385,6 @@ UNREADABLE = [
     ("2 T + 0 = T + T", "both sides are the same"),
     ("0 = 0", "both sides are the same"),
     ("θ1 = θ1", "both sides are the same"),
-    ("tau1 + tau2 = 0", "neither side is one of the quantities"),
     ("M = l1", "M is a vector or matrix"),
     ("M = [[1, 2], [3]]", "M has 2 × 2 entries here"),
     ("A = [1, 2]\nH12 = A", "H12 is one number, not a vector or matrix"),

@@ -50,4 +50,4 @@ def test_long_texts_are_read_in_bounded_time(piece: str):
     begun = time.process_time()
     with pytest.raises(fb.FreebodyError):
         fb.check(ARM, piece * (19_000 // max(1, len(piece.strip()))))
-    assert time.process_time() - begun < 6.0
+    assert time.process_time() - begun < 20.0
