@@ -136,7 +136,7 @@ function isInNumbers(node, line) {
 // The thoughts under which the line would be what is typed, at the first state: of the first table
 // that has any, one of a row.
 function thoughtsOf(node, line, right) {
-  if (nodesOf(node).some(({is}) => SECOND[is] || is === "atan2")) return [];  // what functions tell
+  if (nodesOf(node).some(({is}) => SECOND[is] || ["atan2", "abs"].includes(is))) return [];  // what functions tell
   const {yours} = entriesAt(states()[0], node, line), ahead = line.vector ? 0 : yours.length - 1;
   const found = yours.flatMap((own, k) => {
     const thoughts = page.thoughts[line.thoughts?.[k - ahead]];  // not of what a plane lacks

@@ -196,7 +196,7 @@ FUNCTIONS = [  # only a posture may have a root's other sign; what is equal to i
     ("H12", "H12", "Cannot be read: there is no H12 that this line may use"),
     ("H12", "H21", "Not decided here: What says it by H21, which stands on this line too,"),
     ("G2", "abs(G2)", "Cannot be read: there is no G2 that this line may use"),
-    ("G2", "|m2 g lc2 c12|", "Cannot be read: | has no meaning here"),
+    ("G2", "|m2 g lc2 c12|", "Not right: look at it again"),
 ]
 
 
