@@ -158,7 +158,7 @@ def test_an_ideal_damper_takes_what_energy_is_lost():
 
 
 # ---------------------------------------------------------------- closed chains
-@pytest.mark.parametrize("name", ["four_bar", "stewart"])
+@pytest.mark.parametrize("name", ["four_bar", pytest.param("stewart", marks=pytest.mark.long)])
 def test_closed_chains(name):
     bare, (q, qd), _ = loaded(name) if name == "four_bar" else stewart()
     model = strutted(bare, 3)
