@@ -12,6 +12,7 @@ from freebody.model.description import Loop
 from freebody.model.families import Members
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.parameters import Parameter, Quantity, quantity
+from freebody.model.struts import two_frames
 from freebody.spatial import unit
 
 
@@ -21,8 +22,6 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
     body_of: the body of each frame; taken: names of joints and other loops.
     """
     where = f"loop {loop.name!r}"
-    if not loop.name or loop.name in taken:
-        raise ModelError(f"{where}: the name is taken or empty; choose another.")
     if loop.kind not in LOOP_KINDS:
         raise UnknownNameError("loop kind", loop.kind, where, LOOP_KINDS)
     kind = LOOP_KINDS[loop.kind]
@@ -30,19 +29,10 @@ def checked_loop(loop: Loop, dim: int, body_of: Mapping[str, int], taken: Contai
         raise ModelError(
             f"{where}: {kind.name} is no loop of dimension {dim}; write {kind.elsewhere}."
         )
-    if len(loop.frames) != 2:
-        raise ModelError(f"{where}: frames must be the names of two frames.")
-    for name in loop.frames:
-        if name not in body_of:
-            raise UnknownNameError("frame", name, where, body_of)
-    if body_of[loop.frames[0]] == body_of[loop.frames[1]]:
-        raise ModelError(
-            f"{where}: frames {loop.frames[0]!r} and {loop.frames[1]!r} are on the same body, so "
-            f"the loop closes nothing; name frames of two bodies."
-        )
+    frames = two_frames(where, loop.name, loop.frames, body_of, taken, "the loop closes nothing")
     return replace(
         loop,
-        frames=tuple(loop.frames),
+        frames=frames,
         axis=_axis(loop, dim, where),
         distance=checked_distance(loop),
     )

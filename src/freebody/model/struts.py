@@ -66,21 +66,38 @@ def checked_strut(strut: Strut, body_of: Mapping[str, int], taken: Container[str
     body_of: the body of each frame; taken: names of joints, loops and other struts.
     """
     where = f"strut {strut.name!r}"
-    if not strut.name or strut.name in taken:
-        raise ModelError(f"{where}: the name is taken or empty; choose another.")
-    if isinstance(strut.frames, str) or len(strut.frames) != 2:
-        raise ModelError(f"{where}: frames must be the names of two frames.")
-    for name in strut.frames:
-        if name not in body_of:
-            raise UnknownNameError("frame", name, where, body_of)
-    first, second = strut.frames
-    if body_of[first] == body_of[second]:
-        raise ModelError(
-            f"{where}: frames {first!r} and {second!r} are on the same body, so its length never "
-            f"changes; name frames of two bodies."
-        )
+    useless = "its length never changes"
+    frames = two_frames(where, strut.name, strut.frames, body_of, taken, useless)
     read = {n.name: quantity(getattr(strut, n.name), f"{where}: {n.name}") for n in NUMBERS}
-    checked = replace(strut, frames=(first, second), **read)
+    checked = replace(strut, frames=frames, **read)
     if fault := checked.fault():
         raise ModelError(f"{where}: {fault}.")
     return checked
+
+
+def two_frames(
+    where: str,
+    name: object,
+    frames: object,
+    body_of: Mapping[str, int],
+    taken: Container[str],
+    useless: str,
+) -> tuple[str, str]:
+    """The names of the frames of a loop or strut, which is refused without a name of its own, and
+    where its frames are not on two bodies; useless: what it does on one body, in words."""
+    if not isinstance(name, str):
+        raise ModelError(f"{where}: the name must be text.")
+    if not name or name in taken:
+        raise ModelError(f"{where}: the name is taken or empty; choose another.")
+    if not isinstance(frames, (tuple, list)) or len(frames) != 2:
+        raise ModelError(f"{where}: frames must be the names of two frames.")
+    for frame in frames:
+        if not isinstance(frame, str) or frame not in body_of:
+            raise UnknownNameError("frame", frame, where, body_of)
+    first, second = frames
+    if body_of[first] == body_of[second]:
+        raise ModelError(
+            f"{where}: frames {first!r} and {second!r} are on the same body, so {useless}; name "
+            f"frames of two bodies."
+        )
+    return first, second

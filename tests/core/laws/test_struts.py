@@ -359,6 +359,15 @@ def test_what_is_refused():
             lambda: model.with_strut("gas", ends, rest=-1.0))  # fmt: skip
     refused("strut 'gas': the name is taken or empty; choose another.",
             lambda: gas.with_strut("gas", ends))  # fmt: skip
+    for part in (model.with_strut, lambda name, frames: model.with_loop(name, "fixed", frames)):
+        for name, frames, text in (
+            (3, ends, "the name must be text"),
+            ("g", None, "frames must be the names of two frames"),
+            ("g", "ab", "frames must be the names of two frames"),
+            ("g", ("foot", None), "no frame None"),
+        ):
+            with pytest.raises(fb.FreebodyError, match=text):
+                part(name, frames)
     for call in (fb.regressor, fb.base_parameters, fb.equations, fb.derive):
         with pytest.raises(fb.FreebodyError, match=r'model\.without\("struts"\)'):
             call(gas, [0.1], [0.2], [0.3]) if call is fb.regressor else call(gas)
