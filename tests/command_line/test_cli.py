@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import freebody as fb
-from support.command import run
+from support.command import error, run
 
 EMPTY = '<robot name="a"><link name="x"/></robot>'
 
@@ -19,17 +19,6 @@ EMPTY = '<robot name="a"><link name="x"/></robot>'
 @pytest.fixture(autouse=True)
 def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-
-
-def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """What a refused command says: one line, nothing on stdout, exit code 2."""
-    assert run([*arguments]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("error: ")
-    assert said.err.count("\n") == 1
-    assert "Traceback" not in said.err
-    return said.err.removeprefix("error: ").rstrip("\n")
 
 
 def program(*arguments: str) -> subprocess.CompletedProcess[str]:

@@ -15,23 +15,12 @@ from freebody import cli
 from freebody.cli import INTERRUPTED, terminal
 from freebody.cli.terminal import spelled
 from freebody.motion.simulation import simulate as module
-from support.command import run
+from support.command import error, run
 
 
 @pytest.fixture(autouse=True)
 def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
-
-
-def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """What a refused command says: one line, nothing on stdout, exit code 2."""
-    assert run([*arguments]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert said.err.startswith("error: ")
-    assert said.err.count("\n") == 1
-    assert "Traceback" not in said.err
-    return said.err.removeprefix("error: ").rstrip("\n")
 
 
 def test_the_bar_of_a_study_only_grows_and_is_not_full_before_the_files_are_written(

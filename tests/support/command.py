@@ -9,6 +9,8 @@ import runpy
 import sys
 from collections.abc import Sequence
 
+import pytest
+
 
 def run(arguments: Sequence[str]) -> int:
     """The exit status with these arguments; what it prints goes to this process's streams."""
@@ -41,3 +43,14 @@ def commands() -> dict[str, str]:
 def example(help_text: str) -> str:
     """The example of a command's help: what follows the program's name."""
     return " ".join(help_text.partition("Example: freebody ")[2].split())
+
+
+def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    """What a refused command says: one line, nothing on stdout, exit code 2."""
+    assert run([*arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert said.err.startswith("error: ")
+    assert said.err.count("\n") == 1
+    assert "Traceback" not in said.err
+    return said.err.removeprefix("error: ").rstrip("\n")
