@@ -128,7 +128,7 @@ _PLACES = {
     "freebody.ways_out.in_torch": ("to_torch",),
     "freebody.kernels.own_functions": ("compile",),
     "freebody_textbook.equations.equations": ("equations",),
-    "freebody_textbook.closed_chains.loops": ("loop_equations",),
+    "freebody_textbook.closed_chains.loop_equations": ("loop_equations",),
     "freebody_textbook.derive": ("derive",),
     "freebody_textbook.check.check": ("check",),
     "freebody_textbook.check.spelling.answer_text": ("AnswerError",),

@@ -139,7 +139,7 @@ from freebody.ways_out.kernel import kernel as kernel
 from freebody_notes.figures.catalogue import notes_figure as notes_figure
 from freebody_textbook.check.check import check as check
 from freebody_textbook.check.spelling.answer_text import AnswerError as AnswerError
-from freebody_textbook.closed_chains.loops import loop_equations as loop_equations
+from freebody_textbook.closed_chains.loop_equations import loop_equations as loop_equations
 from freebody_textbook.derive import derive as derive
 from freebody_textbook.equations.equations import equations as equations
 from freebody_textbook.relations.functions import sampled_trajectory as sampled_trajectory

@@ -29,7 +29,7 @@ from freebody_textbook.closed_chains.linear import (
 )
 
 if TYPE_CHECKING:
-    from freebody_textbook.closed_chains.loops import LoopEquations
+    from freebody_textbook.closed_chains.loop_equations import LoopEquations
 
 ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}
 

@@ -20,7 +20,7 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
 from freebody_textbook.living.body_quantities import (

@@ -19,8 +19,8 @@ from freebody_textbook.closed_chains.linear import product, ratio
 from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.glossary import METER
+from freebody_textbook.methods.loops_and_multipliers import LONG, Loops
 from freebody_textbook.methods.setting import Setting
 
 _SOUGHT = (

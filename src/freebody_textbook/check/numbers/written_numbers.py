@@ -28,7 +28,7 @@ from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of, unit
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.spelling.equation_marks import asked_marks, quantity_before
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _RESULT = LexemePattern(
     "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"

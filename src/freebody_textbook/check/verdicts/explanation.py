@@ -31,7 +31,7 @@ from freebody_textbook.check.reasons.small_changes import Repair, Repairs
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
 from freebody_textbook.check.verdicts.verdict_sentences import Wording, wrong_verdict
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge

@@ -26,7 +26,7 @@ from freebody_textbook.check.numbers.written_units import WrittenUnit, common_un
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.states.completed_state import completed
 from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 EXACT = 1e-9
 """The share by which numbers may be apart beyond their digits."""

@@ -26,7 +26,7 @@ from freebody_textbook.check.reasons.differences import Difference, printed
 from freebody_textbook.check.reasons.small_changes import Repair
 from freebody_textbook.check.states.state_values import StateValues
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 from freebody_textbook.relations.formula_values import occurs, typical_value
 
 _LONG = 70

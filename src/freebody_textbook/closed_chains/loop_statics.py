@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.first_kind import multiplier_names
 from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
-from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.closed_chains.loop_equations import LoopEquations
+from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from freebody.expressions.printed_names import entry, sym
 from freebody.expressions.typesetting.literal import literal
 from freebody.model.tree import TreeLoop
 from freebody.spatial import Vector, sub
-from freebody_textbook.closed_chains.statics import LoopStatics
+from freebody_textbook.closed_chains.loop_statics import LoopStatics
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.body_by_body import SolvedReactions
-from freebody_textbook.methods.cut_loops import Loops
+from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry
 

@@ -1,5 +1,5 @@
-"""Lagrange's equations of the first kind in closed form, and what is left of them in independent
-coordinates.
+"""Equations with multipliers (Lagrange's of the first kind) in closed form, the names of the
+multipliers, and what is left of the equations in independent coordinates.
 
     M q̈ + Φ_qᵀ λ = n,   Φ_q q̈ = c                       (5.27-5.29)
 
@@ -22,7 +22,7 @@ from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 from freebody.spatial import of_dimension
 from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
-from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.equations.equations import Equations
 
 MULTIPLIER = "lam"

@@ -1,5 +1,5 @@
-"""Lines that are right up to something: rows of a Coriolis matrix with C q̇ = c, equations of joints
-that nothing drives up to a factor, rows of J_a and J_b up to one."""
+"""Variants of the right answer that are accepted: rows of a Coriolis matrix with C q̇ = c, equations
+of joints that nothing drives up to a factor, rows of J_a and J_b up to one."""
 
 from __future__ import annotations
 
