@@ -78,14 +78,14 @@ AREAS = (
     ),
     Area(
         "ways out",
-        ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/in_torch.py",
+        ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/torch_operator.py",
          "ways_out/*.py"),
         ("exports", "export_names", "jax", "xla", "cuda"),
     ),
     Area(
         "public functions",
         ("trees/*.py", "any_chain/dynamics.py", "any_chain/kernel_options.py", "arrays.py",
-         "labels.py", "errors.py", "values.py",
+         "labels.py", "errors.py", "by_value.py",
          "lazy.py", "locks.py", "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),

@@ -101,7 +101,7 @@ _PLACES = {
     ),
     "freebody.trees.linearization": ("linearize", "discrete_lqr"),
     "freebody.trees.base_parameters": ("base_parameters",),
-    "freebody.trees.states": (
+    "freebody.trees.positions": (
         "neutral",
         "random_state",
         "integrate",
@@ -114,8 +114,8 @@ _PLACES = {
     "freebody.loops.mobility": ("mobility",),
     "freebody.loops.input_output": ("input_output",),
     "freebody.loops.singularity_loci": ("singularity_loci",),
-    "freebody.inverse.kinematics": ("inverse_kinematics",),
-    "freebody.inverse.rates": ("inverse_velocity", "inverse_acceleration"),
+    "freebody.inverse.inverse_kinematics": ("inverse_kinematics",),
+    "freebody.inverse.inverse_rates": ("inverse_velocity", "inverse_acceleration"),
     "freebody.inverse.singularities": ("singularities",),
     "freebody.reach.dexterity": ("dexterity",),
     "freebody.reach.ellipsoids": ("ellipsoids",),

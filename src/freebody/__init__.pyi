@@ -35,9 +35,9 @@ from freebody.formats.loading import load as load
 from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
 from freebody.formats.templates import template as template
-from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
-from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
-from freebody.inverse.rates import inverse_velocity as inverse_velocity
+from freebody.inverse.inverse_kinematics import inverse_kinematics as inverse_kinematics
+from freebody.inverse.inverse_rates import inverse_acceleration as inverse_acceleration
+from freebody.inverse.inverse_rates import inverse_velocity as inverse_velocity
 from freebody.inverse.singularities import singularities as singularities
 from freebody.kernels.own_functions import compile as compile
 from freebody.loops.assembly import assemble as assemble
@@ -117,18 +117,18 @@ from freebody.trees.linearization import discrete_lqr as discrete_lqr
 from freebody.trees.linearization import linearize as linearize
 from freebody.trees.operational_space import operational_space_bias as operational_space_bias
 from freebody.trees.operational_space import operational_space_inertia as operational_space_inertia
+from freebody.trees.positions import difference as difference
+from freebody.trees.positions import integrate as integrate
+from freebody.trees.positions import neutral as neutral
+from freebody.trees.positions import quat_wxyz as quat_wxyz
+from freebody.trees.positions import random_state as random_state
+from freebody.trees.positions import rotation as rotation
 from freebody.trees.regressors import energy_regressor as energy_regressor
 from freebody.trees.regressors import (
     forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
 )
 from freebody.trees.regressors import inertial_parameters as inertial_parameters
 from freebody.trees.regressors import regressor as regressor
-from freebody.trees.states import difference as difference
-from freebody.trees.states import integrate as integrate
-from freebody.trees.states import neutral as neutral
-from freebody.trees.states import quat_wxyz as quat_wxyz
-from freebody.trees.states import random_state as random_state
-from freebody.trees.states import rotation as rotation
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
 from freebody.ways_out.fmus import export_fmu as export_fmu

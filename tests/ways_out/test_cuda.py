@@ -39,7 +39,7 @@ from freebody.targets.cuda.parts import (
     parts,
     prepared,
 )
-from freebody.targets.cuda.plan import ptx
+from freebody.targets.cuda.ptx import ptx
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import SourceUnit, cuda
 from freebody.ways_out.exports import vectors

@@ -7,15 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.formulas.inverse import known_branches
-from freebody.kernels.options import (
+from freebody.kernels.formula_variants import (
     motion_rows,
     refuse_struts,
     require_few_rows,
     require_square,
     several,
 )
+from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 

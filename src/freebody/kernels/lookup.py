@@ -19,7 +19,7 @@ from freebody.arrays import Array, as_floats, check_core
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.formulas.record import Fetch
-from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
+from freebody.kernels.parameter_inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.tracing import arguments, program
 from freebody.lazy import cached_property
 from freebody.model.losses import require_lossless

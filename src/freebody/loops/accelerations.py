@@ -24,7 +24,7 @@ from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     blurred,
     branches,
     closing,
@@ -47,8 +47,9 @@ from freebody.loops.scaled_equations import (
     row_scale,
 )
 from freebody.model.families import member_at
-from freebody.model.geometry import first_member
+from freebody.model.kept_facts import first_member
 from freebody.model.model import Model
+from freebody.trees.positions import difference, integrate
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -57,7 +58,6 @@ from freebody.trees.public_calls import (
     refuse_without_length,
 )
 from freebody.trees.special_joints import massless
-from freebody.trees.states import difference, integrate
 
 _Jerk = Callable[[Array], Array]
 """x (k, nv) -> Φ's third derivative at q̈ = x (k, m), scaled."""

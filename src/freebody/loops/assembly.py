@@ -9,8 +9,7 @@ import numpy as np
 from freebody.algorithms.loop_checks import CLOSED
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
-from freebody.loops.dyad_decomposition import decomposed
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     closing,
     free_coordinates,
     gaps,
@@ -20,6 +19,7 @@ from freebody.loops.equations import (
     require_loops,
     scaled_jacobian,
 )
+from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.scaled_equations import (
     backward,
     every_residual,
@@ -29,8 +29,8 @@ from freebody.loops.scaled_equations import (
     shortest_way,
 )
 from freebody.model.model import Model
+from freebody.trees.positions import home_guess, integrate
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.trees.states import home_guess, integrate
 
 _STARTS = 200  # of `assembly_modes`
 _RESTARTS = 32

@@ -13,7 +13,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     branches,
     driven_coordinates,
     require_closed,

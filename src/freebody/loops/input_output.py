@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
-from freebody.kernels.options import motion_rows
-from freebody.loops.equations import (
+from freebody.kernels.formula_variants import motion_rows
+from freebody.loops.closure_checks import (
     driven_coordinates,
     require_closed,
     require_loops,
@@ -23,7 +24,6 @@ from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)

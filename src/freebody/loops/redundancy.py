@@ -45,9 +45,9 @@ from freebody.loops.scaled_equations import (
     shortest_way,
     telling,
 )
-from freebody.model.geometry import geometric_fact
+from freebody.model.kept_facts import geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import generic_state, home_guess, integrate
+from freebody.trees.positions import generic_state, home_guess, integrate
 
 EXACT = 1e-12
 """Scaled equations that are open by less are closed but for rounding in the computation."""

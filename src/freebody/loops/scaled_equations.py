@@ -22,14 +22,14 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.model.bodies import Body
 from freebody.model.contributions import pose_part
-from freebody.model.geometry import first_member, geometric_fact
+from freebody.model.kept_facts import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass, Pieces, Pose, Tree, tree_of
 from freebody.spatial import Vector, dot, of_dimension, times
-from freebody.trees.states import difference, integrate
+from freebody.trees.positions import difference, integrate
 
 RANK = 1e-9
 """Singular values of Φ_q, relative to the largest, that count as zero."""

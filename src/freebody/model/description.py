@@ -93,7 +93,7 @@ class Limits:
 
 
 if TYPE_CHECKING:
-    from freebody.model.drives.names import LawNumbers as _LawNumbers
+    from freebody.model.drives.law_numbers import LawNumbers as _LawNumbers
 else:
 
     def _read(drive: Drive) -> None:

@@ -13,7 +13,7 @@ from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.loops import forces as closed
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import gaps, scaled_residual
+from freebody.loops.closure_checks import gaps, scaled_residual
 from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import length
@@ -26,8 +26,8 @@ from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
 from freebody.trees.dynamics import mass_matrix
+from freebody.trees.positions import difference
 from freebody.trees.special_joints import all_driven
-from freebody.trees.states import difference
 
 if TYPE_CHECKING:
     import xarray as xr

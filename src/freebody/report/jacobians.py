@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.loops.equations import scaled_jacobian
+from freebody.loops.closure_checks import scaled_jacobian
 from freebody.loops.scaled_equations import RANK, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.ranges import angular

@@ -18,7 +18,7 @@ from freebody.report.results import LimitUse, StaticPose, Worst, percent
 from freebody.report.series import coordinates
 from freebody.report.variables import LOADS, dataset
 from freebody.trees import dynamics
-from freebody.trees.states import integrate, random_state
+from freebody.trees.positions import integrate, random_state
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.kinematics import NO_CENTRE
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError, listed
+from freebody.kernels.formula_variants import require_square
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import require_square
-from freebody.model.geometry import fact
+from freebody.model.kept_facts import fact
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model

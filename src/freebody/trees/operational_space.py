@@ -9,8 +9,8 @@ import numpy as np
 
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
+from freebody.kernels.formula_variants import motion_rows, require_few_rows
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_rows, require_few_rows
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.closer_looks import looking_closer

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, SingularError, UnknownNameError
 from freebody.kernels import structural
+from freebody.kernels.formula_variants import refuse_struts
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
-from freebody.kernels.options import refuse_struts
 from freebody.kernels.tracing import shape
 from freebody.labels import aligned, refuse_other_times
 from freebody.model.losses import require_lossless

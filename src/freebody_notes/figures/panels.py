@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from freebody.figures.drawing import Drawing
-from freebody.figures.layers import geometry
-from freebody.figures.layers.structure import Layer, structure
+from freebody.figures.layers import measures
+from freebody.figures.layers.bare_robot import Layer, structure
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT
 from freebody.formats.loading import load
 from freebody.trees.public_calls import FrameWrenchTable, JointVector
 
-GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.lengths, geometry.centres)
+GEOMETRY: tuple[Layer, ...] = (
+    measures.angles,
+    measures.lengths,
+    measures.centres,
+)
 RATES, SECOND = [0.9, 1.1], [1.5, 1.0]
 """Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its
 motion."""

@@ -11,15 +11,15 @@ import numpy as np
 from freebody.any_chain.dynamics import forward_dynamics
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers import geometry, motion
-from freebody.figures.layers.structure import clear_way
+from freebody.figures.layers import measures, motion
+from freebody.figures.layers.bare_robot import clear_way
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.model.planar_arms import planar
 from freebody.trees.public_calls import JointVector
 from freebody_notes.figures.apart import apart, inertias
 from freebody_notes.figures.bodies import pinned
-from freebody_notes.figures.names import called
 from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, two_links
+from freebody_notes.figures.pattern_names import called
 
 
 def _single(before: str, n: str) -> str:
@@ -32,7 +32,10 @@ def arm_and_vectors(q: JointVector | None = None) -> Figure:
     seen = two_links(q)
     first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
     second = panel(
-        seen, "(b) position vectors", (geometry.links, geometry.to_tip, geometry.angles), faint=True
+        seen,
+        "(b) position vectors",
+        (measures.links, measures.to_tip, measures.angles),
+        faint=True,
     )
     return _together("A planar two-link arm", first, second)
 
@@ -82,7 +85,7 @@ def pendulum(
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
     seen = _bar(q, qd, qdd)
     first = _bar_panel(seen, "(a) the bar and its motion")
-    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -geometry.BESIDE)
+    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -measures.BESIDE)
     first.add(*_velocity(seen))
     second = apart(seen, (), "(b) free-body diagram")
     return Figure("A pendulum", (first, second))
@@ -144,7 +147,7 @@ def recursion(
 ) -> Figure:
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
     seen = two_links(q, qd, qdd)
-    first = panel(seen, "(a) accelerations", (*_accelerated(), geometry.to_centres))
+    first = panel(seen, "(a) accelerations", (*_accelerated(), measures.to_centres))
     second = apart(seen, ("s", "sc"), "(b) forces")
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
@@ -154,7 +157,7 @@ def energies(
 ) -> Figure:
     """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
     seen = two_links(q, qd, qdd)
-    drawing = panel(seen, "", (*_accelerated(), geometry.of_centres))
+    drawing = panel(seen, "", (*_accelerated(), measures.of_centres))
     drawing.notes = []
     return Figure("An arm with two degrees of freedom", (drawing,), 1, 460.0, 430.0)
 
@@ -163,9 +166,9 @@ def _accelerated() -> tuple[Callable, ...]:
     rates = partial(motion.rates, second=True)
     accelerations = partial(motion.of_centres, second=True, scaled=True)
     return (
-        geometry.angles,
-        geometry.lengths,
-        geometry.centres,
+        measures.angles,
+        measures.lengths,
+        measures.centres,
         inertias,
         rates,
         accelerations,

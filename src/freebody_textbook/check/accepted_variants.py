@@ -20,7 +20,7 @@ from freebody_textbook.check.algebra.quotients import (
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
-from freebody_textbook.check.reasons.differences import parts
+from freebody_textbook.check.reasons.polynomial_differences import parts
 
 _COMPARED_WITH = (
     "C is not unique: many matrices satisfy C q̇ = c. This entry was compared with that of "

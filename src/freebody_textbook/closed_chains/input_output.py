@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.closed_form_kinematics import Kinematics
+from freebody.expressions.exact_singularities import Determinant
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, times
-from freebody.expressions.singularities import Determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
 from freebody_textbook.closed_chains.linear import (

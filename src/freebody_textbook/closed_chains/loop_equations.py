@@ -14,6 +14,7 @@ from typing import Any
 
 from freebody.algorithms import loop_constraints
 from freebody.algorithms.kinematics import Pose, frame_pose, joint_poses, world_poses
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
@@ -26,7 +27,6 @@ from freebody.model.tree import Tree, TreeLoop
 from freebody.outputs.display import InWords
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, dot, sub
-from freebody.values import ByValue
 
 _HALF = 0.5
 """The distance d for which (|r|² - d²) / 2d and |r|² - d² are one."""

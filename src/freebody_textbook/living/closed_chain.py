@@ -20,7 +20,7 @@ from freebody.model.tree import TreeLoop
 from freebody.spatial import times
 from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 from freebody_textbook.living.body_quantities import vector
-from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods.loop_forces_on_bodies import LoopReactions
 from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting

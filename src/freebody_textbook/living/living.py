@@ -32,8 +32,8 @@ from freebody_textbook.living.body_quantities import (
 from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.drawn_bodies import DrawnBodies, Labels, PageFigure
 from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
-from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.body_by_body import SolvedReactions

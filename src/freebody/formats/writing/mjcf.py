@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from freebody.errors import FreebodyError, listed
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     Contents,
     Holds,
     WrittenJoint,

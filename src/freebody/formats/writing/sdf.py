@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.errors import FreebodyError
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     STANDARD_GRAVITY,
     Contents,
     Holds,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from freebody.formats.urdf import TYPES
 from freebody.formats.urdf_motors import LOOPS
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     Contents,
     Holds,
     WrittenJoint,

@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from freebody.formats.urdf_elements import UNLIMITED
-from freebody.formats.writing.contents import Contents
+from freebody.formats.writing.format_contents import Contents
 from freebody.model.placement import rpy
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Pose

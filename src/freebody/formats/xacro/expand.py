@@ -21,6 +21,7 @@ from freebody.errors import FileError, IncludedLine, UnknownNameError, listed, s
 from freebody.formats import read_file
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement, parse
+from freebody.formats.xacro.expressions import ExpressionError, Namespace
 from freebody.formats.xacro.scopes import (
     FALSE,
     TRUE,
@@ -30,7 +31,6 @@ from freebody.formats.xacro.scopes import (
     parameters_of,
 )
 from freebody.formats.xacro.texts import XacroTexts
-from freebody.formats.xacro.values import ExpressionError, Namespace
 from freebody.model.description import Notice
 
 _PREFIX = "xacro:"

@@ -12,8 +12,7 @@ from typing import Any, NoReturn
 from freebody.errors import FileError, UnknownNameError, shown
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement
-from freebody.formats.xacro.scopes import literal
-from freebody.formats.xacro.values import (
+from freebody.formats.xacro.expressions import (
     GLOBALS,
     TOKENIZE,
     Budget,
@@ -22,6 +21,7 @@ from freebody.formats.xacro.values import (
     evaluated,
     size,
 )
+from freebody.formats.xacro.scopes import literal
 from freebody.formats.xacro.yaml_files import read_yaml
 from freebody.model.description import Notice
 

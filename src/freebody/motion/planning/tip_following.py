@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
-from freebody.inverse.kinematics import inverse_kinematics
+from freebody.inverse.inverse_kinematics import inverse_kinematics
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.task import combined_rates
 from freebody.lazy import cached_property

@@ -19,7 +19,7 @@ from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 
 if TYPE_CHECKING:
-    from freebody.motion.simulation.run import MotionLanes, Some
+    from freebody.motion.simulation.prepared_simulation import MotionLanes, Some
 
 REST = 1e-5
 """rad/s or m/s: slower than this no stop turns a motion back."""

@@ -14,7 +14,7 @@ from scipy.integrate import OdeSolver
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.loops.equations import require_closed
+from freebody.loops.closure_checks import require_closed
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.simulation.first_order_system import (
@@ -30,8 +30,7 @@ from freebody.motion.simulation.first_order_system import (
     suited_method,
     system,
 )
-from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     SAME,
     CompiledTorque,
     MotionLanes,
@@ -43,6 +42,7 @@ from freebody.motion.simulation.run import (
     one_lane,
     some_of,
 )
+from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.stiffness import StiffnessWatch
 from freebody.motion.simulation.unending import stopping_endless, too_late, unless_hopeless
 from freebody.trees.special_joints import all_driven

@@ -14,7 +14,7 @@ from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
-from freebody.loops.equations import gaps, scaled_rate, scaled_residual
+from freebody.loops.closure_checks import gaps, scaled_rate, scaled_residual
 from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
@@ -27,7 +27,7 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.run import Simulation, TorqueInput, drive_of
+from freebody.motion.simulation.prepared_simulation import Simulation, TorqueInput, drive_of
 from freebody.trees.special_joints import all_driven
 
 if TYPE_CHECKING:

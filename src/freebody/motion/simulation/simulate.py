@@ -28,19 +28,19 @@ from freebody.motion.simulation.arguments import (
 from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
 from freebody.motion.simulation.joint_contacts import refuse_beyond
 from freebody.motion.simulation.one_by_one import one_by_one
-from freebody.motion.simulation.results import (
-    Simulated,
-    SimulationInterrupted,
-    SimulationStopped,
-    dataset,
-)
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     Progress,
     Simulation,
     TorqueArgument,
     paced,
     simulation_of,
+)
+from freebody.motion.simulation.results import (
+    Simulated,
+    SimulationInterrupted,
+    SimulationStopped,
+    dataset,
 )
 from freebody.motion.simulation.side_by_side import side_by_side
 from freebody.motion.simulation.step_kernels import STEP_METHODS

@@ -20,7 +20,7 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.one_step import Driving, LaneState
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     MotionLanes,
     Simulation,

@@ -9,9 +9,9 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.parser import PI
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.notations.notation import BookNotation, Weights, angles_of
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import (

@@ -25,7 +25,7 @@ from freebody_textbook.check.numbers.units_of_symbols import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, refuse_itself, uses
 from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
-from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
 from freebody_textbook.closed_chains.linear import Ratio

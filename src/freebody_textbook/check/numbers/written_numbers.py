@@ -14,7 +14,7 @@ from freebody.expressions.grammar.tables.characters import FILL
 from freebody.lazy import cached_property
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
-from freebody_textbook.check.numbers.states import (
+from freebody_textbook.check.numbers.given_states import (
     AT_REST,
     NO_STATE,
     GivenState,

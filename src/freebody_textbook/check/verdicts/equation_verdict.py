@@ -38,10 +38,10 @@ from freebody_textbook.check.numbers.units_of_symbols import can_be_a_level, mis
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
-from freebody_textbook.check.reasons.differences import moving
-from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import explaining
 from freebody_textbook.check.reasons.misreadings import doubt_about, readings, unread_condition
+from freebody_textbook.check.reasons.polynomial_differences import moving
 from freebody_textbook.check.reasons.thoughts import FreeSides, Subject
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.agreement import StatesOfModel

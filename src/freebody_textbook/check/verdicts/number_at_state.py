@@ -20,7 +20,7 @@ from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.states import GivenState, WrittenNumber
+from freebody_textbook.check.numbers.given_states import GivenState, WrittenNumber
 from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim

@@ -22,7 +22,7 @@ from freebody_textbook.check.algebra.finite_field import Workspace
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
-from freebody_textbook.check.reasons.differences import Difference, printed
+from freebody_textbook.check.reasons.polynomial_differences import Difference, printed
 from freebody_textbook.check.reasons.small_changes import Repair
 from freebody_textbook.check.states.state_values import StateValues
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake

@@ -10,7 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, Arc, Dimension, Drawing, point
-from freebody.figures.layers.structure import of_each
+from freebody.figures.layers.bare_robot import of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 

@@ -2,7 +2,7 @@
 and the Jacobian seen from where its determinant is short.
 
 >>> import freebody as fb
->>> from freebody.expressions.kinematics import kinematics
+>>> from freebody.expressions.closed_form_kinematics import kinematics
 >>> arm = kinematics(fb.planar("RR"))
 >>> print(arm.form(arm.position[0]))
 l1 cos θ1 + l2 cos(θ1 + θ2)

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from freebody.expressions import expression as ex
+from freebody.expressions.closed_form_kinematics import Kinematics, shortest_determinant
 from freebody.expressions.expression import Equation, Expression
-from freebody.expressions.kinematics import Kinematics, shortest_determinant
 from freebody.expressions.polynomials.angle_sums import SymbolPowers, gathered, raw
 from freebody.expressions.polynomials.factors import factored
 from freebody.expressions.printed_names import sym

@@ -9,10 +9,10 @@ import numpy as np
 
 from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.arrays import Array
-from freebody.inverse.problem.closed_form import ClosedFormArm
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm
+from freebody.inverse.problem.out_of_reach import Away, distances
 from freebody.inverse.problem.problem import Found, InverseProblem
 from freebody.inverse.problem.solutions import Solutions, within
-from freebody.inverse.problem.workspace import Away, distances
 
 
 class Numbered(NamedTuple):

@@ -14,7 +14,7 @@ from freebody.any_chain.kernel_options import chosen_option
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameError, listed
 from freebody.kernels.formulas import FORMULAS, INPUTS
-from freebody.kernels.inputs import InputKernel
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.kernels.tracing import arguments
 from freebody.model.doubts import ALL
 from freebody.model.model import Model

@@ -8,10 +8,10 @@ from typing import Any
 
 from freebody.expressions.printed_names import GREEK
 from freebody.figures.body_loads import Load
-from freebody.figures.names import DrawingNames
+from freebody.figures.drawing_names import DrawingNames
+from freebody.figures.marked_text import indexed
 from freebody.figures.skeleton import BodyPlace, End, Skeleton
 from freebody.figures.snapshot import Snapshot
-from freebody.figures.text import indexed
 
 _DOTS = ("", "\u0307", "\u0308")
 

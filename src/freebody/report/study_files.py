@@ -14,7 +14,7 @@ import freebody
 from freebody.model.doubts import attribute
 from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
-from freebody.outputs.text import csv_text, encodable
+from freebody.outputs.harmless_text import csv_text, encodable
 from freebody.report import variables
 from freebody.report.load_case import load_case
 from freebody.report.page import page

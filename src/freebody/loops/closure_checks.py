@@ -42,7 +42,7 @@ from freebody.loops.scaled_equations import (
     scales,
     telling,
 )
-from freebody.model.geometry import first_member
+from freebody.model.kept_facts import first_member
 from freebody.model.model import Model
 from freebody.outputs.number_text import compared
 

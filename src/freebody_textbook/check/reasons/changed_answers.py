@@ -20,7 +20,7 @@ from freebody_textbook.check.algebra.finite_field import SineAndCosine
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons.bodies_at_point import Belief
-from freebody_textbook.check.reasons.free_bodies import FreeBelief
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
 VELOCITY = ("coriolis", "centrifugal")

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.inverse.problem.answer import Numbered, gathered
-from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm, closed_form_for
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.problem import Found, InverseProblem, LimitsChoice, nothing
+from freebody.inverse.problem.solution_arrays import Numbered, gathered
 from freebody.inverse.problem.solutions import Solutions
 from freebody.inverse.problem.task import read_target
 from freebody.inverse.ways.by_closed_form import (

@@ -16,7 +16,7 @@ from freebody.arrays import Array, above_zero, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, warn
 from freebody.labels import is_labelled
 from freebody.lazy import cached_property
-from freebody.loops.equations import taken_at
+from freebody.loops.closure_checks import taken_at
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.simulation.first_order_system import TorqueLaw, row_at

@@ -35,7 +35,7 @@ from freebody.arrays import Array
 from freebody.elementary import Scalar
 from freebody.inverse.problem.task import Task
 from freebody.lazy import cached_property
-from freebody.loops.dyads.geometry import side_of
+from freebody.loops.dyads.plane_vectors import side_of
 from freebody.model.model import Model
 from freebody.program import Argument, trace
 from freebody.spatial import Matrix, Vector, identity

@@ -15,8 +15,8 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import sym
 from freebody.figures.body_loads import Load
 from freebody.figures.drawing import SAME
+from freebody.figures.marked_text import indexed, label
 from freebody.figures.skeleton import BodyPlace, End, Skeleton
-from freebody.figures.text import indexed, label
 
 _ENDINGS = ("", RATE, SECOND)
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import SAME, Drawing, Element, Line, Mark, Prism, point, round_down
-from freebody.figures.names import is_letter
+from freebody.figures.drawing_names import is_letter
 from freebody.figures.skeleton import BodyPlace, DrawnJoint, LoopPlace, Skeleton
 from freebody.figures.snapshot import Snapshot
 from freebody.figures.view import FLAT, View, WorldPoint, best_view

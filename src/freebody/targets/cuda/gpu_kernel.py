@@ -12,7 +12,8 @@ from freebody.errors import ShapeError
 from freebody.program.program import Argument, Program
 from freebody.targets.call_errors import common_batch, require_count, require_real
 from freebody.targets.cuda import driver
-from freebody.targets.cuda.arrays import (
+from freebody.targets.cuda.driver import missing
+from freebody.targets.cuda.gpu_arrays import (
     DeviceArray,
     DeviceView,
     device_of,
@@ -21,8 +22,7 @@ from freebody.targets.cuda.arrays import (
     runs,
     view,
 )
-from freebody.targets.cuda.driver import missing
-from freebody.targets.cuda.plan import Plan, plan
+from freebody.targets.cuda.ptx import Plan, plan
 from freebody.targets.kernel import Kernel
 from freebody.targets.target import KernelError, Target
 

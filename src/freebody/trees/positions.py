@@ -15,8 +15,8 @@ from freebody.errors import FreebodyError, MissingValueError
 from freebody.labels import refuse_other_times
 from freebody.model.description import Limits
 from freebody.model.families import FamilyError, arrays_in
-from freebody.model.geometry import first_member
 from freebody.model.joints import Primitive
+from freebody.model.kept_facts import first_member
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.model.placement import about, rotation_matrix

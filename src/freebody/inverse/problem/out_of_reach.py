@@ -13,14 +13,14 @@ from freebody.algorithms.closed_form_inverse.joint_places import line
 from freebody.algorithms.closed_form_inverse.out_of_reach import closer
 from freebody.algorithms.screws import Screw
 from freebody.arrays import Array
-from freebody.inverse.problem.closed_form import ClosedFormArm
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.problem import InverseProblem
 from freebody.inverse.problem.solutions import turning_coordinates
 from freebody.inverse.problem.task import Task
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program
-from freebody.trees.states import random_state
+from freebody.trees.positions import random_state
 
 _STARTS = 48
 _KEPT = 12
