@@ -66,7 +66,7 @@ def robot(name: str) -> fb.Model:
 
 def formulas(model: fb.Model) -> list[str]:
     """All quantities that there are of a robot."""
-    loops = ("constraint", "constrained_dynamics", "closed_wrenches")
+    loops = ("constraint", "constrained_dynamics", "reaction_wrenches")
     own = "closed" if model.loops else "open"
     return [
         x

@@ -198,7 +198,7 @@ def _found(
     """The reactions of a motion under the torques that cause it."""
 
     def wrenches_in(axes: str) -> Array:
-        kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
+        kernel = fetch(model, ("reaction_wrenches",), Option(reference=axes, wrench_frames=frames))
         return kernel(*motion, multipliers, *loads)
 
     q, _, qdd = motion

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.algorithms.screws import arm_length
+from freebody.algorithms.singular_thresholds import NO_INVERSE
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, SingularError, warn
 from freebody.inverse.problem.task import combined_rates, row_names, rows_of
@@ -22,10 +23,6 @@ from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.operational_space import as_it_is
 from freebody.trees.public_calls import JointVector, common_batch, evaluate, finite_vector
-
-SINGULAR = 1e-10
-"""A ratio of smallest to largest singular value (lengths over the arm's) below which the Jacobian
-has no inverse."""
 
 
 def inverse_velocity(
@@ -236,7 +233,7 @@ def _inverted(
     U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
     if sigma.shape[-1] == 0 or not wanted.size:
         return np.zeros((*wanted.shape[:-1], J.shape[-1]))
-    singular = sigma[..., -1] <= SINGULAR * np.maximum(sigma[..., 0], 1e-300)
+    singular = sigma[..., -1] <= NO_INVERSE * np.maximum(sigma[..., 0], 1e-300)
     if damping is None:
         if np.any(singular):
             _refuse_singular(problem, U, np.asarray(singular), at)

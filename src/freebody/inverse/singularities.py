@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.algorithms.screws import arm_length
+from freebody.algorithms.singular_thresholds import FOUND
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.expressions.closed_form_kinematics import Kinematics, columns_of, kinematics
@@ -126,7 +127,7 @@ class Singularities(Titled):
             step = -gain[:, None] * slope
             size = np.linalg.norm(step, axis=-1, keepdims=True)
             q = integrate(model, q, step / np.maximum(1.0, size))
-        return q[self.measure(q) < 1e-9]
+        return q[self.measure(q) < FOUND]
 
 
 def singularities(

@@ -3,11 +3,13 @@ of a frame's motion, and how many of these a robot's joints can serve."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from freebody.algorithms.inverse_rates import wrench_rows
 from freebody.errors import FreebodyError, KindError, SingularError, UnknownNameError
+from freebody.kernels.formulas.record import Formula, Untaken
+from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.outputs.display import counted
 
@@ -56,6 +58,20 @@ def refuse_struts(function: str, model: Model) -> None:
             f"{function}: {model.name!r} has struts ({', '.join(model.strut_names)}), whose forces "
             f'are left out here; take model.without("struts").'
         )
+
+
+def refuse_untaken(function: str, model: Model, formula: Formula) -> None:
+    """Refuse a model with a feature that a formula cannot take, in the name of a function."""
+    for feature, refuse in _REFUSALS:
+        if feature in formula.cannot_take:
+            refuse(function, model)
+
+
+_REFUSALS: tuple[tuple[Untaken, Callable[[str, Model], None]], ...] = (
+    ("struts", refuse_struts),
+    ("losses", require_lossless),
+)
+"""How a model with a feature is refused, where it has it."""
 
 
 def require_square(function: str, model: Model) -> None:

@@ -95,7 +95,7 @@ def _large(model: Model, names: tuple[str, ...]) -> list[str]:
     """The quantities that are made column by column, for so many coordinates."""
     large = [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
     for name in large:
-        if FORMULAS[name].columns_lossless:
+        if "losses by columns" in FORMULAS[name].cannot_take:
             require_lossless(name, model, f" of more than {LARGEST} coordinates")
     return large
 

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.loop_constraints import Counting
+from freebody.algorithms.singular_thresholds import BLURRED
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
@@ -39,7 +40,6 @@ from freebody.loops.independent_equations import (
 )
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import (
-    BLURRED,
     loop_of_row,
     mechanism,
     null_space,

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from freebody.algorithms.loop_checks import CLOSED
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
 from freebody.loops.closure_checks import (
@@ -162,7 +163,7 @@ def assembly_modes(
             modes.append(position)
     if modes and not in_closed_form:
         J = scaled_jacobian(model, modes[0])[:, moving]
-        if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
+        if np.linalg.matrix_rank(J, tol=RANK) < len(moving):
             raise FreebodyError(
                 f"assembly_modes: {model.name!r} still moves with the other coordinates held, so "
                 f"it has infinitely many positions; free fewer coordinates."

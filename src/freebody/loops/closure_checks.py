@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.loop_checks import CLOSED, LEFT
+from freebody.algorithms.singular_thresholds import AT_REST, BLURRED
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError, UnknownNameError
 from freebody.kernels.formulas import Option
@@ -28,8 +29,6 @@ from freebody.loops.redundancy import (
     surely_exact,
 )
 from freebody.loops.scaled_equations import (
-    AT_REST,
-    BLURRED,
     Telling,
     backward,
     closed_from,

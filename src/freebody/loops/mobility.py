@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK_WHERE_FOUND
 from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.loops.closure_checks import require_closed, scaled_jacobian, taken_at
 from freebody.loops.independent_equations import (
-    RANK_WHERE_FOUND,
     dependent_rows,
     rank,
     regular_jacobian,

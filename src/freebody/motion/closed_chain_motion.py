@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array
 from freebody.errors import LoopError
 from freebody.loops.assembly import assemble
@@ -14,7 +15,7 @@ from freebody.loops.closure_checks import closing, free_coordinates, scaled_jaco
 from freebody.loops.mobility import mobility
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled_equations import RANK, backward, length, null_space, rate_scale
+from freebody.loops.scaled_equations import backward, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.piecewise import hermite

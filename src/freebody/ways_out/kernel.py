@@ -238,6 +238,7 @@ def formula(
         rows=rows,
         function="fb.formula",
     )
+    (name,) = listed
     inputs, record, tree = arguments(model, listed, option), FORMULAS[name], model.tree
 
     def function(*values: Any) -> Any:

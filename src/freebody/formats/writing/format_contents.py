@@ -7,7 +7,7 @@ A writer of a format says what it holds (`Holds`), and prints what `contents_of`
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -409,12 +409,12 @@ def fixed_name(link: str, taken: set[str]) -> str:
     return name
 
 
-def checked_names(contents: Contents, format_name: str, more: Sequence[str] = ()) -> None:
+def checked_names(contents: Contents, format_name: str) -> None:
     """Refuse names that XML does not keep."""
     names = [link.name for link in contents.links]
     names += [link.joint.name if link.joint else link.fixed for link in contents.links]
     names += [part.name for part in (*contents.loops, *contents.struts)]
-    for name in (contents.name, *names, *more):
+    for name in (contents.name, *names):
         kept_name(name, format_name)
 
 

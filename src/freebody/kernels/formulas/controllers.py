@@ -42,7 +42,7 @@ FORMULAS = {
         of_frame=True,
         of_rows=True,
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "impedance": Formula(
         ("q", "qd", "pose_ref", "V_ref", "stiffness", "damping"),
@@ -71,6 +71,6 @@ FORMULAS = {
         },
         lambda t, o, **inputs: momentum_observer(t, **inputs),
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
 }

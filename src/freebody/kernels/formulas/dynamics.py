@@ -263,7 +263,7 @@ FORMULAS = {
         one("bias", ("nv",), "torques at zero accelerations (N m, N)"),
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
         touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(
@@ -299,7 +299,7 @@ FORMULAS = {
         chains="open",
         touches=INERTIAL,
     ),
-    "closed_wrenches": Formula(
+    "reaction_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"),
         one("W", ("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}"),
         _every_wrench,

@@ -40,7 +40,7 @@ FORMULAS = {
             "bias of the motion of the frame: force, then moment; NaN as Lambda (N, N m)",
         ),
         lambda t, o, q, qd: _sure(t, o, q, operational_space(t, q, qd, frame_of(o), o.rows)[1]),
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "centroidal_momentum_matrix": Formula(
         ("q",),

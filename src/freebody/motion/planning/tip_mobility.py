@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array
 from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver
 from freebody.lazy import cached_property
 from freebody.loops.closure_checks import closing, scaled_jacobian
-from freebody.loops.scaled_equations import RANK, null_space
+from freebody.loops.scaled_equations import null_space
 from freebody.trees.positions import difference, generic_state
 
 _POSITIONS = 8
