@@ -92,8 +92,9 @@ AREAS = (
     ),
     Area(
         "models and files",
-        ("model/*.py", "formats/*.py", "formats/xacro/*.py", "formats/mjcf/*.py",
-         "formats/writing/*.py", "diagnosis/*.py", "diagnosis/findings/*.py", "robots/*.py"),
+        ("model/*.py", "model/doubt_rules/*.py", "formats/*.py", "formats/xacro/*.py",
+         "formats/mjcf/*.py", "formats/writing/*.py", "diagnosis/*.py",
+         "diagnosis/findings/*.py", "robots/*.py"),
         ("model", "inertia", "structure", "families", "changed_copies", "formats_toml",
          "formats_urdf", "formats_files", "xacro", "mjcf", "sdf", "masses",
          "parameter_formulas", "planar_dh", "robots",

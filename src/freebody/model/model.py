@@ -19,7 +19,15 @@ from freebody.model import changes as changed
 from freebody.model import edits, flexible_joints, inertial_parameters, joint_table, named_numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.description import Loop, Notice
-from freebody.model.doubts import ALL, ESTIMATED, Doubt, doubts_on, doubts_used, named, read_doubts
+from freebody.model.doubt_rules.aspects import ALL
+from freebody.model.doubts import (
+    ESTIMATED,
+    Doubt,
+    doubts_on,
+    doubts_used,
+    named,
+    read_doubts,
+)
 from freebody.model.families import MemberError, one_family, taken
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia

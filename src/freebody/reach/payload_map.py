@@ -14,16 +14,8 @@ from freebody.by_value import ByValue
 from freebody.elementary import Scalar, absolute, less, where
 from freebody.errors import FreebodyError, PassiveJointError
 from freebody.labels import aligned
-from freebody.model.doubts import (
-    EFFORTS,
-    MASSES,
-    Doubt,
-    attribute,
-    barring,
-    doubts_on,
-    in_one_line,
-    named,
-)
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace

@@ -16,7 +16,8 @@ from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.problem import InverseProblem
 from freebody.inverse.problem.task import Task, read_target
 from freebody.inverse.ways.closed_chains import of_closed_chain, still_moves, unmeasured
-from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, in_one_line, named
+from freebody.model.doubt_rules.aspects import RANGES
+from freebody.model.doubts import Doubt, attribute, doubts_used, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled

@@ -21,7 +21,8 @@ from freebody.figures.svg import picture
 from freebody.inverse.inverse_kinematics import inverse_kinematics
 from freebody.inverse.problem.closed_form_arm import ClosedFormArm, closed_form_for
 from freebody.inverse.problem.task import Task
-from freebody.model.doubts import EFFORTS, MASSES, doubts_on
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import doubts_on
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.motion.ranges import ranges as allowed

@@ -18,7 +18,8 @@ from freebody.figures.skeleton import mass_and_centre
 from freebody.loops import forces as closed
 from freebody.loops.forces import drive_torques
 from freebody.model.bodies import Body
-from freebody.model.doubts import DYNAMIC, attribute, doubts_used
+from freebody.model.doubt_rules.aspects import DYNAMIC
+from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.model.doubts import EFFORTS, MASSES, attribute, doubts_on
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import attribute, doubts_on
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, angular, position_columns, ranges, with_drive

@@ -16,7 +16,7 @@ from freebody.errors import FreebodyError, KindError, ShapeError, UnknownNameErr
 from freebody.kernels.formulas import FORMULAS, INPUTS
 from freebody.kernels.parameter_inputs import InputKernel
 from freebody.kernels.tracing import arguments
-from freebody.model.doubts import ALL
+from freebody.model.doubt_rules.aspects import ALL
 from freebody.model.model import Model
 from freebody.model.named_numbers import found, known
 from freebody.targets import Kernel

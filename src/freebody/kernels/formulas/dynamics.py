@@ -51,7 +51,7 @@ from freebody.kernels.formulas.record import (
     seeded,
     still,
 )
-from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
+from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL, MASSES, ROTORS
 from freebody.model.tree import Tree
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub

@@ -11,7 +11,7 @@ from freebody.algorithms.operational_space import (
     where_sure,
 )
 from freebody.kernels.formulas.record import Formula, Option, frame_of, one
-from freebody.model.doubts import INERTIAL
+from freebody.model.doubt_rules.aspects import INERTIAL
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector
 

@@ -12,7 +12,7 @@ from freebody.algorithms.loop_forces import Partition, drive_torques
 from freebody.algorithms.rnea import External, external_on_frame
 from freebody.arrays import Array
 from freebody.dual import Dual
-from freebody.model.doubts import DYNAMIC
+from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
 

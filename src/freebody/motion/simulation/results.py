@@ -15,7 +15,8 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
 from freebody.loops.closure_checks import gaps, scaled_rate, scaled_residual
-from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
+from freebody.model.doubt_rules.aspects import DYNAMIC, RANGES
+from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
