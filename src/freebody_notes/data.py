@@ -1,4 +1,5 @@
-"""The data files: what the notes say, as TOML beside the checks."""
+"""The data files, read in one place for items and exercises: what the notes say, as TOML beside the
+checks."""
 
 from __future__ import annotations
 
