@@ -15,7 +15,7 @@ from freebody_notes.chapters.first_kind import pinned_bar
 from freebody_notes.chapters.five_bar import limbs, robot
 from freebody_notes.chapters.recursion import as_vectors
 from freebody_notes.checks import number
-from freebody_notes.data import data
+from freebody_notes.contents import data
 from freebody_notes.derivation_places import ROWS
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.derive import compare

@@ -17,8 +17,7 @@ from markupsafe import escape
 
 import freebody as fb
 import freebody_notes
-from freebody_notes.contents import _item, chapters, item, items
-from freebody_notes.data import data
+from freebody_notes.contents import _item, chapters, data, item, items
 from freebody_notes.derivation_places import place_of
 from freebody_notes.errata import errata
 from freebody_notes.exercises import SOLUTIONS, exercises, solution

@@ -249,9 +249,9 @@ def _solve(
 ) -> Array:
     """q̈ (nv,) of one state. Raises _Idle.
 
-    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates`
-    (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the largest,
-    that count as zero.
+    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `closure_checks`, over rates scaled by
+    `rates` (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the
+    largest, that count as zero.
     """
     mass, force = rates[:, None] * M * rates, rates * n
     U, s, Vt = np.linalg.svd(A)

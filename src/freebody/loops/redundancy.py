@@ -17,7 +17,7 @@ where the mechanism is. What P leaves out stays open by the misfit, which must n
 tolerance. The rank is that of a branch of the motion, and what was found near home does not bind
 another: where more singular values stand clear of rounding, more combinations count
 (`counting_values`), and where what is known does not hold at all, the position asked about is taken
-for the home (`equations.branches`).
+for the home (`closure_checks.branches`).
 """
 
 from __future__ import annotations

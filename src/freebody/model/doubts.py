@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.model.description import TIP, Limits, Notice
-from freebody.model.doubt_rules import drives, inertias, limits
+from freebody.model.doubt_rules import inertias, joints
 from freebody.model.doubt_rules.aspects import (
     EFFORTS,
     FRICTION,
@@ -227,16 +227,16 @@ DOUBT_KINDS: dict[str, DoubtKind] = {
             remedy="give the robot's own numbers",
         ),
         DoubtKind("impossible inertias", (MASSES,), True, True, find=inertias.impossible),
-        DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, find=drives.no_drive),
+        DoubtKind("impossible drives", (ROTORS, FRICTION), True, True, find=joints.no_drive),
         DoubtKind(
-            PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=limits.placeholders,
+            PLACEHOLDERS, (EFFORTS, SPEEDS), True, True, find=joints.placeholders,
             remedy="give the motors' own limits",
         ),
-        DoubtKind("missing limits", LIMITS, True, absent=True, find=limits.missing),
+        DoubtKind("missing limits", LIMITS, True, absent=True, find=joints.missing),
         DoubtKind(ESTIMATED, (MASSES,), True, key="masses_estimated", tied=_all_inertias),
         DoubtKind(ESTIMATED_LIMITS, LIMITS, True, key="limits_estimated", tied=_all_limits),
         DoubtKind("inexact inertias", (MASSES,), False, find=inertias.inexact),
-        DoubtKind("no rotor inertia", (ROTORS,), False, find=drives.no_rotor),
+        DoubtKind("no rotor inertia", (ROTORS,), False, find=joints.no_rotor),
         DoubtKind("point load", (LOADS,), False, find=inertias.point),
     )
 }  # fmt: skip

@@ -198,7 +198,7 @@ def named_formulas(
 
 
 def reader(model: Model, inputs: Mapping[str, tuple[int, ...]] | None) -> Callable[..., Any]:
-    """How the values of what is given are read, see `axes.Read`.
+    """How the values of what is given are read, see `sweep_axes.Read`.
 
     inputs: what the function takes and its core shape; None: whatever is no number of the model.
     """

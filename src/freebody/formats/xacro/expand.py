@@ -3,9 +3,9 @@ replaced, each element with the file and line it was written on.
 
 The order of things is that of ROS's own tool (version 2): a property's value is evaluated when it
 is first used, a macro's names hide those of its caller, blocks are evaluated where they are
-written. A file comes from anywhere: expressions are walked, not run (see `values`), only files of
-packages that are around it or named by the user are read, an environment variable only where the
-caller allows it, and every kind of growth has a bound.
+written. A file comes from anywhere: expressions are walked, not run (see `expressions`), only
+files of packages that are around it or named by the user are read, an environment variable only
+where the caller allows it, and every kind of growth has a bound.
 """
 
 from __future__ import annotations

@@ -97,7 +97,7 @@ class Formula:
     leaves out; "losses", joints that lose a part of the torque that they transmit; "losses by
     columns", which the way by columns alone leaves out.
     touches: what of the robot it depends on besides geometry, of what a doubt may be on
-    (`model.doubts`).
+    (`model.doubt_rules.aspects`).
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
     tangent space, and the inputs by which their outputs are, in their order.
     """

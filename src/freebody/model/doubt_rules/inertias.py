@@ -41,11 +41,13 @@ def weighs(part: Attached) -> bool:
 
 
 def massless(model: Model, _: Sequence[str]) -> Iterator[str]:
+    """The robot where none of its bodies has any mass."""
     if model.bodies and all(map(is_bare, model.bodies)):
         yield "no body has any mass."
 
 
 def impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
+    """Inertias that no rigid body has, by more than measured ones break the triangle inequality."""
     wrong = _faults(model, lambda breach: breach > MEASURED)
     if len(wrong) == 1:
         yield f"an inertia is one that no rigid body has: {wrong[0][1]}."
@@ -55,6 +57,7 @@ def impossible(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
+    """Inertias that no rigid body has, by no more than measured ones."""
     off = _faults(model, lambda breach: breach <= MEASURED)
     if off:
         what = "an inertia" if len(off) == 1 else f"{len(off)} inertias"
@@ -164,6 +167,7 @@ def _whole(body: Body) -> Array:
 
 
 def point(model: Model, _: Sequence[str]) -> Iterator[str]:
+    """Loads that are points, without inertia."""
     space = of_dimension(model.dim)
     for body in model.bodies:
         for part in body.inertias:
