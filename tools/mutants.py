@@ -64,7 +64,7 @@ AREAS = (
     ),
     Area(
         "control laws",
-        ("algorithms/controllers/*.py", "trees/controllers.py", "trees/linearization.py"),
+        ("algorithms/controllers/*.py", "trees/controllers.py", "trees/linearization_and_lqr.py"),
         ("controllers", "linearization"),
     ),
     Area(

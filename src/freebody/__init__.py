@@ -99,7 +99,7 @@ _PLACES = {
         "admittance",
         "momentum_observer",
     ),
-    "freebody.trees.linearization": ("linearize", "discrete_lqr"),
+    "freebody.trees.linearization_and_lqr": ("linearize", "discrete_lqr"),
     "freebody.trees.base_parameters": ("base_parameters",),
     "freebody.trees.positions": (
         "neutral",

@@ -113,8 +113,8 @@ from freebody.trees.kinematics import jacobian as jacobian
 from freebody.trees.kinematics import jacobian_derivatives as jacobian_derivatives
 from freebody.trees.kinematics import jacobian_dot as jacobian_dot
 from freebody.trees.kinematics import velocity as velocity
-from freebody.trees.linearization import discrete_lqr as discrete_lqr
-from freebody.trees.linearization import linearize as linearize
+from freebody.trees.linearization_and_lqr import discrete_lqr as discrete_lqr
+from freebody.trees.linearization_and_lqr import linearize as linearize
 from freebody.trees.operational_space import operational_space_bias as operational_space_bias
 from freebody.trees.operational_space import operational_space_inertia as operational_space_inertia
 from freebody.trees.positions import difference as difference

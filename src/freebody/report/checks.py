@@ -18,10 +18,10 @@ from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import length
 from freebody.model.model import Model
-from freebody.motion.friction import strut_torque
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulation.simulate import simulate
+from freebody.motion.smooth_friction import strut_torque
 from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS

@@ -23,7 +23,9 @@ from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
-from freebody.motion.friction import (
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import angular, with_drive
+from freebody.motion.smooth_friction import (
     friction_torque,
     lost_torque,
     motor_springs,
@@ -32,8 +34,6 @@ from freebody.motion.friction import (
     viscous_friction,
     without_friction,
 )
-from freebody.motion.motion import Motion
-from freebody.motion.ranges import angular, with_drive
 from freebody.report import jacobians
 from freebody.report.variables import LOADS, dataset
 from freebody.spatial import add, of_dimension, times

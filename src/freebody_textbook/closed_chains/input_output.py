@@ -20,7 +20,7 @@ from freebody.expressions.exact_singularities import Determinant
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, times
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import (
+from freebody_textbook.closed_chains.linear_equations import (
     Ratio,
     left_null,
     ratio,

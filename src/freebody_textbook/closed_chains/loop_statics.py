@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, inner
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear_equations import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 

@@ -21,7 +21,7 @@ from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.model import Model
 from freebody.scalars.trig import Trig
 from freebody.spatial import of_dimension
-from freebody_textbook.closed_chains.linear import Ratio, ratio, solved
+from freebody_textbook.closed_chains.linear_equations import Ratio, ratio, solved
 from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.equations.equations import Equations
 

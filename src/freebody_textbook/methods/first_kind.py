@@ -12,7 +12,7 @@ from freebody.expressions.nodes import Words
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import entry, sym
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 from freebody_textbook.closed_chains.multiplier_equations import MOST, Reduction
 from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.equations.closed_form import symmetric

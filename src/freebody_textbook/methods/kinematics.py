@@ -15,7 +15,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import entry, sym, vec
 from freebody.lazy import cached_property
 from freebody_textbook.closed_chains.input_output import ClosedInputOutput
-from freebody_textbook.closed_chains.linear import product, ratio
+from freebody_textbook.closed_chains.linear_equations import product, ratio
 from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_quantities import meanings

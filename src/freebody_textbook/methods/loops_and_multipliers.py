@@ -17,7 +17,7 @@ from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.tree import TreeLoop
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale
-from freebody_textbook.closed_chains.linear import Ratio, product, quotient
+from freebody_textbook.closed_chains.linear_equations import Ratio, product, quotient
 from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.closed_chains.multiplier_equations import FirstKind, multiplier_names
 from freebody_textbook.derivation import Step

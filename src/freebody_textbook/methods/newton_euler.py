@@ -16,7 +16,7 @@ from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.printed_names import entry, sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
-from freebody_textbook.closed_chains.linear import product, solved
+from freebody_textbook.closed_chains.linear_equations import product, solved
 from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.methods import free_bodies, glossary, recursive
 from freebody_textbook.methods.body_by_body import FreeBodies, SolvedReactions, angles_between_arms

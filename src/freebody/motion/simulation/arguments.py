@@ -28,9 +28,8 @@ from freebody.labels import is_labelled, row_times
 from freebody.model.drives import LAWS
 from freebody.model.losses import lossy_joints, require_lossless
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, smooth_friction
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts, joint_contacts
 from freebody.motion.simulation.first_order_system import FINEST
-from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
 from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     TorqueArgument,
@@ -39,6 +38,7 @@ from freebody.motion.simulation.prepared_simulation import (
 )
 from freebody.motion.simulation.results import RECORDED
 from freebody.motion.simulation.step_kernels import STATE
+from freebody.motion.smooth_friction import WIDTH, smooth_friction
 from freebody.outputs.number_text import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.motion.simulation.joint_contacts import JointContacts
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts
 from freebody.motion.simulation.one_step import LaneState, Rates
 from freebody.motion.simulation.prepared_simulation import MotionLanes, Some
 

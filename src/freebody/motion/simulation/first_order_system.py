@@ -32,8 +32,8 @@ from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import rate_scale
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, DryFriction, smooth_friction, strut_damping
 from freebody.motion.simulation.step_kernels import smooth_kernel
+from freebody.motion.smooth_friction import WIDTH, DryFriction, smooth_friction, strut_damping
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.positions import integrate

@@ -19,8 +19,8 @@ from freebody.lazy import cached_property
 from freebody.loops.closure_checks import taken_at
 from freebody.model.families import member_at
 from freebody.model.model import Model
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts
 from freebody.motion.simulation.first_order_system import TorqueLaw, row_at
-from freebody.motion.simulation.joint_contacts import JointContacts
 from freebody.motion.simulation.step_kernels import STATE, law_inputs
 from freebody.program import Program
 from freebody.targets import Kernel, compile_program

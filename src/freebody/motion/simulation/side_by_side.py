@@ -18,7 +18,6 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
 from freebody.loops.closure_checks import require_closed
-from freebody.motion.friction import without_laws
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.first_order_system import (
     System,
@@ -71,6 +70,7 @@ from freebody.motion.simulation.unending import (
     too_late,
     why_sampled,
 )
+from freebody.motion.smooth_friction import without_laws
 from freebody.targets.threads import cpus
 from freebody.trees.position_rates import layout
 

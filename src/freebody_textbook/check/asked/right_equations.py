@@ -34,7 +34,7 @@ from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.check.spelling.answer_text import AnswerError
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.closed_chains.multiplier_equations import (
     FirstKind,

@@ -28,7 +28,7 @@ from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
 from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 
 _BY_FORMULA = (

@@ -30,7 +30,7 @@ from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _LONGEST_LABEL = 60

@@ -18,7 +18,7 @@ from freebody.spatial import sub
 from freebody_textbook.check.algebra.finite_field import Point
 from freebody_textbook.check.algebra.quotients import Value, negative, over, pair, plus, put, times
 from freebody_textbook.check.asked.right_equations import FORCES, RightEquations
-from freebody_textbook.closed_chains.linear import ratio, solved
+from freebody_textbook.closed_chains.linear_equations import ratio, solved
 from freebody_textbook.methods.free_body_steps import FreeBody, thrusts_of
 from freebody_textbook.methods.setting import Setting
 

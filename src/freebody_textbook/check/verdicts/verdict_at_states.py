@@ -41,7 +41,7 @@ from freebody_textbook.check.verdicts.verdict_sentences import (
     right_verdict,
     wrong_verdict,
 )
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge

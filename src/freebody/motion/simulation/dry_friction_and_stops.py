@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import Flags, position_columns, ranges
+from freebody.motion.smooth_friction import sticking_friction
 from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 
