@@ -33,7 +33,7 @@ def chosen_option(
 
     function: what was called, for errors.
     """
-    given = several(function, "names", names)
+    given: tuple[str, ...] = several(function, "names", names)
     listed = tuple(FORMER_NAMES.get(name, name) for name in given)
     _require_possible(function, model, listed)
     _require_used(

@@ -56,7 +56,9 @@ class Limits:
         for row in zip(*(column.ravel().tolist() for column in columns), strict=True):
             if any(x != x for x in row):
                 return "a limit is not a number; correct it"
-            numbers = dict(zip(("lower", "upper", "velocity", "effort"), row, strict=True))
+            numbers: dict[str, float] = dict(
+                zip(("lower", "upper", "velocity", "effort"), row, strict=True)
+            )
             for rule in NO_JOINT_HAS:
                 about = [numbers[name] for name in rule.about]
                 if rule.broken(*about):
