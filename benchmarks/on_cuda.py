@@ -20,7 +20,7 @@ import numpy as np
 
 import freebody as fb
 from freebody.targets.cuda import driver, parts
-from freebody.targets.cuda.arrays import DeviceArray
+from freebody.targets.cuda.gpu_arrays import DeviceArray
 from ptx import BYTES, INSTRUCTIONS, QUANTITIES, instructions, quantities, robot
 
 

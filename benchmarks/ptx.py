@@ -48,7 +48,7 @@ def robot(name: str) -> fb.Model:
 
 def quantities(model: fb.Model, every: bool) -> list[str]:
     """Those that there are of an open or closed chain."""
-    loops = ("constraint", "constrained_dynamics", "closed_wrenches")
+    loops = ("constraint", "constrained_dynamics", "reaction_wrenches")
     other = "open" if model.loops else "closed"
     there = [
         x

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import settings
 
 import freebody as fb
-from freebody.model import geometry, structure
+from freebody.model import kept_facts, structure
 from freebody.targets import settings as targets
 from support import generate
 from support.dying_workers import (  # noqa: F401 - hooks, which pytest finds here
@@ -65,7 +65,7 @@ _uncompiled: dict[tuple[int, int], fb.Model] = {}
 def own_structures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing that is kept with a model's structure is shared with other tests."""
     monkeypatch.setattr(structure, "_structures", WeakValueDictionary())
-    monkeypatch.setattr(geometry, "_known", WeakValueDictionary())
+    monkeypatch.setattr(kept_facts, "_known", WeakValueDictionary())
     monkeypatch.setattr(generate, "made", {})
 
 

@@ -64,7 +64,7 @@ AREAS = (
     ),
     Area(
         "control laws",
-        ("algorithms/controllers/*.py", "trees/controllers.py", "trees/linearization.py"),
+        ("algorithms/controllers/*.py", "trees/controllers.py", "trees/linearization_and_lqr.py"),
         ("controllers", "linearization"),
     ),
     Area(
@@ -78,22 +78,23 @@ AREAS = (
     ),
     Area(
         "ways out",
-        ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/in_torch.py",
+        ("targets/text/*.py", "targets/xla/*.py", "targets/cuda/*.py", "targets/torch_operator.py",
          "ways_out/*.py"),
         ("exports", "export_names", "jax", "xla", "cuda"),
     ),
     Area(
         "public functions",
         ("trees/*.py", "any_chain/dynamics.py", "any_chain/kernel_options.py", "arrays.py",
-         "labels.py", "errors.py", "values.py",
+         "labels.py", "errors.py", "by_value.py",
          "lazy.py", "locks.py", "identifiers.py"),
         ("arguments", "labelled", "input", "values", "fastcall", "states", "operational",
          "base_parameters", "passive", "massless", "memory", "forks_and_interrupts", "warnings"),
     ),
     Area(
         "models and files",
-        ("model/*.py", "formats/*.py", "formats/xacro/*.py", "formats/mjcf/*.py",
-         "formats/writing/*.py", "diagnosis/*.py", "diagnosis/findings/*.py", "robots/*.py"),
+        ("model/*.py", "model/doubt_rules/*.py", "formats/*.py", "formats/xacro/*.py",
+         "formats/mjcf/*.py", "formats/writing/*.py", "diagnosis/*.py",
+         "diagnosis/findings/*.py", "robots/*.py"),
         ("model", "inertia", "structure", "families", "changed_copies", "formats_toml",
          "formats_urdf", "formats_files", "xacro", "mjcf", "sdf", "masses",
          "parameter_formulas", "planar_dh", "robots",

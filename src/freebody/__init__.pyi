@@ -35,9 +35,9 @@ from freebody.formats.loading import load as load
 from freebody.formats.saving import losses as losses
 from freebody.formats.saving import save as save
 from freebody.formats.templates import template as template
-from freebody.inverse.kinematics import inverse_kinematics as inverse_kinematics
-from freebody.inverse.rates import inverse_acceleration as inverse_acceleration
-from freebody.inverse.rates import inverse_velocity as inverse_velocity
+from freebody.inverse.inverse_kinematics import inverse_kinematics as inverse_kinematics
+from freebody.inverse.inverse_rates import inverse_acceleration as inverse_acceleration
+from freebody.inverse.inverse_rates import inverse_velocity as inverse_velocity
 from freebody.inverse.singularities import singularities as singularities
 from freebody.kernels.own_functions import compile as compile
 from freebody.loops.assembly import assemble as assemble
@@ -113,22 +113,22 @@ from freebody.trees.kinematics import jacobian as jacobian
 from freebody.trees.kinematics import jacobian_derivatives as jacobian_derivatives
 from freebody.trees.kinematics import jacobian_dot as jacobian_dot
 from freebody.trees.kinematics import velocity as velocity
-from freebody.trees.linearization import discrete_lqr as discrete_lqr
-from freebody.trees.linearization import linearize as linearize
+from freebody.trees.linearization_and_lqr import discrete_lqr as discrete_lqr
+from freebody.trees.linearization_and_lqr import linearize as linearize
 from freebody.trees.operational_space import operational_space_bias as operational_space_bias
 from freebody.trees.operational_space import operational_space_inertia as operational_space_inertia
+from freebody.trees.positions import difference as difference
+from freebody.trees.positions import integrate as integrate
+from freebody.trees.positions import neutral as neutral
+from freebody.trees.positions import quat_wxyz as quat_wxyz
+from freebody.trees.positions import random_state as random_state
+from freebody.trees.positions import rotation as rotation
 from freebody.trees.regressors import energy_regressor as energy_regressor
 from freebody.trees.regressors import (
     forward_dynamics_parameter_derivatives as forward_dynamics_parameter_derivatives,
 )
 from freebody.trees.regressors import inertial_parameters as inertial_parameters
 from freebody.trees.regressors import regressor as regressor
-from freebody.trees.states import difference as difference
-from freebody.trees.states import integrate as integrate
-from freebody.trees.states import neutral as neutral
-from freebody.trees.states import quat_wxyz as quat_wxyz
-from freebody.trees.states import random_state as random_state
-from freebody.trees.states import rotation as rotation
 from freebody.ways_out.exports import export as export
 from freebody.ways_out.exports import source as source
 from freebody.ways_out.fmus import export_fmu as export_fmu
@@ -139,7 +139,7 @@ from freebody.ways_out.kernel import kernel as kernel
 from freebody_notes.figures.catalogue import notes_figure as notes_figure
 from freebody_textbook.check.check import check as check
 from freebody_textbook.check.spelling.answer_text import AnswerError as AnswerError
-from freebody_textbook.closed_chains.loops import loop_equations as loop_equations
+from freebody_textbook.closed_chains.loop_equations import loop_equations as loop_equations
 from freebody_textbook.derive import derive as derive
 from freebody_textbook.equations.equations import equations as equations
 from freebody_textbook.relations.functions import sampled_trajectory as sampled_trajectory

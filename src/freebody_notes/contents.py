@@ -7,14 +7,15 @@
 from __future__ import annotations
 
 import importlib
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cache
+from importlib.resources import files
 from typing import Any
 
 from freebody.errors import UnknownNameError
 from freebody_notes.checks import SHARED
-from freebody_notes.data import data
 from freebody_notes.item import Item
 
 
@@ -76,3 +77,18 @@ def item(name: str) -> Item:
         if spelling in by_id:
             return by_id[spelling]
     raise UnknownNameError("item", name, "the notes", by_id)
+
+
+def data(name: str) -> dict[str, Any]:
+    """A file of this package, "contents.toml"; white space in its texts does no more than wrap
+    lines."""
+    text = (files("freebody_notes") / name).read_text(encoding="utf-8")
+    return _unwrapped(tomllib.loads(text))
+
+
+def _unwrapped(x: Any) -> Any:
+    if isinstance(x, dict):
+        return {key: _unwrapped(value) for key, value in x.items()}
+    if isinstance(x, list):
+        return tuple(map(_unwrapped, x))
+    return " ".join(x.split()) if isinstance(x, str) else x

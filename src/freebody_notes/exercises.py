@@ -15,13 +15,13 @@ from freebody_notes.chapters.first_kind import pinned_bar
 from freebody_notes.chapters.five_bar import limbs, robot
 from freebody_notes.chapters.recursion import as_vectors
 from freebody_notes.checks import number
-from freebody_notes.data import data
-from freebody_notes.steps import ROWS
+from freebody_notes.contents import data
+from freebody_notes.derivation_places import ROWS
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.derive import compare
 from freebody_textbook.relations.formula import parse, symbol
 from freebody_textbook.relations.quantities import Quantities
-from freebody_textbook.render import page
+from freebody_textbook.render import equation_lines
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def _values(values: Quantities, *names: str) -> str:
         eq(symbol(name, isinstance(values[name], tuple)), values.form(values[name]))
         for name in names
     ]
-    return page.html([lines])
+    return equation_lines.html([lines])
 
 
 def _steps(derivation: Derivation, *remarks: str) -> str:
@@ -81,7 +81,7 @@ def point_acceleration() -> str:
     )
     return (
         _paragraph(said)
-        + page.html([[left], [eq(right, free.form(free["v_A_d"]))]])
+        + equation_lines.html([[left], [eq(right, free.form(free["v_A_d"]))]])
         + _paragraph(proof)
     )
 
@@ -125,7 +125,13 @@ def five_bar() -> str:
     )
     listed = "<ul>" + "".join(f"<li>{escape(pair)}</li>" for pair in pairs) + "</ul>"
     return "".join(
-        [_paragraph(inverse), listed, _paragraph(forward), _paragraph(poses), page.html([singular])]
+        [
+            _paragraph(inverse),
+            listed,
+            _paragraph(forward),
+            _paragraph(poses),
+            equation_lines.html([singular]),
+        ]
     )
 
 
@@ -183,7 +189,7 @@ def bar_on_a_pin() -> str:
         "fb.derive(fb.load('five_bar_rods'), 'lagrange-first-kind') treats the robot of section "
         "2.3 in this way, step by step."
     )
-    return _paragraph(first) + page.html([lines]) + _paragraph(text) + _paragraph(how)
+    return _paragraph(first) + equation_lines.html([lines]) + _paragraph(text) + _paragraph(how)
 
 
 def sliding_joint() -> str:

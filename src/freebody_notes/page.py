@@ -18,18 +18,18 @@ import freebody
 from freebody.expressions.nodes import Equation, Words
 from freebody.expressions.typesetting.mathml import lean, mathml
 from freebody.figures import colours
-from freebody.outputs.page import SHEETS, math_style, policy
+from freebody.outputs.page_head import SHEETS, math_style, policy
 from freebody_notes.contents import Chapter, chapters
 from freebody_notes.contents import item as found_item
+from freebody_notes.derivation_places import Place, live_derivation, place_of
 from freebody_notes.errata import entries
 from freebody_notes.exercises import exercises, solution
 from freebody_notes.figures.catalogue import notes_figure
 from freebody_notes.item import SOURCE, VERDICTS, ExecutedItem, Item
-from freebody_notes.steps import Place, live_derivation, place_of
 from freebody_notes.text import shown
 from freebody_textbook.derivation import Step
 from freebody_textbook.render import documents
-from freebody_textbook.render import page as formulas
+from freebody_textbook.render import equation_lines as formulas
 from freebody_textbook.render.documents import LETTERS
 from freebody_textbook.render.prose import web_prose
 from freebody_textbook.render.styles import PANEL, SCROLLED, TOUCHED

@@ -1,5 +1,5 @@
-"""Items executed: the verdict comes out of the printed form, and of the corrected one where that
-fails."""
+"""Items executed, below the command and for tests: the verdict comes out of the printed form, and
+of the corrected one where that fails."""
 
 from __future__ import annotations
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import textwrap
 
 from freebody.expressions.expression import Equation, Expression
+from freebody_notes.derivation_places import place_of
 from freebody_notes.item import ExecutedItem, Item, parts
-from freebody_notes.steps import place_of
 from freebody_textbook.relations.formula import as_printed
-from freebody_textbook.render import page
+from freebody_textbook.render import equation_lines
 
 WIDTH = 100
 _INDENT = 12
@@ -25,7 +25,7 @@ def form_text(item: Item, form: str, width: int = WIDTH) -> str:
     nodes = shown(item, form)
     equations = [node for node in nodes if isinstance(node, Equation)]
     if nodes and len(equations) == len(nodes):
-        return page.text([equations], width)
+        return equation_lines.text([equations], width)
     return "\n".join(textwrap.fill(str(node), width) for node in nodes)
 
 
@@ -56,7 +56,7 @@ def _derived(item: Item, width: int) -> list[str]:
         f"In {place.call}, “{place.step.operation}”:",
         textwrap.fill(place.step.reason, width),
         "",
-        textwrap.indent(page.text([place.step.equations], width - 4), "    "),
+        textwrap.indent(equation_lines.text([place.step.equations], width - 4), "    "),
     ]
 
 

@@ -17,8 +17,8 @@ from freebody_textbook.equations.equations import Equations
 from freebody_textbook.render import documents
 
 if TYPE_CHECKING:
-    from freebody_textbook.closed_chains.first_kind import FirstKind
-    from freebody_textbook.closed_chains.statics import LoopStatics
+    from freebody_textbook.closed_chains.loop_statics import LoopStatics
+    from freebody_textbook.closed_chains.multiplier_equations import FirstKind
     from freebody_textbook.render.documents import LivingParts
 
 

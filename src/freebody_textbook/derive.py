@@ -13,7 +13,7 @@ from freebody.expressions.nodes import Equation, Words, nodes
 from freebody.expressions.notations.lettering import lettering_of
 from freebody.expressions.notations.notation import BookNotation, angles_of, notation_of
 from freebody.model.model import Model
-from freebody_textbook.closed_chains.first_kind import multipliers
+from freebody_textbook.closed_chains.multiplier_equations import multipliers
 from freebody_textbook.derivation import Comparison, Derivation, Method, Step, written_in
 from freebody_textbook.drawings.illustrate import drawings, living_parts
 from freebody_textbook.given_parameters import as_terms, formulas_in_words, formulas_of, freed

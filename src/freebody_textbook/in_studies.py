@@ -9,7 +9,7 @@ from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody_textbook.equations.base_parameters import short_by_base
 from freebody_textbook.equations.equations import equations
-from freebody_textbook.render import page
+from freebody_textbook.render import equation_lines
 
 JOINTS = 4
 """Joints up to which a robot's equations are looked at."""
@@ -32,7 +32,7 @@ def shown(model: Model) -> Shown | None:
     if closed.is_short:
         return Shown(closed.mathml("named"), base=False)
     groups = short_by_base(closed)
-    return None if groups is None else Shown(page.html(groups, alone=True), base=True)
+    return None if groups is None else Shown(equation_lines.html(groups, alone=True), base=True)
 
 
 def _has_closed_form(model: Model) -> bool:

@@ -21,7 +21,7 @@ from freebody.identifiers import identifiers, in_words, is_identifier
 from freebody.program import Argument, ProgramError, trace
 from freebody.targets import compile_program
 from freebody.targets.text import LANGUAGES, SourceUnit
-from freebody_notes import contents, steps
+from freebody_notes import contents, derivation_places
 from support.sources import SOURCES, place
 
 EXECUTES = {
@@ -75,7 +75,7 @@ KNOWN = {
         "targets/llvm/machine.py",
         "parse_assembly",
     ): "LLVM text of a verified Program: its names are words of freebody's own",
-    ("targets/cuda/plan.py", "parse_assembly"): "the same, for GPUs",
+    ("targets/cuda/ptx.py", "parse_assembly"): "the same, for GPUs",
     ("targets/cuda/driver.py", "bindings"): "assembles PTX that LLVM has made of that text",
     (
         "targets/llvm/loader.py",
@@ -99,7 +99,10 @@ KNOWN = {
         "freebody_notes/checks/calls.py",
         "eval",
     ): "calls that stand in freebody_notes; held to that below",
-    ("freebody_notes/steps.py", "eval"): "calls that stand in freebody_notes; held to that below",
+    (
+        "freebody_notes/derivation_places.py",
+        "eval",
+    ): "calls that stand in freebody_notes; held to that below",
     ("report/page.py", "Markup"): "our own style, and drawings, whose text is escaped",
     ("report/tables.py", "Markup"): "text that has just been escaped",
     ("freebody_notes/page.py", "Markup"): "formulas and drawings of the notes' own items",
@@ -175,7 +178,7 @@ def test_templates_are_files_and_escape():
 
 def test_calls_that_the_notes_execute_are_made_with_the_package():
     """No call stands in a data file; those of the checks name nothing but freebody and NumPy."""
-    calls = [call for chapter in steps._CALLS.values() for call in chapter]
+    calls = [call for chapter in derivation_places._CALLS.values() for call in chapter]
     for item in contents.items():
         calls += [
             x

@@ -12,14 +12,14 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
-from freebody.targets.cuda import plan
+from freebody.targets.cuda import ptx
 from support import gpu
 
 _texts: dict[str, str] = {}
 _kept: list[object] = []
 
 
-_ptx_of_llvm = plan.ptx
+_ptx_of_llvm = ptx.ptx
 
 
 def _ptx(text: str) -> str:
@@ -46,4 +46,4 @@ def pytest_configure() -> None:
     hook = kind(lambda text, name: _emulated(text.decode()).addresses.get(name.decode()))
     library.emulate(hook)
     _kept.extend([library, hook])
-    plan.ptx = _ptx
+    ptx.ptx = _ptx

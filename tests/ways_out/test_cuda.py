@@ -39,7 +39,7 @@ from freebody.targets.cuda.parts import (
     parts,
     prepared,
 )
-from freebody.targets.cuda.plan import ptx
+from freebody.targets.cuda.ptx import ptx
 from freebody.targets.llvm.machine import host
 from freebody.targets.text import SourceUnit, cuda
 from freebody.ways_out.exports import vectors
@@ -66,7 +66,7 @@ def robot(name: str) -> fb.Model:
 
 def formulas(model: fb.Model) -> list[str]:
     """All quantities that there are of a robot."""
-    loops = ("constraint", "constrained_dynamics", "closed_wrenches")
+    loops = ("constraint", "constrained_dynamics", "reaction_wrenches")
     own = "closed" if model.loops else "open"
     return [
         x

@@ -21,8 +21,8 @@ from freebody.program import Argument, trace
 from freebody.targets import KernelError, compile_program, settings
 from freebody.targets.call_errors import BatchError
 from freebody.targets.cuda import driver
-from freebody.targets.cuda.arrays import DeviceArray
 from freebody.targets.cuda.driver import GpuError, missing
+from freebody.targets.cuda.gpu_arrays import DeviceArray
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=missing())
 

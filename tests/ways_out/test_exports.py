@@ -320,7 +320,7 @@ def test_every_quantity(language, closed, tmp_path):
     require(language)
     model = fb.load("five_bar") if closed else mechanism(24)
     assert closed or model.nq > model.nv
-    loops = ("constraint", "constrained_dynamics", "closed_wrenches")
+    loops = ("constraint", "constrained_dynamics", "reaction_wrenches")
     own = "closed" if closed else "open"
     names = [
         x

@@ -296,14 +296,14 @@ def test_in_an_exported_program():
 
 def test_the_longer_ways_give_the_same(monkeypatch):
     """Taken in a PyTorch that does not tell whether a transform is under way."""
-    from freebody.targets import in_torch
+    from freebody.targets import torch_operator
 
     f = fb.to_torch(fb.load("2R"), "inverse_dynamics")
     given = [random(3, 2, seed=s) for s in range(3)]
     expected = f(*given)
     slopes = torch.autograd.grad(expected.square().sum(), given)
-    monkeypatch.setattr(in_torch, "_watched", lambda: True)
-    monkeypatch.setattr(in_torch, "_graphed", lambda: True)
+    monkeypatch.setattr(torch_operator, "_watched", lambda: True)
+    monkeypatch.setattr(torch_operator, "_graphed", lambda: True)
     np.testing.assert_array_equal(f(*given).detach().numpy(), expected.detach().numpy())
     for found, slope in zip(
         torch.autograd.grad(f(*given).square().sum(), given), slopes, strict=True

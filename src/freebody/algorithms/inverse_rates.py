@@ -12,9 +12,8 @@ from freebody.elementary import Scalar, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector, add, dot, scale, sub, symmetric, times, transposed
 
-_SURE = 1e-6
-"""Ratio of singular values above which as many steps of refinement leave rounding alone."""
 _STEPS = 2
+"""Steps of refinement, which leave rounding alone where the rows are surely independent."""
 
 
 def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V: Vector) -> Vector:
@@ -27,7 +26,7 @@ def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V
     for _ in range(_STEPS):
         left = sub(wanted, times(J, found))
         found = add(found, times(back, _solved(L, inverse, left)))
-    return nan_unless(surely_independent(J, _SURE), q, found)
+    return nan_unless(surely_independent(J), q, found)
 
 
 def inverse_acceleration(
@@ -53,7 +52,7 @@ def tip_wrench(tree: Tree, q: Vector, frame: str, tau: Vector) -> Vector:
         left = sub(tau, times(back, found))
         found = add(found, _solved(L, inverse, times(J, left)))
     wrench = tuple(unit * x for unit, x in zip(units, found, strict=True))
-    return nan_unless(surely_independent(J, _SURE), q, wrench) + (0.0,) * (six - len(rows))
+    return nan_unless(surely_independent(J), q, wrench) + (0.0,) * (six - len(rows))
 
 
 def wrench_rows(nv: int, six: int, dim: int) -> int:

@@ -1,8 +1,8 @@
 """The equations of a free body: the forces ΣF = m a and moments ΣM = Ḣ about its joint's origin
-that must act so that it moves as it does. Notes 3.1, 3.2, 6.1, 6.2.
+that must act so that it moves as it does (notes 3.1, 3.2, 6.1, 6.2).
 
-Notes 3.1, 3.2, 6.1, 6.2. It takes the bodies' poses with their first and second time derivatives,
-whatever these come from; the rate of angular momentum is R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second
+The bodies' poses and their first and second time derivatives go in, whatever these come from; the
+rate of angular momentum is R̈ P Rᵀ, with P = ½ tr(I) 1 - I the second
 moments: its antisymmetric part is Σ r × r̈ dm. Nothing of the Newton-Euler recursion enters, so
 this checks reactions by other means than those they were found by.
 """
@@ -59,7 +59,7 @@ def balance(
 ) -> BodyResiduals:
     """The residuals that reactions and external wrenches, world axes, leave of a motion.
 
-    moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
+    moving: of every body of the tree. wrenches: of joints and loops, as `reaction_wrenches` gives
     them; external: (frame, wrench) of each load.
     """
     space, world = tree.space, [body.pose for body in moving]

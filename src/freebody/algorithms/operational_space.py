@@ -16,6 +16,7 @@ from freebody.algorithms.kinematics import (
     outward,
     world_poses,
 )
+from freebody.algorithms.singular_thresholds import SURELY_INDEPENDENT
 from freebody.elementary import Scalar, less, maximum, minimum, sqrt, where
 from freebody.model.tree import Tree
 from freebody.spatial import (
@@ -87,11 +88,9 @@ _NO_PIVOT = 1e-300
 """Number that stands in the place of a pivot that is 0, perhaps for all positions."""
 _NO_ROWS = 1e-280
 """Squares of the entries of rows that are all 0, added up."""
-INDEPENDENT = 1e-6
-"""Smallest singular value, relative to the largest, of rows that are surely independent."""
 
 
-def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
+def surely_independent(J: Matrix, ratio: float = SURELY_INDEPENDENT) -> Scalar:
     """1 where the smallest singular value of J is surely above a ratio of the largest, else 0.
 
     The traces of J Jᵀ and of its inverse are their largest eigenvalues at least, and n times these

@@ -7,6 +7,7 @@ import operator
 from functools import reduce
 from itertools import combinations
 
+from freebody.algorithms.singular_thresholds import LOST
 from freebody.elementary import Scalar, absolute, less, maximum, minimum, sqrt, where
 from freebody.spatial import Matrix, Vector, dot, identity, scale, transposed
 
@@ -21,8 +22,6 @@ _NOISE = 1e-14
 """Length of a row, relative to all, that is nothing but rounding."""
 _NO_LENGTH = 1e-150
 """Square of the length of a row that is 0; not so small that its own square is."""
-LOST = 1e-12
-"""The singular value, relative to the largest, below which it is none."""
 
 
 def singular_values(A: Matrix) -> tuple[tuple[Vector], Scalar]:

@@ -16,7 +16,7 @@ from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
 from freebody.lazy import kept
 from freebody.model.bodies import Frame
-from freebody.model.cut import cut, fixed_frame
+from freebody.model.cut_fixed_joints import cut, fixed_frame
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model

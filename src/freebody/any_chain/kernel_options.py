@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from typing import Any
 
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.formulas.inverse import known_branches
-from freebody.kernels.options import (
+from freebody.kernels.formula_variants import (
     motion_rows,
-    refuse_struts,
+    refuse_untaken,
     require_few_rows,
     require_square,
     several,
 )
-from freebody.model.losses import require_lossless
+from freebody.kernels.formulas import FORMER_NAMES, FORMULAS, Option
+from freebody.kernels.formulas.inverse import known_branches
 from freebody.model.model import Model
 
 
@@ -34,7 +33,8 @@ def chosen_option(
 
     function: what was called, for errors.
     """
-    listed = several(function, "names", names)
+    given: tuple[str, ...] = several(function, "names", names)
+    listed = tuple(FORMER_NAMES.get(name, name) for name in given)
     _require_possible(function, model, listed)
     _require_used(
         function, listed, frame=frame, reference=reference, wrench_frames=wrench_frames, rows=rows
@@ -63,10 +63,7 @@ def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> N
             raise FreebodyError(f"{function}: the quantity {name!r} is asked for twice.")
         if FORMULAS[name].chains in ("open", "arm", "square"):
             model.require_tree(f"{function}: {name}")
-        if FORMULAS[name].without_struts:
-            refuse_struts(f"{function}: {name}", model)
-        if FORMULAS[name].lossless:
-            require_lossless(f"{function}: {name}", model)
+        refuse_untaken(f"{function}: {name}", model, FORMULAS[name])
         if FORMULAS[name].chains == "square":
             require_square(function, model)
         if FORMULAS[name].chains == "closed" and not model.loops:

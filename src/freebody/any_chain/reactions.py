@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.accelerations import definite_accelerations
 from freebody.loops.forces import loop_multipliers, motion_torques
 from freebody.loops.scaled_equations import length
-from freebody.model.geometry import first_member
+from freebody.model.kept_facts import first_member
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
 from freebody.trees.public_calls import (
@@ -27,7 +28,6 @@ from freebody.trees.public_calls import (
     checked_reference,
 )
 from freebody.trees.special_joints import refuse_passive
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -198,7 +198,7 @@ def _found(
     """The reactions of a motion under the torques that cause it."""
 
     def wrenches_in(axes: str) -> Array:
-        kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
+        kernel = fetch(model, ("reaction_wrenches",), Option(reference=axes, wrench_frames=frames))
         return kernel(*motion, multipliers, *loads)
 
     q, _, qdd = motion

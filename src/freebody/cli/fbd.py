@@ -87,7 +87,7 @@ def fbd(
 
 def _table(figure: FreeBodyDiagram) -> TextTable:
     """The loads; of a model with parameters that have no value only their names."""
-    from freebody.figures.text import plain
+    from freebody.figures.marked_text import plain
 
     flat, named = len(figure.loads[0].body.origin) == 2, bool(figure.missing)
     rows = []

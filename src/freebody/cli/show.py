@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from freebody.cli import options, terminal
 from freebody.model import joint_table
-from freebody.model.doubts import ALL, Doubt, capital, doubts_used
+from freebody.model.doubt_rules.aspects import ALL
+from freebody.model.doubts import Doubt, capital, doubts_used
 from freebody.model.parameters import Parameter
 from freebody.outputs.display import TextTable
 

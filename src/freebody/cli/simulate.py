@@ -138,7 +138,7 @@ def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
 
     from freebody.loops.assembly import assemble
     from freebody.motion.ranges import position_columns, ranges
-    from freebody.trees.states import neutral
+    from freebody.trees.positions import neutral
 
     start = None if q is None else _vector("--q", q, model.nq, model)
     if model.loops:
@@ -237,7 +237,7 @@ def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
     from freebody.motion.files.csv_files import state_table
     from freebody.motion.ranges import angular
     from freebody.outputs.files import write
-    from freebody.outputs.text import csv_text
+    from freebody.outputs.harmless_text import csv_text
     from freebody.report.load_case import in_a_line
 
     t, q, qd, qdd, tau = (found[n].values for n in ("time", "q", "qd", "qdd", "tau"))

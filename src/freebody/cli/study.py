@@ -105,8 +105,8 @@ def _saved(found: Study, directory: Path) -> FreebodyError | None:
 
 
 def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None:
-    from freebody.report.files import DATA, REPORT
     from freebody.report.load_case import in_a_line
+    from freebody.report.study_files import DATA, REPORT
     from freebody.report.summary import drive_table, energy_text
 
     out = terminal.out()

@@ -183,7 +183,7 @@ def _states(
     from freebody.kernels.tracing import arguments
     from freebody.motion.default_motion import default_motion
     from freebody.motion.files.csv_files import read_motion
-    from freebody.trees.states import random_state
+    from freebody.trees.positions import random_state
 
     if motion is not None and states is not None:
         raise FreebodyError("--motion and --states both say at which states; give one of them.")

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, TextIO, cast
 from freebody.errors import FileError, FreebodyWarning
 from freebody.outputs.display import TextTable, columns_of
 from freebody.outputs.files import reason
-from freebody.outputs.text import legal
+from freebody.outputs.harmless_text import legal
 
 if TYPE_CHECKING:
     from rich.console import Console

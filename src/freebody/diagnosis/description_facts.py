@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from math import isfinite
 
-from freebody.diagnosis.facts import InertiaFacts, JointFacts, LinkFacts, Written, pose_of
+from freebody.diagnosis.facts import (
+    FRICTIONS,
+    InertiaFacts,
+    JointFacts,
+    LinkFacts,
+    Written,
+    pose_of,
+)
 from freebody.model.description import Joint, Link, RobotDescription
 from freebody.model.parameters import each_parameter
 
@@ -38,8 +45,8 @@ def _joint(joint: Joint, dim: int) -> JointFacts:
     }
     drive = {
         name: Written(value)
-        for name, value in (("damping", joint.drive.viscous), ("friction", joint.drive.coulomb))
-        if isinstance(value, float) and value
+        for name, number in FRICTIONS.items()
+        if isinstance(value := getattr(joint.drive, number), float) and value
     }
     pose = pose_of(joint.placement, dim) if _known(joint.placement) else None
     return JointFacts(

@@ -79,6 +79,10 @@ class LinkFacts(Keeps):
         return self.inertial.line if self.inertial else self.line
 
 
+FRICTIONS = {"damping": "viscous", "friction": "coulomb"}
+"""Names of friction as URDF writes it, and as a `Drive` has it."""
+
+
 @dataclass(frozen=True)
 class JointFacts(Keeps):
     """A joint as it is written; kind: that of `model.joints`, or the unknown type."""

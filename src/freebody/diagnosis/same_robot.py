@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.by_value import ByValue
 from freebody.diagnosis.alignment import Alignment, Tolerances, align
 from freebody.diagnosis.bodies_in_space import BodyTree, pose_in_space
 from freebody.diagnosis.differences import ASPECTS, RobotDifference
@@ -18,7 +19,6 @@ from freebody.formats.loading import load
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
 from freebody.outputs.display import InWords, Tabled, TextTable, counted
-from freebody.values import ByValue
 
 _NAMES = 4
 

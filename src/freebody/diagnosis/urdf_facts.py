@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
-from freebody.diagnosis.facts import InertiaFacts, JointFacts, LinkFacts, Written, pose_of
+from freebody.diagnosis.facts import (
+    FRICTIONS,
+    InertiaFacts,
+    JointFacts,
+    LinkFacts,
+    Written,
+    pose_of,
+)
 from freebody.errors import FreebodyError
 from freebody.formats import read_file
 from freebody.formats.urdf import TYPES, shapes_of
@@ -98,7 +105,7 @@ def _joint(element: XmlElement) -> JointFacts:
         {key: written(limit, key) for key in _LIMITS if limit and key in limit.attributes},
         {
             key: written(dynamics, key)
-            for key in ("damping", "friction")
+            for key in FRICTIONS
             if dynamics and key in dynamics.attributes
         },
         mimic.attributes.get("joint", "").strip() if mimic else "",

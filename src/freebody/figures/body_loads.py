@@ -20,8 +20,8 @@ from freebody.arrays import Array
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Expression
 from freebody.expressions.naming import Naming
+from freebody.figures.marked_text import label
 from freebody.figures.skeleton import BodyPlace, Skeleton, extent
-from freebody.figures.text import label
 from freebody.model.joints import JointKind
 from freebody.model.model import Model
 from freebody.trees.dynamics import strut_states

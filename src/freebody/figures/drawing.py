@@ -17,7 +17,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import UnknownNameError
-from freebody.figures.text import bold, canonical
+from freebody.figures.marked_text import bold, canonical
 from freebody.figures.view import View, WorldPoint
 from freebody.outputs.number_text import significant
 

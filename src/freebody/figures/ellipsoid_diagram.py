@@ -7,7 +7,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, of_one
-from freebody.figures.layers.structure import drawn
+from freebody.figures.layers.bare_robot import drawn
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import View
 from freebody.model.model import Model

@@ -15,8 +15,8 @@ from freebody.expressions.notations.notation import BookNotation
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, to_one_scale
 from freebody.figures.labelling import chosen_of, labels_of
-from freebody.figures.layers import geometry, motion, structure
-from freebody.figures.layers.structure import Layer, drawn
+from freebody.figures.layers import bare_robot, measures, motion
+from freebody.figures.layers.bare_robot import Layer, drawn
 from freebody.figures.skeleton import extent, skeleton
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT, best_view
@@ -27,22 +27,22 @@ WIDE, TALL = 440.0, 420.0
 """Size of one drawing, pixels."""
 _MOVING = ("velocities", "accelerations")
 """Views that show rates; the last shows accelerations, too."""
-_BENT: tuple[Layer, ...] = (geometry.angles, geometry.slides)
-_GEOMETRY: tuple[Layer, ...] = (*_BENT, geometry.centres)
+_BENT: tuple[Layer, ...] = (measures.angles, measures.slides)
+_GEOMETRY: tuple[Layer, ...] = (*_BENT, measures.centres)
 VIEWS: dict[int, dict[str, tuple[Layer, ...]]] = {
     2: {
-        "geometry": (*_GEOMETRY, geometry.all_lengths, geometry.of_the_ground),
-        "vectors": (*_BENT, geometry.links, geometry.to_tip),
-        "centres": (*_GEOMETRY, geometry.of_centres),
+        "geometry": (*_GEOMETRY, measures.all_lengths, measures.of_the_ground),
+        "vectors": (*_BENT, measures.links, measures.to_tip),
+        "centres": (*_GEOMETRY, measures.of_centres),
         "velocities": (*_GEOMETRY, motion.rates, motion.of_centres),
         "accelerations": (
             *_GEOMETRY, partial(motion.rates, second=True), partial(motion.of_centres, second=True)
         ),
     },
     3: {
-        "frames": (geometry.axes, geometry.variables),
-        "normals": (geometry.axes, geometry.normals),
-        "vectors": (geometry.links, geometry.centres),
+        "frames": (measures.axes, measures.variables),
+        "normals": (measures.axes, measures.normals),
+        "vectors": (measures.links, measures.centres),
     },
 }  # fmt: skip
 """Choices of `show`, by dimension, and the layers that each is made of."""
@@ -108,7 +108,12 @@ def kinematic_diagram(
     return Figure(f"Kinematic diagram of {model.name}", drawings, 2, WIDE, TALL, caller)
 
 
-_NUMBERED = (geometry.angles, geometry.slides, geometry.centres, geometry.lengths)
+_NUMBERED = (
+    measures.angles,
+    measures.slides,
+    measures.centres,
+    measures.lengths,
+)
 _CROWDED = 12  # bodies; the joints of more are not numbered
 
 
@@ -123,17 +128,17 @@ def robot_drawing(
     track = None if path is None else np.asarray(path, dtype=float)
     view = FLAT
     if model.dim == 3:
-        view = best_view([ends for pose in poses for ends in structure.sticks(pose)])
+        view = best_view([ends for pose in poses for ends in bare_robot.sticks(pose)])
     drawing = Drawing(view, f"{model.name}: the robot at one position", labels="both")
     if model.dim == 3:
-        structure.floor(drawing, seen, poses)
+        bare_robot.floor(drawing, seen, poses)
     for pose in poses[1:]:
-        for ends in structure.sticks(pose):
+        for ends in bare_robot.sticks(pose):
             drawing.line(ends, "ghost", "ghost")
     if track is not None:
         drawing.line(track, "tip path", "tippath")
         drawing.mark(track[0], "dot", "path start", "tipdot", 3.0)
-    structure.structure(drawing, seen)
+    bare_robot.structure(drawing, seen)
     for layer in _NUMBERED if model.dim == 2 else (_numbered,):
         layer(drawing, seen)
     about = extent(poses, track) / 5
@@ -146,7 +151,7 @@ def _numbered(drawing: Drawing, seen: Snapshot) -> None:
     pose = seen.pose
     if pose.tip is not None and pose.tip_rotation is not None:
         axes, size = [f"tip {name}" for name in "xyz"], 0.1 * seen.size
-        structure.triad(drawing, pose.tip, pose.tip_rotation, size, axes, label="")
+        bare_robot.triad(drawing, pose.tip, pose.tip_rotation, size, axes, label="")
     if len(pose.bodies) <= _CROWDED:
         for body in pose.bodies:
             drawing.write(body.origin, str(body.number), (0.0, 0.0, -1.0))

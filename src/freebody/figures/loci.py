@@ -11,7 +11,7 @@ import numpy as np
 from freebody.errors import FreebodyError
 from freebody.figures.drawing import Drawing
 from freebody.figures.figure import Figure, of_one
-from freebody.figures.layers.structure import structure
+from freebody.figures.layers.bare_robot import structure
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import FLAT
 from freebody.loops.singularity_loci import Locus, singularity_loci

@@ -10,7 +10,7 @@ from freebody.errors import FreebodyError, ShapeError
 from freebody.figures.colours import MAP
 from freebody.figures.drawing import Cells, ColourKey, Drawing, point
 from freebody.figures.figure import Figure, of_one
-from freebody.figures.layers.structure import sticks, structure
+from freebody.figures.layers.bare_robot import sticks, structure
 from freebody.figures.plots import tick, ticks
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import FLAT, View, best_view

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.figures.colours import SERIES
+from freebody.figures.marked_text import width
 from freebody.figures.svg import Picture
 from freebody.figures.svg_symbols import circle, line, path, words
-from freebody.figures.text import width
 from freebody.outputs.number_text import fixed, significant, superscript
 
 _LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 28.0, 30.0, 15.0

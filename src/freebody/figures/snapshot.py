@@ -20,7 +20,7 @@ from freebody.expressions.notations.notation import BookNotation, notation_of
 from freebody.expressions.polynomials.symbols import names_by_body
 from freebody.figures.body_loads import BodyLoads, body_loads
 from freebody.figures.drawing import SAME
-from freebody.figures.names import DrawingNames
+from freebody.figures.drawing_names import DrawingNames
 from freebody.figures.skeleton import BodyPlace, End, Skeleton, extent, skeleton
 from freebody.lazy import cached_property
 from freebody.loops.assembly import assemble
@@ -30,8 +30,8 @@ from freebody.model.parameter_formulas import followed
 from freebody.model.parameters import Parameter, with_parameters
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.kinematics import acceleration, velocity
+from freebody.trees.positions import integrate, neutral
 from freebody.trees.public_calls import FrameWrenchTable, single_vector
-from freebody.trees.states import integrate, neutral
 
 _PATTERN = (("lc", 0.45), ("l", 0.9), ("a", 0.4), ("d", 0.3), ("m", 1.0), ("I", 0.05), ("g", 9.81))
 _TURNS = (0.60, 0.75, -0.85, 0.80, -0.70)  # rad, of an arm that is only to be looked at

@@ -12,7 +12,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.figures import colours, labelling, svg_symbols, text
+from freebody.figures import colours, labelling, marked_text, svg_symbols
 from freebody.figures.drawing import (
     SAME,
     Arc,
@@ -30,8 +30,8 @@ from freebody.figures.drawing import (
 )
 from freebody.figures.labelling import RULE, Box, Crowd, Wanted, leader
 from freebody.figures.view import View
+from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
-from freebody.outputs.text import legal
 
 XMLNS = 'xmlns="http://www.w3.org/2000/svg"'
 _NOTE = 17.0  # height of a line of notes
@@ -71,7 +71,7 @@ class Page:
         """Ask for room for what stands beside an element."""
         formula, after = labelling.beside(element, self.drawing.labels)
         if formula or after:
-            wide = text.formula_width(formula) + text.width(after, _VALUE)
+            wide = marked_text.formula_width(formula) + marked_text.width(after, _VALUE)
             self.wanted.append(Wanted(formula, css, anchors, wide, after))
 
     def around(
@@ -284,17 +284,19 @@ assert set(_DRAW) == set(Element.__args__)
 
 def _tooltip(page: Page, e: Arrow | Turn) -> str:
     _, after = labelling.beside(e, page.drawing.labels)
-    return text.plain(e.label or e.name) + after
+    return marked_text.plain(e.label or e.name) + after
 
 
 def _centred(css: str, at: complex, sentence: str, size: float) -> str:
-    return svg_symbols.words(css, at, text.marked(text.sentence(sentence), size), "middle")
+    return svg_symbols.words(
+        css, at, marked_text.marked(marked_text.sentence(sentence), size), "middle"
+    )
 
 
 def _label(wanted: Wanted, box: Box) -> str:
     left, _, right, bottom = box
-    after = [text.Run(wanted.after, "num")] if wanted.after else []
-    shown = text.marked([*text.runs(wanted.text), *after])
+    after = [marked_text.Run(wanted.after, "num")] if wanted.after else []
+    shown = marked_text.marked([*marked_text.runs(wanted.text), *after])
     at = complex((left + right) / 2, bottom - RULE["below"])
     return svg_symbols.words(f"halo f {wanted.css}", at, shown, "middle")
 
@@ -313,7 +315,7 @@ def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
     for metres, label, role in drawing.rulers:
         length = metres * page.scale
         out.append(svg_symbols.ruler(at, length, label, role))
-        at += max(length, text.width(label, 11)) + 26
+        at += max(length, marked_text.width(label, 11)) + 26
     if drawing.compass:
         out += _compass(drawing.view, complex(page.crowd.width - 34.0, height - 26.0))
     return out

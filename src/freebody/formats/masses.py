@@ -34,7 +34,8 @@ from freebody.formats.packages import Packages
 from freebody.formats.read_file import contents
 from freebody.model.bodies import Body
 from freebody.model.description import Link, RobotDescription
-from freebody.model.doubts import ESTIMATED, IMPLAUSIBLE, NO_MASSES, Doubt, is_bare, weighs
+from freebody.model.doubt_rules.inertias import is_bare, weighs
+from freebody.model.doubts import ESTIMATED, IMPLAUSIBLE, NO_MASSES, Doubt
 from freebody.model.inertia import Inertia, combined
 from freebody.model.model import Model
 from freebody.model.placement import Placement

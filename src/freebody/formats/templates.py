@@ -1,4 +1,5 @@
-"""`fb.template`: robots by their kind, with names for their numbers."""
+"""`fb.template`, beside `load` since it reads files too: robots by their kind, with names for their
+numbers."""
 
 from __future__ import annotations
 

@@ -10,17 +10,18 @@ import numpy as np
 
 from freebody.algorithms.kinematics import ancestors
 from freebody.algorithms.screws import arm_length
+from freebody.algorithms.singular_thresholds import FOUND
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.expressions.closed_form_kinematics import Kinematics, columns_of, kinematics
+from freebody.expressions.exact_singularities import Condition, Determinant, jacobian_determinant
 from freebody.expressions.expression import Expression
-from freebody.expressions.kinematics import Kinematics, columns_of, kinematics
-from freebody.expressions.singularities import Condition, Determinant, jacobian_determinant
 from freebody.inverse.problem.task import row_names, rows_of
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian, jacobian_derivatives
+from freebody.trees.positions import generic_state, integrate
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.trees.states import generic_state, integrate
 
 SHORT = 20_000
 """Terms of the Jacobian's entries, all together, above which its determinant is not written out."""
@@ -126,7 +127,7 @@ class Singularities(Titled):
             step = -gain[:, None] * slope
             size = np.linalg.norm(step, axis=-1, keepdims=True)
             q = integrate(model, q, step / np.maximum(1.0, size))
-        return q[self.measure(q) < 1e-9]
+        return q[self.measure(q) < FOUND]
 
 
 def singularities(

@@ -19,7 +19,7 @@ from freebody.arrays import Array, as_floats, check_core
 from freebody.errors import FreebodyError, ShapeError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.formulas.record import Fetch
-from freebody.kernels.inputs import InputKernel, input_kernel, inputs_of
+from freebody.kernels.parameter_inputs import InputKernel, input_kernel, inputs_of
 from freebody.kernels.tracing import arguments, program
 from freebody.lazy import cached_property
 from freebody.model.losses import require_lossless
@@ -95,7 +95,7 @@ def _large(model: Model, names: tuple[str, ...]) -> list[str]:
     """The quantities that are made column by column, for so many coordinates."""
     large = [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
     for name in large:
-        if FORMULAS[name].columns_lossless:
+        if "losses by columns" in FORMULAS[name].cannot_take:
             require_lossless(name, model, f" of more than {LARGEST} coordinates")
     return large
 

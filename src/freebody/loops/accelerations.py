@@ -20,11 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.algorithms.loop_constraints import Counting
+from freebody.algorithms.singular_thresholds import BLURRED
 from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     blurred,
     branches,
     closing,
@@ -39,7 +40,6 @@ from freebody.loops.independent_equations import (
 )
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import (
-    BLURRED,
     loop_of_row,
     mechanism,
     null_space,
@@ -47,8 +47,9 @@ from freebody.loops.scaled_equations import (
     row_scale,
 )
 from freebody.model.families import member_at
-from freebody.model.geometry import first_member
+from freebody.model.kept_facts import first_member
 from freebody.model.model import Model
+from freebody.trees.positions import difference, integrate
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -57,7 +58,6 @@ from freebody.trees.public_calls import (
     refuse_without_length,
 )
 from freebody.trees.special_joints import massless
-from freebody.trees.states import difference, integrate
 
 _Jerk = Callable[[Array], Array]
 """x (k, nv) -> Φ's third derivative at q̈ = x (k, m), scaled."""
@@ -249,9 +249,9 @@ def _solve(
 ) -> Array:
     """q̈ (nv,) of one state. Raises _Idle.
 
-    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates`
-    (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the largest,
-    that count as zero.
+    M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `closure_checks`, over rates scaled by
+    `rates` (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the
+    largest, that count as zero.
     """
     mass, force = rates[:, None] * M * rates, rates * n
     U, s, Vt = np.linalg.svd(A)

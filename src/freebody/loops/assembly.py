@@ -7,10 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from freebody.algorithms.loop_checks import CLOSED
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, LoopError
-from freebody.loops.dyad_decomposition import decomposed
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     closing,
     free_coordinates,
     gaps,
@@ -20,6 +20,7 @@ from freebody.loops.equations import (
     require_loops,
     scaled_jacobian,
 )
+from freebody.loops.dyad_decomposition import decomposed
 from freebody.loops.scaled_equations import (
     backward,
     every_residual,
@@ -29,8 +30,8 @@ from freebody.loops.scaled_equations import (
     shortest_way,
 )
 from freebody.model.model import Model
+from freebody.trees.positions import home_guess, integrate
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.trees.states import home_guess, integrate
 
 _STARTS = 200  # of `assembly_modes`
 _RESTARTS = 32
@@ -162,7 +163,7 @@ def assembly_modes(
             modes.append(position)
     if modes and not in_closed_form:
         J = scaled_jacobian(model, modes[0])[:, moving]
-        if np.linalg.matrix_rank(J, tol=1e-9) < len(moving):
+        if np.linalg.matrix_rank(J, tol=RANK) < len(moving):
             raise FreebodyError(
                 f"assembly_modes: {model.name!r} still moves with the other coordinates held, so "
                 f"it has infinitely many positions; free fewer coordinates."

@@ -25,7 +25,7 @@ from freebody.loops.dyads import (
     heading,
     is_turning,
 )
-from freebody.loops.dyads.geometry import side_of
+from freebody.loops.dyads.plane_vectors import side_of
 from freebody.model.model import Model
 from freebody.outputs.number_text import compared
 

@@ -9,11 +9,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     branches,
     driven_coordinates,
     require_closed,
@@ -22,7 +23,6 @@ from freebody.loops.equations import (
 )
 from freebody.loops.independent_equations import partition, partition_of_loops
 from freebody.loops.scaled_equations import (
-    RANK,
     every_jacobian,
     length,
     mechanism,
@@ -254,7 +254,7 @@ def _careful_multipliers(
     combinations = rows[:, None] * null_space(A, RANK)[1]
     if not combinations.shape[1]:
         return multipliers, np.ones(_shape(model), dtype=bool)
-    kernel = fetch(model, ("closed_wrenches",), Option(reference=reference))
+    kernel = fetch(model, ("reaction_wrenches",), Option(reference=reference))
     still = np.zeros(model.nv)
     rest = kernel(q, still, still, np.zeros(mechanism(model).constraints))
     change = np.abs(kernel(q, still, still, combinations.T) - rest).max(axis=0)

@@ -15,18 +15,16 @@ from numpy.typing import NDArray
 
 from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_forces import Partition
+from freebody.algorithms.singular_thresholds import RANK_WHERE_FOUND
 from freebody.arrays import Array
 from freebody.errors import SingularError
-from freebody.loops.equations import closing, is_closed, scaled_jacobian
+from freebody.loops.closure_checks import closing, is_closed, scaled_jacobian
 from freebody.loops.redundancy import EXACT, redundancy
 from freebody.loops.scaled_equations import explored, mechanism, null_space
-from freebody.model.geometry import first_member, geometric_fact
+from freebody.model.kept_facts import first_member, geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import generic_state, home_guess
+from freebody.trees.positions import generic_state, home_guess
 
-RANK_WHERE_FOUND = 1e-8
-"""Singular values of the scaled Φ_q, relative to the largest, that count as zero at positions
-found."""
 _SEEDS = 8  # starts from which a closed position is sought where home leads to none
 _REGULAR = 1e-2  # the smallest part, relative to the largest, that a coordinate has of its own
 _NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding

@@ -8,22 +8,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import LOST_MOTION, RANK
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
-from freebody.kernels.options import motion_rows
-from freebody.loops.equations import (
+from freebody.kernels.formula_variants import motion_rows
+from freebody.loops.closure_checks import (
     driven_coordinates,
     require_closed,
     require_loops,
     scaled_jacobian,
     taken_at,
 )
-from freebody.loops.scaled_equations import RANK, length, null_space, rate_scale
+from freebody.loops.scaled_equations import length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -55,7 +56,7 @@ class InputOutput(Titled, ByValue):
     @property
     def J(self) -> Array:
         """-J_a⁻¹ J_b (2.36): ẋ = J θ̇. Raises at a singular position of the second type."""
-        if self.second < 1e-9:
+        if self.second < RANK:
             raise FreebodyError(
                 "J = -J_a⁻¹ J_b does not exist at a singular position of the second type: the tip "
                 "moves though the driven joints stand still."
@@ -65,7 +66,7 @@ class InputOutput(Titled, ByValue):
     @property
     def kind(self) -> str:
         """ "regular", or the type of the singular position: "first", "second" or "third" (both)."""
-        first, second = self.first < 1e-7, self.second < 1e-7
+        first, second = self.first < LOST_MOTION, self.second < LOST_MOTION
         return (
             "third" if first and second else "first" if first else "second" if second else "regular"
         )
@@ -134,7 +135,7 @@ def input_output(
     # θ̇
     allowed = np.vstack([tip @ N, N[driven]])
     U, s, _ = np.linalg.svd(allowed)
-    freedom = int((s > 1e-9).sum())
+    freedom = int((s > RANK).sum())
     n = len(driven)
     if freedom != n:
         raise FreebodyError(

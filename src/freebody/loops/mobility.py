@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK_WHERE_FOUND
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
-from freebody.loops.equations import require_closed, scaled_jacobian, taken_at
+from freebody.loops.closure_checks import require_closed, scaled_jacobian, taken_at
 from freebody.loops.independent_equations import (
-    RANK_WHERE_FOUND,
     dependent_rows,
     rank,
     regular_jacobian,
@@ -20,7 +21,6 @@ from freebody.loops.scaled_equations import null_space, row_names
 from freebody.model.model import Model
 from freebody.outputs.display import InWords, counted
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)

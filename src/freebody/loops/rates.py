@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebody.algorithms.loop_constraints import Counting
 from freebody.algorithms.loop_rates import ALLOWED
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     branches,
     counting,
     refuse_inconsistent,
@@ -26,8 +27,6 @@ from freebody.loops.independent_equations import idle_coordinates, partition_of_
 from freebody.loops.scaled_equations import rate_scale, row_scale
 from freebody.model.model import Model
 from freebody.trees.public_calls import JointVector, attempt, common_batch, finite_vector
-
-_LOOSE = 1e-9  # singular values of Φ_q from which coordinates follow from the others
 
 
 def loop_velocity(model: Model, q: JointVector, rates: JointVector) -> Array:
@@ -194,7 +193,7 @@ def _carefully(
             if held
             else f"cannot stay closed{sample}, whatever the values: the mechanism is locked",
         )
-    if held is not None and (np.linalg.matrix_rank(J[..., moving], tol=_LOOSE) < len(moving)).any():
+    if held is not None and (np.linalg.matrix_rank(J[..., moving], tol=RANK) < len(moving)).any():
         names = ", ".join(model.velocity_names[k] for k in held) or "nothing"
         raise FreebodyError(
             f"{function}: the values given for {names} leave {model.name!r} free to move; give one "

@@ -17,7 +17,7 @@ where the mechanism is. What P leaves out stays open by the misfit, which must n
 tolerance. The rank is that of a branch of the motion, and what was found near home does not bind
 another: where more singular values stand clear of rounding, more combinations count
 (`counting_values`), and where what is known does not hold at all, the position asked about is taken
-for the home (`equations.branches`).
+for the home (`closure_checks.branches`).
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array
 from freebody.loops.scaled_equations import (
     Closing,
@@ -45,13 +46,12 @@ from freebody.loops.scaled_equations import (
     shortest_way,
     telling,
 )
-from freebody.model.geometry import geometric_fact
+from freebody.model.kept_facts import geometric_fact
 from freebody.model.model import Model
-from freebody.trees.states import generic_state, home_guess, integrate
+from freebody.trees.positions import generic_state, home_guess, integrate
 
 EXACT = 1e-12
 """Scaled equations that are open by less are closed but for rounding in the computation."""
-_ZERO = 1e-9  # singular values, relative to the largest, that rounding in the computation makes
 _TOLERANCES = 8.0  # a singular value below so many moves an eighth of a radian within one
 _NEAR = 0.3  # rad: how far an exact position may be from one within the tolerance
 _STRIDE, _WAY = 0.1, 0.5  # rad: of the way that shows a motion, each step and the least of all
@@ -120,7 +120,7 @@ def rounding_threshold(model: Model) -> float:
 
 def _doubtful(s: Array, threshold: float) -> NDArray[np.bool_]:
     """Flags of singular values s (..., k) that are neither zero nor clear of rounding."""
-    return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= threshold)
+    return (s > RANK * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= threshold)
 
 
 def surely_exact(model: Model, q: Array) -> NDArray[np.bool_]:
@@ -163,7 +163,7 @@ def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundan
     seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
     s = np.linalg.svd(A, compute_uv=False)
-    if np.abs(phi).max(initial=0.0) < EXACT and (s[:, rank:] <= _ZERO * s[:, :1]).all():
+    if np.abs(phi).max(initial=0.0) < EXACT and (s[:, rank:] <= RANK * s[:, :1]).all():
         return _NONE
     metres = scales(model).metres
     most = np.abs(phi).max(axis=0)
@@ -219,7 +219,7 @@ class _Search:
         if surely_exact(model, q):
             return True
         _, s, Vt = np.linalg.svd(every_jacobian(model, q))
-        rank = int((s > _ZERO * s[0]).sum())
+        rank = int((s > RANK * s[0]).sum())
         return any(
             bool(surely_exact(model, p))
             for direction in Vt[rank:][:_FOLLOWED]

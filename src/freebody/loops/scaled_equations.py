@@ -22,23 +22,15 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.model.bodies import Body
 from freebody.model.contributions import pose_part
-from freebody.model.geometry import first_member, geometric_fact
+from freebody.model.kept_facts import first_member, geometric_fact
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached, Mass, Pieces, Pose, Tree, tree_of
 from freebody.spatial import Vector, dot, of_dimension, times
-from freebody.trees.states import difference, integrate
+from freebody.trees.positions import difference, integrate
 
-RANK = 1e-9
-"""Singular values of Φ_q, relative to the largest, that count as zero."""
-BLURRED = 1e-5
-"""Singular values that count as zero for accelerations, in which rounding is divided by the square
-of a singular value."""
-AT_REST = 1e-6
-"""Singular values that count as zero for accelerations of a mechanism at rest, where rounding in
-the computation may change them by 1e-4."""
 _NOTHING = 1e-13  # an equation that holds wherever the mechanism goes
 _OF_LENGTH = 1e-3
 """How far rounding may open a loop, relative to its size: files print three digits at least."""

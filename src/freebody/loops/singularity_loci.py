@@ -15,10 +15,11 @@ from typing import Literal
 import numpy as np
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.kernels.options import motion_rows
+from freebody.kernels.formula_variants import motion_rows
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     free_coordinates,
     require_loops,
     scaled_jacobian,
@@ -29,8 +30,7 @@ from freebody.loops.scaled_equations import backward, length, rate_scale, shorte
 from freebody.model.model import Model
 from freebody.outputs.display import Titled, counted
 from freebody.trees.kinematics import jacobian
-from freebody.trees.states import difference, generic_state, integrate, neutral
-from freebody.values import ByValue
+from freebody.trees.positions import difference, generic_state, integrate, neutral
 
 _Measure = Callable[[Array], Array]
 """A signed number (...) of positions (..., nq), zero where singular."""

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.lazy import Keeps
 from freebody.model.description import Joint
 from freebody.model.joints import KINDS, JointKind
 from freebody.model.placement import Placement
 from freebody.model.tree import Attached
 from freebody.outputs.display import Tabled, TextTable
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True)

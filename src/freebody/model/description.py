@@ -15,13 +15,13 @@ from freebody.lazy import Keeps, cached_property
 from freebody.model.drives import LAWS, NUMBERS, DriveLaw, LawNumber
 from freebody.model.families import Members
 from freebody.model.inertia import Inertia
+from freebody.model.limit_rules import NO_JOINT_HAS, is_not_given
 from freebody.model.mimics import Mimic
 from freebody.model.parameter_formulas import ParameterFormula
 from freebody.model.parameters import Parameter, Quantity, quantity, real
 from freebody.model.placement import Placement
 from freebody.model.shapes import Shape
 from freebody.model.struts import Strut
-from freebody.outputs.number_text import compared
 
 INFINITE = float("inf")
 MOST_LINKS = 50_000
@@ -54,29 +54,27 @@ class Limits:
         )
         columns = np.broadcast_arrays(*given)
         for row in zip(*(column.ravel().tolist() for column in columns), strict=True):
-            lower, upper, velocity, effort = row
             if any(x != x for x in row):
                 return "a limit is not a number; correct it"
-            if lower > upper:
-                low, high = compared(lower, upper, digits=6)
-                return f"lower limit {low} is above upper {high}; swap them"
-            if lower == INFINITE or upper == -INFINITE:
-                return "no position lies between its limits; make one finite"
-            for what, most in (("velocity", velocity), ("effort", effort)):
-                if most < 0.0:
-                    return f"{what} limit {most:g} is negative; give its size"
+            numbers: dict[str, float] = dict(
+                zip(("lower", "upper", "velocity", "effort"), row, strict=True)
+            )
+            for rule in NO_JOINT_HAS:
+                about = [numbers[name] for name in rule.about]
+                if rule.broken(*about):
+                    return rule.said(*about)
         return None
 
     @property
     def meant(self) -> Limits:
         """The limits as whatever uses them takes them: files write 0 for "not given", so a position
         range of no width and a speed or effort of 0 are none."""
-        none = self.lower == self.upper
+        none = is_not_given(self.lower, self.upper)
         return Limits(
             -INFINITE if none else self.lower,
             INFINITE if none else self.upper,
-            self.velocity or INFINITE,
-            self.effort or INFINITE,
+            INFINITE if is_not_given(self.velocity) else self.velocity,
+            INFINITE if is_not_given(self.effort) else self.effort,
         )
 
     @staticmethod
@@ -93,7 +91,7 @@ class Limits:
 
 
 if TYPE_CHECKING:
-    from freebody.model.drives.names import LawNumbers as _LawNumbers
+    from freebody.model.drives.law_numbers import LawNumbers as _LawNumbers
 else:
 
     def _read(drive: Drive) -> None:

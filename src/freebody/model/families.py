@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array, too_large
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, ModelError, shown
 from freebody.labels import refuse_masked
 from freebody.outputs.number_text import compared
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False)

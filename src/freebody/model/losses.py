@@ -1,5 +1,5 @@
-"""Joints that lose a part of the torque that they transmit: which a model has, where they may be,
-and the refusal of what does not know them."""
+"""Joints that lose a part of the torque that they transmit, one rule for many rooms: which a model
+has, where they may be, and the refusal of what does not know them."""
 
 from __future__ import annotations
 

@@ -12,17 +12,26 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, MissingValueError, ModelError, shown
 from freebody.lazy import cached_property
 from freebody.model import changes as changed
 from freebody.model import edits, flexible_joints, inertial_parameters, joint_table, named_numbers
 from freebody.model.bodies import Body, Frame, JointLimits
 from freebody.model.description import Loop, Notice
-from freebody.model.doubts import ALL, ESTIMATED, Doubt, doubts_on, doubts_used, named, read_doubts
+from freebody.model.doubt_rules.aspects import ALL
+from freebody.model.doubts import (
+    ESTIMATED,
+    Doubt,
+    doubts_on,
+    doubts_used,
+    named,
+    read_doubts,
+)
 from freebody.model.families import MemberError, one_family, taken
-from freebody.model.geometry import Geometry, geometry_of
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
+from freebody.model.kept_facts import Geometry, geometry_of
 from freebody.model.loops import checked_tolerance
 from freebody.model.named_parts import NamedParts
 from freebody.model.parameter_formulas import ParameterFormula
@@ -33,7 +42,6 @@ from freebody.model.struts import Strut
 from freebody.model.tip import requested_tip, with_tip
 from freebody.model.tree import Attached, Tree, lower
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -171,7 +179,7 @@ class Model(NamedParts, Tabled, ByValue):
     @cached_property
     def facts(self) -> dict[str, Any]:
         """Facts that follow from the model alone and have been found before; see
-        `model.geometry.fact`."""
+        `model.kept_facts.fact`."""
         return {}
 
     @cached_property

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeGuard
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import ModelError, UnknownNameError, likely, listed, shown
 from freebody.lazy import kept
 from freebody.model.families import Members, arrays_in, common_shape, is_array, members, one_family
@@ -23,8 +24,7 @@ from freebody.model.parameter_formulas import followed, with_formulas
 from freebody.model.parameters import LARGEST, Parameter, Quantity, finite, real
 from freebody.model.quantity_reader import EXACT
 from freebody.outputs.display import TextTable
-from freebody.outputs.text import legal
-from freebody.values import ByValue
+from freebody.outputs.harmless_text import legal
 
 if TYPE_CHECKING:
     from freebody.model.model import Model

@@ -17,7 +17,7 @@ import numpy as np
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
-from freebody.model.cut import behind, rides
+from freebody.model.cut_fixed_joints import behind, rides
 from freebody.model.families import Members, NamedNumber, changed
 from freebody.model.inertia import Inertia
 from freebody.model.parameters import LARGEST, Parameter, ParameterProduct, Quantity, each_parameter

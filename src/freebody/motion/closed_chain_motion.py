@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array
 from freebody.errors import LoopError
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import closing, free_coordinates, scaled_jacobian
+from freebody.loops.closure_checks import closing, free_coordinates, scaled_jacobian
 from freebody.loops.mobility import mobility
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
-from freebody.loops.scaled_equations import RANK, backward, length, null_space, rate_scale
+from freebody.loops.scaled_equations import backward, length, null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.piecewise import hermite
@@ -27,7 +28,7 @@ from freebody.trees.position_rates import (
     position_rate,
     state_of,
 )
-from freebody.trees.states import difference, integrate, neutral, random_state
+from freebody.trees.positions import difference, integrate, neutral, random_state
 
 _SEEDS = 24
 _TELLING = 1e-6  # regularity below which some coordinates do not tell the others

@@ -20,7 +20,7 @@ from freebody.motion.files.measured_motions import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.ranges import Ranges, ranges
 from freebody.trees.position_rates import layout, state_of
-from freebody.trees.states import integrate, neutral
+from freebody.trees.positions import integrate, neutral
 
 DURATION = 5.0
 """Duration of the default motion, s."""

@@ -18,6 +18,7 @@ from freebody.arrays import (
     is_count,
     refuse_not_finite,
 )
+from freebody.by_value import ByValue, key
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
 from freebody.model.doubts import Doubt, in_one_line, named
@@ -34,7 +35,6 @@ from freebody.trees.position_rates import (
     state_of,
 )
 from freebody.trees.public_calls import vector
-from freebody.values import ByValue, key
 
 FEWEST = 4
 """Samples that a motion needs: fewer do not determine an acceleration."""
@@ -105,7 +105,7 @@ class Motion(Tabled, ByValue):
         through the positions, or through the rates. Raises FreebodyError.
         """
         # above this module: tables are completed and smoothed there, which takes motions
-        from freebody.motion.files.tables import motion_of_samples
+        from freebody.motion.files.motion_tables import motion_of_samples
 
         return motion_of_samples(model, t, q, qd, qdd)
 

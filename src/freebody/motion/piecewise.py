@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline, PPoly, make_interp_spline
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.lazy import cached_property
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
-from freebody.values import ByValue
 
 Ends = Literal["rest", "natural", "periodic"]
 Degree = Literal[3, 5]

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from freebody.outputs.text import legal
+from freebody.outputs.harmless_text import legal
 
 MOST = 24
 """Rows of a table that are shown."""

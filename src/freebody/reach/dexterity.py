@@ -11,6 +11,7 @@ import numpy as np
 from freebody.algorithms.screws import arm_length
 from freebody.algorithms.singular_values import singular_values
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.inverse.problem.task import row_names, rows_of
 from freebody.kernels.formulas import Option
@@ -20,7 +21,6 @@ from freebody.program import Argument
 from freebody.reach.jacobian_rows import OfRows
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.trees.public_calls import JointVector
-from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr

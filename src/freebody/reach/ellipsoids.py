@@ -9,6 +9,7 @@ import numpy as np
 
 from freebody.algorithms.singular_values import left_singular_vectors, vectors_and_values
 from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.inverse.problem.task import row_names, rows_of
 from freebody.kernels.formulas import Option
@@ -18,7 +19,6 @@ from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument
 from freebody.reach.jacobian_rows import OfRows
 from freebody.trees.public_calls import JointVector
-from freebody.values import ByValue
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -10,19 +10,12 @@ import numpy as np
 
 from freebody.any_chain.dynamics import static_torque
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
+from freebody.by_value import ByValue
 from freebody.elementary import Scalar, absolute, less, where
 from freebody.errors import FreebodyError, PassiveJointError
 from freebody.labels import aligned
-from freebody.model.doubts import (
-    EFFORTS,
-    MASSES,
-    Doubt,
-    attribute,
-    barring,
-    doubts_on,
-    in_one_line,
-    named,
-)
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace
@@ -31,7 +24,6 @@ from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length
-from freebody.values import ByValue
 from freebody.ways_out.kernel import formula
 
 if TYPE_CHECKING:

@@ -9,17 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.by_value import ByValue
 from freebody.errors import ShapeError
-from freebody.inverse.kinematics import inverse_kinematics
+from freebody.inverse.inverse_kinematics import inverse_kinematics
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.problem import InverseProblem
 from freebody.inverse.problem.task import Task, read_target
 from freebody.inverse.ways.closed_chains import of_closed_chain, still_moves, unmeasured
-from freebody.model.doubts import RANGES, Doubt, attribute, doubts_used, in_one_line, named
+from freebody.model.doubt_rules.aspects import RANGES
+from freebody.model.doubts import Doubt, attribute, doubts_used, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -13,21 +13,21 @@ from freebody.arrays import Array
 from freebody.errors import SingularError
 from freebody.loops import forces as closed
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import gaps, scaled_residual
+from freebody.loops.closure_checks import gaps, scaled_residual
 from freebody.loops.rates import loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import length
 from freebody.model.model import Model
-from freebody.motion.friction import strut_torque
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import ranges
 from freebody.motion.simulation.simulate import simulate
+from freebody.motion.smooth_friction import strut_torque
 from freebody.outputs.display import counted
 from freebody.report.results import Check, Replay
 from freebody.report.variables import PARTS
 from freebody.trees.dynamics import mass_matrix
+from freebody.trees.positions import difference
 from freebody.trees.special_joints import all_driven
-from freebody.trees.states import difference
 
 if TYPE_CHECKING:
     import xarray as xr

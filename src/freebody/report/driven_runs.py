@@ -22,7 +22,7 @@ from freebody.arrays import Array
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges
 from freebody.motion.simulation.first_order_system import System
-from freebody.trees.states import difference
+from freebody.trees.positions import difference
 
 TOLERANCE = {"DOP853": 1e-12, "BDF": 1e-11, "Radau": 1e-8}
 """Relative error per step of the integrators, absolute a hundredth of it; what is stiff also damps

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import CALLED_SINGULAR, RANK
 from freebody.arrays import Array
-from freebody.loops.equations import scaled_jacobian
-from freebody.loops.scaled_equations import RANK, null_space, rate_scale
+from freebody.loops.closure_checks import scaled_jacobian
+from freebody.loops.scaled_equations import null_space, rate_scale
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
 from freebody.report.results import Singularity
@@ -16,9 +17,6 @@ from freebody.trees import kinematics
 
 if TYPE_CHECKING:
     import xarray as xr
-
-SINGULAR = 1e-3
-"""A ratio of smallest to largest singular value below which the pose is called singular."""
 
 
 def _bodies_before(model: Model, frame: str) -> list[int]:
@@ -107,12 +105,12 @@ def singularity(model: Model, tip: str, data: xr.Dataset) -> Singularity:
     _, rows = task(model, tip, q)
     time = float(data["time"].values[k])
     length = characteristic_length(model, tip, q)
-    if (smallest <= SINGULAR * data["largest_singular_value"].values).all():
+    if (smallest <= CALLED_SINGULAR * data["largest_singular_value"].values).all():
         text = (
             "The tip's Jacobian is rank-deficient throughout the motion: some joint never moves "
             "the tip."
         )
-    elif low <= SINGULAR * high:
+    elif low <= CALLED_SINGULAR * high:
         text = (
             f"At t = {time:.3g} s the tip cannot move in some direction: "
             "the arm is at or very near a singularity."

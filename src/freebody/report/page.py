@@ -23,9 +23,9 @@ from freebody.loops.mobility import mobility
 from freebody.model.doubts import readings
 from freebody.motion.ranges import ranges
 from freebody.outputs import files
+from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
-from freebody.outputs.page import SHEETS, math_style, policy
-from freebody.outputs.text import legal
+from freebody.outputs.page_head import SHEETS, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
 from freebody.report.load_case import load_case

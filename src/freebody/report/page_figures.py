@@ -18,10 +18,11 @@ from freebody.figures.map_diagram import map_diagram
 from freebody.figures.plots import Plot, plot
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
-from freebody.inverse.kinematics import inverse_kinematics
-from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.inverse_kinematics import inverse_kinematics
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm, closed_form_for
 from freebody.inverse.problem.task import Task
-from freebody.model.doubts import EFFORTS, MASSES, doubts_on
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import doubts_on
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.motion.ranges import ranges as allowed
@@ -30,7 +31,7 @@ from freebody.reach.payload_map import payload_map
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.states import random_state
+from freebody.trees.positions import random_state
 
 if TYPE_CHECKING:
     import xarray as xr

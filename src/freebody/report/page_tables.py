@@ -11,8 +11,8 @@ import xarray as xr
 from markupsafe import Markup
 
 from freebody.figures.body_loads import BodyLoads, Load
+from freebody.figures.marked_text import html
 from freebody.figures.skeleton import mass_and_centre
-from freebody.figures.text import html
 from freebody.model.description import Joint
 from freebody.motion.ranges import ranges as allowed_ranges
 from freebody.report.tables import (

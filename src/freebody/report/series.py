@@ -18,11 +18,14 @@ from freebody.figures.skeleton import mass_and_centre
 from freebody.loops import forces as closed
 from freebody.loops.forces import drive_torques
 from freebody.model.bodies import Body
-from freebody.model.doubts import DYNAMIC, attribute, doubts_used
+from freebody.model.doubt_rules.aspects import DYNAMIC
+from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
-from freebody.motion.friction import (
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import angular, with_drive
+from freebody.motion.smooth_friction import (
     friction_torque,
     lost_torque,
     motor_springs,
@@ -31,8 +34,6 @@ from freebody.motion.friction import (
     viscous_friction,
     without_friction,
 )
-from freebody.motion.motion import Motion
-from freebody.motion.ranges import angular, with_drive
 from freebody.report import jacobians
 from freebody.report.variables import LOADS, dataset
 from freebody.spatial import add, of_dimension, times

@@ -17,7 +17,7 @@ from freebody.motion.default_motion import default_motion
 from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.measured_motions import recognised, smoothed
-from freebody.motion.files.tables import MotionTable, motion_from_table
+from freebody.motion.files.motion_tables import MotionTable, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Flags, angular, ranges, with_drive
 from freebody.report.results import percent

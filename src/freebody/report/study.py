@@ -11,12 +11,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
-from freebody.motion.files.tables import MotionTable
+from freebody.motion.files.motion_tables import MotionTable
 from freebody.motion.motion import Motion
-from freebody.motion.simulation.run import Progress
+from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
@@ -26,7 +27,6 @@ from freebody.report.series import series
 from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
 from freebody.report.verdict import verdict
-from freebody.values import ByValue
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -118,7 +118,7 @@ class Study(Tabled, ByValue):
         written, OutputError naming the files that could not be, when the others are there; files of
         another origin are left alone.
         """
-        from freebody.report.files import save
+        from freebody.report.study_files import save
 
         return save(self, Path(directory), report)
 

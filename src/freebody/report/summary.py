@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.model.doubts import EFFORTS, MASSES, attribute, doubts_on
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
+from freebody.model.doubts import attribute, doubts_on
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, angular, position_columns, ranges, with_drive
@@ -18,7 +19,7 @@ from freebody.report.results import LimitUse, StaticPose, Worst, percent
 from freebody.report.series import coordinates
 from freebody.report.variables import LOADS, dataset
 from freebody.trees import dynamics
-from freebody.trees.states import integrate, random_state
+from freebody.trees.positions import integrate, random_state
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -26,9 +26,9 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.friction import lost_parts, lost_torque, motor_springs, viscous_friction
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, with_drive
+from freebody.motion.smooth_friction import lost_parts, lost_torque, motor_springs, viscous_friction
 from freebody.report.results import CLOSE
 
 if TYPE_CHECKING:

@@ -15,16 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from freebody.errors import listed
-from freebody.model.doubts import (
-    EFFORTS,
-    MASSES,
-    RANGES,
-    ROTORS,
-    SPEEDS,
-    Doubt,
-    barring,
-    capital,
-)
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, SPEEDS
+from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion

@@ -10,10 +10,10 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, OutOfMemoryError, warn
 from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
-from freebody.sweeps.axes import SweepAxis, SweepGrid
 from freebody.sweeps.evaluation import BlockResult, FailedPoint, SweepBlock, SweepTask, with_more
-from freebody.sweeps.functions import SweptFunction
 from freebody.sweeps.reductions import Gathered, SweepReduction, finished, joined
+from freebody.sweeps.sweep_axes import SweepAxis, SweepGrid
+from freebody.sweeps.swept_functions import SweptFunction
 
 if TYPE_CHECKING:
     import xarray as xr

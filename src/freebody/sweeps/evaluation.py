@@ -12,8 +12,6 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.sweeps.axes import SweepGrid
-from freebody.sweeps.functions import FAILURES, FAULTS, SweptFunction
 from freebody.sweeps.reductions import (
     Gathered,
     SweepReduction,
@@ -22,6 +20,8 @@ from freebody.sweeps.reductions import (
     joined,
     needed,
 )
+from freebody.sweeps.sweep_axes import SweepGrid
+from freebody.sweeps.swept_functions import FAILURES, FAULTS, SweptFunction
 
 NOT_A_NUMBER = "the result is not a number"
 _GATHERED = 1 << 23

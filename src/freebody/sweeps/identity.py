@@ -16,11 +16,11 @@ import numpy as np
 from numpy._core._multiarray_umath import __cpu_features__
 
 from freebody.errors import FreebodyError
-from freebody.kernels.inputs import InputKernel
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.model.model import Model
 from freebody.sweeps.evaluation import SweepTask
-from freebody.sweeps.functions import SweptCallable, SweptFunction
 from freebody.sweeps.samples import SAMPLERS, Samples
+from freebody.sweeps.swept_functions import SweptCallable, SweptFunction
 from freebody.targets import Kernel
 from freebody.targets.llvm.cpu import compiler_version
 from freebody.targets.llvm.machine import at_level

@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from freebody.errors import FreebodyError, MissingPackageError, listed
 from freebody.locks import imported
-from freebody.sweeps.axes import SweepGrid
 from freebody.sweeps.evaluation import BlockResult, Keep, SweepBlock, SweepTask
 from freebody.sweeps.identity import SweepNeeds, computed_with, differing, needs_of
+from freebody.sweeps.sweep_axes import SweepGrid
 from freebody.targets import KernelError
 from freebody.targets.threads import cpus
 
 if TYPE_CHECKING:
-    from freebody.motion.simulation.run import Progress
+    from freebody.motion.simulation.prepared_simulation import Progress
 
 _WORTH = 0.5
 """Seconds of work that are worth sending to a worker."""

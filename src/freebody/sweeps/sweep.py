@@ -12,10 +12,14 @@ import numpy as np
 from freebody.arrays import Array, is_count
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed
 from freebody.model.model import Model
-from freebody.sweeps.axes import SweepAxis, SweepGrid, read_axes
 from freebody.sweeps.dataset import SweepArrays, dataset, lazy_dataset
 from freebody.sweeps.evaluation import BlockResult, SweepBlocks, SweepTask
-from freebody.sweeps.functions import (
+from freebody.sweeps.identity import computed_with, identity, needs_of
+from freebody.sweeps.reductions import SweepReduction, reductions
+from freebody.sweeps.run import Watched, evaluated, points_of
+from freebody.sweeps.store import SweepStore
+from freebody.sweeps.sweep_axes import SweepAxis, SweepGrid, read_axes
+from freebody.sweeps.swept_functions import (
     FAILURES,
     FAULTS,
     SweptCallable,
@@ -26,17 +30,13 @@ from freebody.sweeps.functions import (
     names_of,
     reader,
 )
-from freebody.sweeps.identity import computed_with, identity, needs_of
-from freebody.sweeps.reductions import SweepReduction, reductions
-from freebody.sweeps.run import Watched, evaluated, points_of
-from freebody.sweeps.store import SweepStore
 from freebody.targets import Kernel, compile_program
 from freebody.targets.target import target_named
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from freebody.motion.simulation.run import Progress
+    from freebody.motion.simulation.prepared_simulation import Progress
 
 _TILE = 1 << 18
 """Numbers of one output that are computed at once: they stay in a processor's cache."""

@@ -23,7 +23,7 @@ def _numpy() -> Target:
 
 
 def _cuda() -> Target:
-    from freebody.targets.cuda.kernel import TARGET
+    from freebody.targets.cuda.gpu_kernel import TARGET
 
     return TARGET
 

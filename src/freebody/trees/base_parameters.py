@@ -11,15 +11,15 @@ from freebody.algorithms.crba import Composite
 from freebody.algorithms.regressor import drives, regressor
 from freebody.algorithms.regrouped_parameters import kept, regroup
 from freebody.arrays import Array
-from freebody.kernels.options import refuse_struts
+from freebody.by_value import ByValue
+from freebody.kernels.formula_variants import refuse_struts
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
+from freebody.trees.positions import generic_state
 from freebody.trees.regressors import inertial_parameters
-from freebody.trees.states import generic_state
-from freebody.values import ByValue
 
 TOLERANCE = 1e-8
 """Relative rest below which a column of the regressor counts as a combination of those before

@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, at_sample, refuse_not_finite
 from freebody.errors import FreebodyError, PassiveJointError, listed
+from freebody.kernels.formula_variants import motion_rows
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_rows
 from freebody.labels import aligned, is_labelled
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from freebody.algorithms.kinematics import NO_CENTRE
+from freebody.algorithms.singular_thresholds import NO_WRENCH
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, SingularError, listed
+from freebody.kernels.formula_variants import require_square
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import require_square
-from freebody.model.geometry import fact
+from freebody.model.kept_facts import fact
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
@@ -176,7 +177,7 @@ def _tip_wrench(model: Model, option: Option, at: np.ndarray, *inputs: Array) ->
     J = jacobian(model, q, option.frame)
     square = J[..., : model.nv, :]
     values = np.linalg.svd(square, compute_uv=False)
-    singular = np.argwhere(values[..., -1] <= _SINGULAR * values[..., 0])
+    singular = np.argwhere(values[..., -1] <= NO_WRENCH * values[..., 0])
     if len(singular):
         first, *member = singular[0]
         raise SingularError(
@@ -191,8 +192,6 @@ def _tip_wrench(model: Model, option: Option, at: np.ndarray, *inputs: Array) ->
 
 
 _TIP_WRENCH = looking_closer(_tip_wrench)
-_SINGULAR = 1e-12
-"""A ratio of smallest to largest singular value below which the Jacobian has no inverse."""
 
 
 def kinetic_energy(model: Model, q: JointVector, qd: JointVector) -> Array:

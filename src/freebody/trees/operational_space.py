@@ -7,10 +7,11 @@ from functools import partial
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import NO_INVERSE
 from freebody.arrays import Array, at_sample
 from freebody.errors import SingularError
+from freebody.kernels.formula_variants import motion_rows, require_few_rows
 from freebody.kernels.formulas import Option
-from freebody.kernels.options import motion_rows, require_few_rows
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.trees.closer_looks import looking_closer
@@ -81,7 +82,7 @@ def _inertia(function: str, model: Model, option: Option, at: np.ndarray, *state
     q = state[0]
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)
-    singular = np.argwhere(values[..., -1] <= _DEPENDENT * values[..., 0])
+    singular = np.argwhere(values[..., -1] <= NO_INVERSE * values[..., 0])
     if len(singular):
         first, *member = singular[0]
         raise SingularError(
@@ -108,5 +109,3 @@ def _bias(model: Model, option: Option, at: np.ndarray, *state: Array) -> Array:
 
 _INERTIA = looking_closer(partial(_inertia, "operational_space_inertia"))
 _BIAS = looking_closer(_bias)
-_DEPENDENT = 1e-10
-"""Smallest singular value, relative to the largest, of rows that depend on one another."""

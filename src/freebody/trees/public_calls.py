@@ -13,11 +13,10 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, at_sample, check_core, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, SingularError, UnknownNameError
 from freebody.kernels import structural
+from freebody.kernels.formula_variants import refuse_untaken
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
-from freebody.kernels.options import refuse_struts
 from freebody.kernels.tracing import shape
 from freebody.labels import aligned, refuse_other_times
-from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.number_text import compared
@@ -123,10 +122,7 @@ def careful(
     require_model(function, model)
     if FORMULAS[function].chains == "open":
         model.require_tree(function)
-    if FORMULAS[function].without_struts:
-        refuse_struts(function, model)
-    if FORMULAS[function].lossless:
-        require_lossless(function, model)
+    refuse_untaken(function, model, FORMULAS[function])
     chosen = structural.PLAIN if option is None else option(model, *choice)
     place = _place(key, wrenches)
     if place not in model.compiled and _is_known(function, model, chosen, wrenches, place):

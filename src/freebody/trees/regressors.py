@@ -1,5 +1,5 @@
-"""Regressors: torques, energies and accelerations as linear functions of the inertial parameters,
-of which `base_parameters` tells those that count."""
+"""Regressors, a kernel's call each: torques, energies and accelerations as linear functions of the
+inertial parameters, of which `base_parameters` tells those that count."""
 
 from __future__ import annotations
 

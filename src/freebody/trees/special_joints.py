@@ -18,12 +18,12 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import PassiveJointError, SingularError, listed
 from freebody.model.drives.acting import inertia_of, of_names
 from freebody.model.families import of_member
-from freebody.model.geometry import fact
+from freebody.model.kept_facts import fact
 from freebody.model.model import Model
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree, lower
+from freebody.trees.positions import generic_state
 from freebody.trees.public_calls import JointVector, finite_vector
-from freebody.trees.states import generic_state
 
 _NOTHING = 1e-13  # a pivot this small, relative to what it was subtracted from, is rounding
 _SAMPLES = 4  # configurations that are looked at

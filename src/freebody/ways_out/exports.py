@@ -18,7 +18,7 @@ from freebody.errors import FreebodyError, KindError, LoopError, UnknownNameErro
 from freebody.identifiers import is_identifier
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.formulas.inverse import known_branches
-from freebody.kernels.inputs import InputKernel, KernelInputs
+from freebody.kernels.parameter_inputs import InputKernel, KernelInputs
 from freebody.model.doubts import Doubt, attribute
 from freebody.model.families import FamilyError
 from freebody.model.model import Model

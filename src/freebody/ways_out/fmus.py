@@ -20,13 +20,13 @@ from xml.etree.ElementTree import Element, SubElement
 
 from freebody import __version__
 from freebody.errors import FreebodyError, KindError, warn
-from freebody.formats.writing.contents import kept_name
+from freebody.formats.writing.format_contents import kept_name
 from freebody.identifiers import identifiers
 from freebody.loops.assembly import assemble
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.files import write
-from freebody.trees.states import neutral
+from freebody.trees.positions import neutral
 from freebody.ways_out.exports import source
 
 _COMPILERS = ("cc", "gcc", "clang")

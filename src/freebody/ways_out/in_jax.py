@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.errors import MissingPackageError, warn
-from freebody.kernels.inputs import InputKernel, KernelInputs
+from freebody.kernels.parameter_inputs import InputKernel, KernelInputs
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
 from freebody.program import Program

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.errors import FreebodyError, KindError, MissingPackageError
-from freebody.kernels.inputs import InputKernel
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.model.model import Model
 from freebody.targets import Kernel, KernelError
 from freebody.targets.call_errors import require_count
@@ -16,7 +16,7 @@ from freebody.targets.target import target_named
 from freebody.ways_out.kernel import kernel
 
 if TYPE_CHECKING:
-    from freebody.targets.in_torch import Tensor, TensorProgram
+    from freebody.targets.torch_operator import Tensor, TensorProgram
 
 
 def to_torch(
@@ -99,10 +99,10 @@ class TorchFunction:
         try:
             import torch  # pyright: ignore[reportMissingImports]
 
-            from freebody.targets import in_torch
+            from freebody.targets import torch_operator
         except ImportError:
             raise MissingPackageError("fb.to_torch", "PyTorch", "torch") from None
-        known = {name: kind for kind, name in in_torch.DTYPES.items()}
+        known = {name: kind for kind, name in torch_operator.DTYPES.items()}
         if dtype is not None and dtype not in known:
             raise KernelError(
                 f"fb.to_torch: dtype={dtype!r}; it can be {' or '.join(map(repr, known))}."
@@ -122,10 +122,10 @@ class TorchFunction:
                 "returns."
             )
         self._of: dict[Any, TensorProgram] = {
-            kind: in_torch.TensorProgram.of(kernel.program, own.target, kind)
+            kind: torch_operator.TensorProgram.of(kernel.program, own.target, kind)
             for kind in known.values()
         }
-        self._torch, self._evaluate = torch, in_torch.evaluate
+        self._torch, self._evaluate = torch, torch_operator.evaluate
 
     def __call__(self, *tensors: Tensor, p: Any = None) -> Any:
         """The output, or the tuple of outputs.

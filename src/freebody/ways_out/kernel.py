@@ -10,10 +10,10 @@ import numpy as np
 
 from freebody.any_chain.kernel_options import chosen_option
 from freebody.errors import FreebodyError, ShapeError, SingularError, UnknownNameError
+from freebody.kernels.formula_variants import several
 from freebody.kernels.formulas import FORMULAS, Option
-from freebody.kernels.inputs import InputKernel, KernelInputs, inputs_of
 from freebody.kernels.lookup import ColumnKernel, KernelList, fetch
-from freebody.kernels.options import several
+from freebody.kernels.parameter_inputs import InputKernel, KernelInputs, inputs_of
 from freebody.kernels.tracing import arguments, chosen, program
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
@@ -238,6 +238,7 @@ def formula(
         rows=rows,
         function="fb.formula",
     )
+    (name,) = listed
     inputs, record, tree = arguments(model, listed, option), FORMULAS[name], model.tree
 
     def function(*values: Any) -> Any:

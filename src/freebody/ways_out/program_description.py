@@ -26,7 +26,7 @@ from freebody.elementary import Scalar
 from freebody.identifiers import identifiers
 from freebody.kernels.formulas import FORMULAS, INPUTS, POSITIONS, Option
 from freebody.kernels.formulas.record import external
-from freebody.kernels.inputs import KernelInputs
+from freebody.kernels.parameter_inputs import KernelInputs
 from freebody.model.doubts import Doubt, doubts_used
 from freebody.model.model import Model
 from freebody.model.named_numbers import Parameters

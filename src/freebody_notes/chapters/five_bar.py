@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import freebody as fb
-from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody_notes.checks import Related
 from freebody_textbook.relations.quantities import Quantities

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Dimension, Drawing, Element, Label, Line, point
 from freebody.figures.layers import forces
-from freebody.figures.layers.structure import of_each
+from freebody.figures.layers.bare_robot import of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 from freebody.figures.view import FLAT, WorldPoint

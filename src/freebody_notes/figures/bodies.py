@@ -8,10 +8,10 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers.structure import axes
+from freebody.figures.layers.bare_robot import axes
+from freebody.figures.marked_text import bold
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
-from freebody.figures.text import bold
 from freebody.figures.view import FLAT
 from freebody.model.model import Model
 from freebody.model.planar_arms import planar

@@ -1,4 +1,5 @@
-"""Which function draws which figure of the notes."""
+"""Figures of the notes by number, the one table of the files of this folder: which function draws
+each."""
 
 from __future__ import annotations
 

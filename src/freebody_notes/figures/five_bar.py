@@ -11,7 +11,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.figures.drawing import Arc, Dimension, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers.structure import axes
+from freebody.figures.layers.bare_robot import axes
 from freebody.figures.view import FLAT
 from freebody.formats.loading import load
 from freebody.outputs.number_text import compared

@@ -9,14 +9,14 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Arc, Drawing, Label, Line, Mark, Turn, point
 from freebody.figures.figure import Figure
-from freebody.figures.layers import forces, geometry, structure
-from freebody.figures.layers.geometry import BESIDE
+from freebody.figures.layers import bare_robot, forces, measures
+from freebody.figures.layers.measures import BESIDE
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import FLAT
 from freebody.model.planar_arms import planar
 from freebody.trees.public_calls import JointVector
-from freebody_notes.figures.names import called
+from freebody_notes.figures.pattern_names import called
 
 _INDICES = {1: "i−2", 2: "i−1", 3: "i", 4: "i+1"}
 
@@ -36,8 +36,8 @@ def relative_velocity(q: JointVector = (0.45, 0.6), qd: JointVector = (0.8, 0.7)
 
 def _two_rates(seen: Snapshot) -> Drawing:
     drawing = Drawing(FLAT, "Two links with their angular velocities")
-    structure.structure(drawing, seen)
-    geometry.angles(drawing, seen)
+    bare_robot.structure(drawing, seen)
+    measures.angles(drawing, seen)
     first, second = seen.pose.bodies
     drawing.position(second.origin, _tip(seen), "s", -BESIDE)
     scale = _speed_scale(seen)
@@ -53,8 +53,8 @@ def _construction(seen: Snapshot) -> Drawing:
     """Link B-A alone: v_B at both ends, ω × s on top of it at A, their sum v_A."""
     drawing = Drawing(FLAT, "v_A as the sum of v_B and ω × s")
     body, tip, scale = seen.pose.bodies[1], _tip(seen), _speed_scale(seen)
-    structure.axes(drawing, seen.size)
-    drawing.add(*structure.link(body))
+    bare_robot.axes(drawing, seen.size)
+    drawing.add(*bare_robot.link(body))
     for place, name, way in ((body.origin, "B", (1.0, -0.6)), (tip, "A", (1.0, 0.3))):
         drawing.add(Mark(point(place), "joint", name, "joint", size=6.0))
         drawing.add(Label(point(place), name, f"label {name}", direction=way))
@@ -133,9 +133,9 @@ def one_of_many() -> Figure:
                 for a, b in link.outline
             )
         )
-    drawing.add(*structure.link(body))
+    drawing.add(*bare_robot.link(body))
     for link in (before, body, after):
-        drawing.add(*structure.joint(link))
+        drawing.add(*bare_robot.joint(link))
         name = seen.names.point(seen.pose, link.number)
         drawing.add(Label(point(link.origin), name, f"label {name}", direction=(0.7, -1.0)))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))

@@ -3,7 +3,7 @@ bodies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import numpy as np
@@ -11,15 +11,47 @@ import numpy as np
 from freebody.any_chain.dynamics import forward_dynamics
 from freebody.figures.drawing import Arrow, Drawing, Turn, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers import geometry, motion
-from freebody.figures.layers.structure import clear_way
+from freebody.figures.layers import measures, motion
+from freebody.figures.layers.bare_robot import Layer, clear_way, structure
 from freebody.figures.snapshot import Snapshot, snapshot
+from freebody.figures.view import FLAT
+from freebody.formats.loading import load
 from freebody.model.planar_arms import planar
-from freebody.trees.public_calls import JointVector
+from freebody.trees.public_calls import FrameWrenchTable, JointVector
 from freebody_notes.figures.apart import apart, inertias
 from freebody_notes.figures.bodies import pinned
-from freebody_notes.figures.names import called
-from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, two_links
+from freebody_notes.figures.pattern_names import called
+
+_GEOMETRY: tuple[Layer, ...] = (
+    measures.angles,
+    measures.lengths,
+    measures.centres,
+)
+_RATES, _SECOND = [0.9, 1.1], [1.5, 1.0]
+"""Joint rates (rad/s) and accelerations (rad/s²) of the two-link arm in the figures that show its
+motion."""
+_TIP = [-4.5, -3.0, 0.0]
+"""The tip load of section 2.4: force (N), moment (N m)."""
+
+
+def _two_links(
+    q: JointVector | None = None,
+    qd: JointVector | None = None,
+    qdd: JointVector | None = None,
+    wrenches: FrameWrenchTable = None,
+) -> Snapshot:
+    """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
+    return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)
+
+
+def _panel(seen: Snapshot, note: str, layers: Sequence[Layer], faint: bool = False) -> Drawing:
+    """An arm with some layers, and a line of words below."""
+    drawing = Drawing(FLAT, f"{seen.model.name}: {note}")
+    structure(drawing, seen, faint)
+    for layer in layers:
+        layer(drawing, seen)
+    drawing.notes = [note]
+    return drawing
 
 
 def _single(before: str, n: str) -> str:
@@ -29,48 +61,51 @@ def _single(before: str, n: str) -> str:
 
 def arm_and_vectors(q: JointVector | None = None) -> Figure:
     """Figures 1.2 and 2.1: the arm with lengths, angles, centres of mass; and s_1, s_2, r."""
-    seen = two_links(q)
-    first = panel(seen, "(a) lengths, angles, centres of mass", GEOMETRY)
-    second = panel(
-        seen, "(b) position vectors", (geometry.links, geometry.to_tip, geometry.angles), faint=True
+    seen = _two_links(q)
+    first = _panel(seen, "(a) lengths, angles, centres of mass", _GEOMETRY)
+    second = _panel(
+        seen,
+        "(b) position vectors",
+        (measures.links, measures.to_tip, measures.angles),
+        faint=True,
     )
     return _together("A planar two-link arm", first, second)
 
 
-def free_bodies(q: JointVector | None = None, load: JointVector = TIP) -> Figure:
+def free_bodies(q: JointVector | None = None, load: JointVector = _TIP) -> Figure:
     """Figure 1.4: the arm at rest under a load F at P, and its links apart: F_1, ∓F_2, F, weights,
     torques."""
     load = [10 * x for x in np.asarray(load)]  # of the size of the weights, to be seen beside them
-    seen = called(two_links(q, wrenches=load), force=_single, letter="F", load="F")
-    first = panel(seen, "(a) the arm", GEOMETRY)
+    seen = called(_two_links(q, wrenches=load), force=_single, letter="F", load="F")
+    first = _panel(seen, "(a) the arm", _GEOMETRY)
     second = apart(seen, ("r",), "(b) free-body diagrams of the links")
     return Figure("Free-body diagrams of a planar two-link arm", (first, second))
 
 
-def statics(q: JointVector = (0.9, 0.75), load: JointVector = TIP) -> Figure:
+def statics(q: JointVector = (0.9, 0.75), load: JointVector = _TIP) -> Figure:
     """Figure 2.3: a force f on the tip of the arm, without weights; its links apart: f_1, ∓f_2, f,
     τ_1, ∓τ_2."""
-    seen = two_links(q, wrenches=load)
+    seen = _two_links(q, wrenches=load)
     seen = snapshot(seen.model.replace(gravity=0.0), seen.q, seen.qd, seen.qdd, load)
     seen = called(seen, force=_single)
-    first = panel(seen, "(a) the arm, loaded at P", (*GEOMETRY, _tip_force))
+    first = _panel(seen, "(a) the arm, loaded at P", (*_GEOMETRY, _tip_force))
     second = apart(seen, ("s",), "(b) the links in equilibrium")
     return Figure("Static forces on the arm and on each of its links", (first, second))
 
 
 def _tip_force(drawing: Drawing, seen: Snapshot) -> None:
     """The external force at the tip."""
-    for load in seen.loads[-1].loads:
-        if load.role == "external":
-            size = float(np.linalg.norm(load.force))
-            end = load.place + 0.3 * seen.size * load.force / size
+    for one in seen.loads[-1].loads:
+        if one.role == "external":
+            size = float(np.linalg.norm(one.force))
+            end = one.place + 0.3 * seen.size * one.force / size
             arrow = Arrow(
-                point(load.place),
+                point(one.place),
                 point(end),
                 "f",
                 "external",
                 "*f*",
-                point(load.force),
+                point(one.force),
                 "N",
             )
             drawing.add(arrow)
@@ -82,7 +117,7 @@ def pendulum(
     """Figure 3.1: a bar that turns about A, with r_c and v_c; its free body."""
     seen = _bar(q, qd, qdd)
     first = _bar_panel(seen, "(a) the bar and its motion")
-    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -geometry.BESIDE)
+    first.position(np.zeros(2), seen.pose.bodies[0].com, "r_{c}", -measures.BESIDE)
     first.add(*_velocity(seen))
     second = apart(seen, (), "(b) free-body diagram")
     return Figure("A pendulum", (first, second))
@@ -109,7 +144,7 @@ def _bar(q: JointVector, qd: JointVector, qdd: JointVector) -> Snapshot:
 
 
 def _bar_panel(seen: Snapshot, note: str) -> Drawing:
-    drawing = panel(seen, note, GEOMETRY)
+    drawing = _panel(seen, note, _GEOMETRY)
     drawing.notes = [note] if note else []
     return drawing
 
@@ -128,33 +163,33 @@ def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
 
 
 def dynamics(
-    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
 ) -> Figure:
     """Figure 3.2: the moving arm with θ̇_i and v_ci; its links apart, with s_i, s_ci, forces and
     torques."""
-    seen = two_links(q, qd, qdd)
+    seen = _two_links(q, qd, qdd)
     velocities = partial(motion.of_centres, scaled=True)
-    first = panel(seen, "(a) angles, rates, velocities", (*GEOMETRY, motion.rates, velocities))
+    first = _panel(seen, "(a) angles, rates, velocities", (*_GEOMETRY, motion.rates, velocities))
     second = apart(seen, ("s", "sc"), "(b) free-body diagrams of the links")
     return Figure("Dynamics of a planar two-link arm", (first, second))
 
 
 def recursion(
-    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
 ) -> Figure:
     """Figure 4.3: θ_i with its rates, v̇_ci, s_ci and (m_i, I_i); below, the links apart."""
-    seen = two_links(q, qd, qdd)
-    first = panel(seen, "(a) accelerations", (*_accelerated(), geometry.to_centres))
+    seen = _two_links(q, qd, qdd)
+    first = _panel(seen, "(a) accelerations", (*_accelerated(), measures.to_centres))
     second = apart(seen, ("s", "sc"), "(b) forces")
     return Figure("Accelerations and forces of a planar two-link arm", (first, second))
 
 
 def energies(
-    q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
+    q: JointVector | None = None, qd: JointVector = _RATES, qdd: JointVector = _SECOND
 ) -> Figure:
     """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
-    seen = two_links(q, qd, qdd)
-    drawing = panel(seen, "", (*_accelerated(), geometry.of_centres))
+    seen = _two_links(q, qd, qdd)
+    drawing = _panel(seen, "", (*_accelerated(), measures.of_centres))
     drawing.notes = []
     return Figure("An arm with two degrees of freedom", (drawing,), 1, 460.0, 430.0)
 
@@ -163,9 +198,9 @@ def _accelerated() -> tuple[Callable, ...]:
     rates = partial(motion.rates, second=True)
     accelerations = partial(motion.of_centres, second=True, scaled=True)
     return (
-        geometry.angles,
-        geometry.lengths,
-        geometry.centres,
+        measures.angles,
+        measures.lengths,
+        measures.centres,
         inertias,
         rates,
         accelerations,

@@ -10,8 +10,8 @@ from numpy.polynomial import Polynomial
 from freebody.arrays import Array
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure, to_one_scale
-from freebody.figures.layers.structure import axes
-from freebody.figures.text import bold
+from freebody.figures.layers.bare_robot import axes
+from freebody.figures.marked_text import bold
 from freebody.figures.view import FLAT
 
 _X, _Y = (0.8, 2.6), (1.0, 3.4, -1.5)

@@ -10,7 +10,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Element, Label, Line, Mark, Prism, point
 from freebody.figures.figure import Figure
-from freebody.figures.layers import structure
+from freebody.figures.layers import bare_robot
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import View, axonometric
 from freebody.formats.loading import load
@@ -95,15 +95,15 @@ def _vehicle(seen: Snapshot, view: View, note: str) -> Drawing:
             Prism(point(place + 0.03 * up), point(up), _RADIUS, 0.012, f"rotor {k}", "joint", 36)
         )
     parts.append(Prism(point(body.origin), point(up), 0.12, 0.05, "hull", "joint", 4))
-    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, view)))
+    drawing.add(*sorted(parts, key=lambda e: bare_robot.depth(e, view)))
     drawing.notes = [note]
     return drawing
 
 
 def _frames(drawing: Drawing, seen: Snapshot) -> None:
     body = seen.pose.bodies[0]
-    structure.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
-    structure.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
+    bare_robot.triad(drawing, np.zeros(3), np.eye(3), 0.45, ("X", "Y", "Z"))
+    bare_robot.triad(drawing, body.origin, body.rotation, 0.85, ("x", "y", "z"))
     drawing.add(Label(point(body.origin), "O", "O", direction=(0.0, 0.0, -1.0)))
     for letter, place in zip("ABCD", _rotors(seen), strict=True):
         drawing.add(Mark(point(place), "dot", f"rotor {letter}", "position-head", size=2.5))

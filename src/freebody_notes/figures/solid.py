@@ -9,7 +9,7 @@ import numpy as np
 from freebody.any_chain.dynamics import forward_dynamics
 from freebody.figures.drawing import Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure
-from freebody.figures.layers import structure
+from freebody.figures.layers import bare_robot
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import snapshot
 from freebody.figures.view import View, axonometric
@@ -38,10 +38,10 @@ def free_body(
     body, load_ = seen.pose.bodies[0], next(x for x in seen.loads[0].loads if x.role == "external")
     view = axonometric(24.0, 18.0)
     drawing = Drawing(view, "A free body in space with global and body-fixed frames")
-    structure.triad(drawing, np.zeros(3), np.eye(3), 0.75, ("X", "Y", "Z"))
+    bare_robot.triad(drawing, np.zeros(3), np.eye(3), 0.75, ("X", "Y", "Z"))
     drawing.add(*_box(body, (0.42, 0.5, 0.26), view))
     drawing.position(np.zeros(3), body.com, "r")
-    structure.triad(drawing, body.com, body.rotation, 0.8, ("x_i", "y_i", "z_i"))
+    bare_robot.triad(drawing, body.com, body.rotation, 0.8, ("x_i", "y_i", "z_i"))
     drawing.add(Mark(point(body.com), "com", "C", "com", size=6.0))
     drawing.add(Label(point(body.com), "C", "label C", direction=(0.0, 0.0, -1.0)))
     a = seen.acceleration_at(body, body.com)

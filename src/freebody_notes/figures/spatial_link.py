@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.figures.drawing import Arrow, Drawing, Label, Line, Mark, point
 from freebody.figures.figure import Figure
-from freebody.figures.layers import structure
+from freebody.figures.layers import bare_robot
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, snapshot
 from freebody.figures.view import axonometric
@@ -30,10 +30,10 @@ def link_symbols() -> Figure:
     parts = [
         *_faint(before),
         *_faint(after),
-        *structure.solids_of(body, 0.05, 11.0),
-        *structure.joint(after, 0.05),
+        *bare_robot.solids_of(body, 0.05, 11.0),
+        *bare_robot.joint(after, 0.05),
     ]
-    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, view)))
+    drawing.add(*sorted(parts, key=lambda e: bare_robot.depth(e, view)))
     _axis(drawing, body, "z_i", "θ\u0307_i", float(seen.qd[1]))
     _axis(drawing, after, "z_{i+1}", "θ\u0307_{i+1}", float(seen.qd[2]))
     drawing.add(Mark(point(body.com), "com", "C_i", "com", size=6.0))
@@ -146,13 +146,13 @@ def slide() -> Figure:
         Line((point(before.origin), point(body.carrier)), "link i−1", "link", width=9.0),
         Line((point(body.carrier), point(body.origin)), "rod i", "link", width=5.0),
         Line((point(body.origin), point(body.com)), "link i", "link", width=9.0),
-        *structure.joint(body, 0.055), *structure.joint(before, 0.045),
+        *bare_robot.joint(body, 0.055), *bare_robot.joint(before, 0.045),
     ]  # fmt: skip
-    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, view)))
-    structure.triad(
+    drawing.add(*sorted(parts, key=lambda e: bare_robot.depth(e, view)))
+    bare_robot.triad(
         drawing, before.origin, before.rotation, 0.33, ("X_{i−1}", "Y_{i−1}", "Z_{i−1}")
     )
-    structure.triad(drawing, body.origin, body.rotation, 0.3, ("X_i", "Y_i", "Z_i"))
+    bare_robot.triad(drawing, body.origin, body.rotation, 0.3, ("X_i", "Y_i", "Z_i"))
     slid, how = body.origin - body.carrier, {"aside": 14.0, "beside": 0.5}
     drawing.arrow(body.carrier, body.origin, "d_i", "external", slid, "m", label="d_i", **how)
     drawing.arrow(

@@ -1,5 +1,5 @@
-"""The symbols of each link of a planar arm in the notes, one record each: the letter, other
-spellings of it in answers, and the unit."""
+"""The symbols of each link of a planar arm in the notes, one table for all rooms of `check`: the
+letter, other spellings of it in answers, and the unit."""
 
 from __future__ import annotations
 

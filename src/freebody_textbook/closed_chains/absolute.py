@@ -25,7 +25,7 @@ from freebody.model.tree import Tree, TreeLoop
 from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Vector, add, dot, product, sub, times
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 
 LETTERS = ("x", "y", "phi")
 _HALF = 0.5

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 from freebody.algorithms.kinematics import jacobian
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, UnknownNameError
-from freebody.expressions.kinematics import Kinematics
+from freebody.expressions.closed_form_kinematics import Kinematics
+from freebody.expressions.exact_singularities import Determinant
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, determinant, times
-from freebody.expressions.singularities import Determinant
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import (
+from freebody_textbook.closed_chains.linear_equations import (
     Ratio,
     left_null,
     ratio,
@@ -29,7 +29,7 @@ from freebody_textbook.closed_chains.linear import (
 )
 
 if TYPE_CHECKING:
-    from freebody_textbook.closed_chains.loops import LoopEquations
+    from freebody_textbook.closed_chains.loop_equations import LoopEquations
 
 ROWS = {2: ("vx", "vy", "w"), 3: ("vx", "vy", "vz", "wx", "wy", "wz")}
 

@@ -18,16 +18,16 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.expressions.printed_names import sym, vec
 from freebody.figures import colours
 from freebody.figures.drawing import SAME, Drawing, Element, Label
+from freebody.figures.drawing_names import is_letter
 from freebody.figures.figure import save, to_one_scale
 from freebody.figures.kinematic import VIEWS
 from freebody.figures.labelling import RULE, labels_of
-from freebody.figures.layers import forces, geometry, motion
-from freebody.figures.layers.structure import Layer, drawn
-from freebody.figures.names import is_letter
+from freebody.figures.layers import forces, measures, motion
+from freebody.figures.layers.bare_robot import Layer, drawn
+from freebody.figures.marked_text import bold, canonical, label, marked, runs
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot, resting_pose, snapshot, with_values
 from freebody.figures.svg import picture
-from freebody.figures.text import bold, canonical, label, marked, runs
 from freebody.model.model import Model
 from freebody.outputs.number_text import significant
 from freebody_textbook.closed_chains.absolute import links_of
@@ -246,23 +246,27 @@ def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
     """Position of the tip, its velocity and its acceleration, with the joints' rates, on layers."""
     r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
     rates, second = motion.rates, partial(motion.rates, second=True)
-    to_tip = partial(geometry.to_tip, name=r)
+    to_tip = partial(measures.to_tip, name=r)
     velocity = partial(motion.of_tip, name=v)
     acceleration = partial(motion.of_tip, name=a, second=True)
     return {
-        "tip": ("Position of the tip", (*layers, geometry.links, to_tip)),
+        "tip": ("Position of the tip", (*layers, measures.links, to_tip)),
         "tip velocity": ("The velocity of the tip", (*layers, rates, velocity)),
         "tip acceleration": ("The acceleration of the tip", (*layers, second, acceleration)),
     }
 
 
 _LENGTHS: tuple[Layer, ...] = (
-    geometry.all_lengths, geometry.of_the_ground, geometry.of_rods,
+    measures.all_lengths, measures.of_the_ground, measures.of_rods,
 )  # fmt: skip
-_GEOMETRY: tuple[Layer, ...] = (geometry.angles, geometry.slides, geometry.centres)
+_GEOMETRY: tuple[Layer, ...] = (
+    measures.angles,
+    measures.slides,
+    measures.centres,
+)
 _BESIDE: tuple[Layer, ...] = (
-    geometry.centres, partial(geometry.links, aside=geometry.BESIDE),
-    geometry.to_centres, geometry.directions,
+    measures.centres, partial(measures.links, aside=measures.BESIDE),
+    measures.to_centres, measures.directions,
 )  # fmt: skip
 _UNHELD = "The body in a pose where its axes are those of the world"
 _PLANE, _SPACE = VIEWS[2], VIEWS[3]
@@ -279,15 +283,15 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
         "accelerations": (
             "Joint accelerations and accelerations of the centres of mass", _PLANE["accelerations"]
         ),
-        **_tip(geometry.angles, geometry.slides),
+        **_tip(measures.angles, measures.slides),
     },
     3: {
         "overview": (
             "Joint axes and joint variables",
-            (*_SPACE["frames"], geometry.measured_centres, *_LENGTHS, _load),
+            (*_SPACE["frames"], measures.measured_centres, *_LENGTHS, _load),
         ),
         "vectors": ("Vectors from joint to joint, and centres of mass", _SPACE["vectors"]),
-        **_tip(geometry.variables),
+        **_tip(measures.variables),
     },
 }  # fmt: skip
 """Drawings by dimension and by the name that steps give them: a line of words, and the layers."""

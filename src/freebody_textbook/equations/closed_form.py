@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 from freebody.algorithms.crba import crba
 from freebody.algorithms.energy import potential_energy
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError
 from freebody.expressions import expression as ex
 from freebody.expressions.expression import Equation, Expression, Symbol, size
@@ -23,7 +24,6 @@ from freebody.model.drives import DriveLaw
 from freebody.model.tree import Tree, TreeBody
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector
-from freebody.values import ByValue
 
 SHORT = 700
 """Numbers and symbols that fit on about a page."""

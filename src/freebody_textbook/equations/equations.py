@@ -31,7 +31,7 @@ from freebody_textbook.equations.closed_form import (
 )
 from freebody_textbook.equations.intermediates import intermediates
 from freebody_textbook.equations.source_code import to_sympy
-from freebody_textbook.render import page
+from freebody_textbook.render import equation_lines
 
 NotationName = str | PathLike[str] | BookNotation
 """A notation, or "standard"."""
@@ -105,7 +105,7 @@ class Equations(Titled, ClosedForm):
         """
         if view == "auto" and not self.is_short:
             return "\n".join(map(str, self._lines_on_length()))
-        return page.text(self.groups(view, names), width)
+        return equation_lines.text(self.groups(view, names), width)
 
     def latex(
         self, view: str = "auto", names: NotationName = "notes", environment: str = "aligned"
@@ -115,7 +115,7 @@ class Equations(Titled, ClosedForm):
         if view == "auto" and not self.is_short:
             lines = " \\\\ ".join(line.latex() for line in self._lines_on_length())
             return f"\\begin{{gathered}} {lines} \\end{{gathered}}"
-        return page.latex(self.groups(view, names), environment)
+        return equation_lines.latex(self.groups(view, names), environment)
 
     def mathml(self, view: str = "auto", names: NotationName = "notes") -> str:
         """The equations as one `<math>` element."""
@@ -124,7 +124,7 @@ class Equations(Titled, ClosedForm):
                 f"<mtr><mtd>{MATHML.line(line)}</mtd></mtr>" for line in self._lines_on_length()
             )
             return f'<math {NAMESPACE} display="block"><mtable>{"".join(rows)}</mtable></math>'
-        return page.html(self.groups(view, names), alone=True)
+        return equation_lines.html(self.groups(view, names), alone=True)
 
     def _lines_on_length(self) -> list[ex.Expression]:
         """Two lines on the length of equations that are too long to read."""

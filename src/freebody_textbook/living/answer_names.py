@@ -31,7 +31,7 @@ from freebody_textbook.check.reasons.misreadings import (
     slide_meant,
 )
 from freebody_textbook.derivation import Derivation
-from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.relations.formula_values import rank
 
 MOST_THOUGHT = 4

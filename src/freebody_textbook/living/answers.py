@@ -34,7 +34,7 @@ from freebody_textbook.check.numbers.units_of_symbols import in_other_units
 from freebody_textbook.check.numbers.written_units import UNITS
 from freebody_textbook.check.reading.vocabulary import GLUED
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
-from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import TABLES, values
 from freebody_textbook.check.reasons.thoughts import Subject
 from freebody_textbook.check.states.admissible_states import AdmissibleStates, StateSampler
@@ -49,7 +49,7 @@ from freebody_textbook.living.answer_names import (
     key_of,
     symbols_of,
 )
-from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods import METHODS
 from freebody_textbook.relations.formula_values import typical
 

@@ -18,11 +18,11 @@ from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.tree import TreeLoop
 from freebody.spatial import times
-from freebody_textbook.closed_chains.first_kind import multiplier_names
+from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 from freebody_textbook.living.body_quantities import vector
-from freebody_textbook.living.kernel import PageProgram
-from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.loop_forces import LoopReactions
+from freebody_textbook.living.page_program import PageProgram
+from freebody_textbook.methods.loop_forces_on_bodies import LoopReactions
+from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting
 
 _ASIDE, _STEPS, _CLOSED = 0.05, 20, 1e-10

@@ -15,7 +15,7 @@ from freebody.model.tree import TreeBody
 from freebody.spatial import add, product, times
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.closed_chain import ClosedChain
-from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods.setting import LOADS, Setting
 
 FEW = 4

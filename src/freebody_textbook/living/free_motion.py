@@ -14,7 +14,7 @@ from freebody.spatial import add, scale, sub, times
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.body_quantities import vector
 from freebody_textbook.living.drawn_bodies import Labels
-from freebody_textbook.living.kernel import PageProgram
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.free_body_steps import mass_symbol, part_with_mass, thrusts_of
 from freebody_textbook.methods.setting import Setting

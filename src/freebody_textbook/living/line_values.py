@@ -18,7 +18,7 @@ from freebody.scalars.expr import Expr
 from freebody.scalars.trig import Trig
 from freebody.spatial import product, times, transposed
 from freebody_textbook.derivation import Derivation, Step
-from freebody_textbook.living.kernel import PageProgram, entries
+from freebody_textbook.living.page_program import PageProgram, entries
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.body_quantities import BODY_QUANTITIES, BodyQuantity, numbers
 from freebody_textbook.methods.recursive import GRAVITIES

@@ -20,7 +20,7 @@ from freebody.expressions.naming import Naming
 from freebody.expressions.notations.lettering import Lettering
 from freebody.expressions.notations.notation import PRESETS
 from freebody.expressions.polynomials.symbols import RATE, SECOND, names_by_body
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.living.answers import PageAnswers
 from freebody_textbook.living.body_quantities import (
@@ -32,8 +32,8 @@ from freebody_textbook.living.body_quantities import (
 from freebody_textbook.living.closed_chain import ClosedChain
 from freebody_textbook.living.drawn_bodies import DrawnBodies, Labels, PageFigure
 from freebody_textbook.living.free_motion import FreeFlight, FreeJoints
-from freebody_textbook.living.kernel import PageProgram
 from freebody_textbook.living.line_values import LineValues, ValuedLine, line_values, traced_values
+from freebody_textbook.living.page_program import PageProgram
 from freebody_textbook.living.panel import LineUnits, below, is_velocity, panel, units_of_symbols
 from freebody_textbook.methods import METHODS
 from freebody_textbook.methods.body_by_body import SolvedReactions

@@ -26,8 +26,8 @@ from freebody_textbook.derivation import Meaning, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_by_body import drive_part
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import Loops, block_system, dotted
 from freebody_textbook.methods.energies import HALF
+from freebody_textbook.methods.loops_and_multipliers import Loops, block_system, dotted
 from freebody_textbook.methods.setting import LONGEST, Setting
 from freebody_textbook.methods.step_reasons import Efforts
 

@@ -12,14 +12,14 @@ from freebody.expressions.nodes import Words
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import entry, sym
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.first_kind import MOST, Reduction
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
+from freebody_textbook.closed_chains.multiplier_equations import MOST, Reduction
 from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.equations.closed_form import symmetric
 from freebody_textbook.methods import absolute_coordinates, glossary, lagrange, modular_ring
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import LONG, Loops, block_system
 from freebody_textbook.methods.energies import HALF, Energies, virtual_work
+from freebody_textbook.methods.loops_and_multipliers import LONG, Loops, block_system
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.step_reasons import Efforts
 

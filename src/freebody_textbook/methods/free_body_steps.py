@@ -21,7 +21,7 @@ from freebody.model.parameters import Parameter, Quantity
 from freebody.model.tree import Attached
 from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, scale, sub, times, transposed
-from freebody_textbook.closed_chains.linear import ratio, solved
+from freebody_textbook.closed_chains.linear_equations import ratio, solved
 from freebody_textbook.derivation import Step
 from freebody_textbook.methods.setting import Setting
 

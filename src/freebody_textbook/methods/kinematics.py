@@ -8,19 +8,19 @@ from itertools import pairwise
 
 from freebody.errors import FreebodyError, listed
 from freebody.expressions import expression as ex
+from freebody.expressions.closed_form_kinematics import Kinematics
+from freebody.expressions.exact_singularities import Determinant, jacobian_determinant
 from freebody.expressions.expression import Equation, Expression, eq
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.symbols import RATE, SECOND
 from freebody.expressions.printed_names import entry, sym, vec
-from freebody.expressions.singularities import Determinant, jacobian_determinant
 from freebody.lazy import cached_property
 from freebody_textbook.closed_chains.input_output import ClosedInputOutput
-from freebody_textbook.closed_chains.linear import product, ratio
+from freebody_textbook.closed_chains.linear_equations import product, ratio
 from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.glossary import METER
+from freebody_textbook.methods.loops_and_multipliers import LONG, Loops
 from freebody_textbook.methods.setting import Setting
 
 _SOUGHT = (

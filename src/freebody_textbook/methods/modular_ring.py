@@ -19,9 +19,9 @@ from freebody.scalars.trig import Trig
 from freebody.spatial import Vector, add, times, transposed
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods import recursive
-from freebody_textbook.methods.cut_loops import Loops
 from freebody_textbook.methods.glossary import MOMENT, NEWTON
-from freebody_textbook.methods.loop_forces import LoopForces
+from freebody_textbook.methods.loop_forces_on_bodies import LoopForces
+from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.modular import AXES, ModularSetting, generator
 from freebody_textbook.methods.recursive import Inward, worked
 from freebody_textbook.methods.setting import Setting

@@ -16,21 +16,21 @@ from freebody.expressions.expression import Equation, Expression, eq
 from freebody.expressions.printed_names import entry, sym, vec
 from freebody.scalars.trig import Trig
 from freebody.spatial import dot
-from freebody_textbook.closed_chains.linear import product, solved
+from freebody_textbook.closed_chains.linear_equations import product, solved
 from freebody_textbook.derivation import Meaning, Method, MethodOption, Step, Worked
 from freebody_textbook.methods import free_bodies, glossary, recursive
 from freebody_textbook.methods.body_by_body import FreeBodies, SolvedReactions, angles_between_arms
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import LONG, Loops
 from freebody_textbook.methods.ending import ending
 from freebody_textbook.methods.glossary import INERTIA, METER
-from freebody_textbook.methods.loop_forces import (
+from freebody_textbook.methods.loop_forces_on_bodies import (
     FEW,
     LoopForces,
     LoopReactions,
     needs_of,
     without_links,
 )
+from freebody_textbook.methods.loops_and_multipliers import LONG, Loops
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, motion, shared_motors
 from freebody_textbook.methods.step_reasons import Efforts

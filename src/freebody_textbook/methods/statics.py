@@ -13,13 +13,13 @@ from freebody.expressions.expression import Expression, eq
 from freebody.expressions.nodes import Words
 from freebody.expressions.printed_names import sym, vec
 from freebody.lazy import cached_property
-from freebody_textbook.closed_chains.statics import LoopStatics
+from freebody_textbook.closed_chains.loop_statics import LoopStatics
 from freebody_textbook.derivation import Meaning, Method, Step, Worked
 from freebody_textbook.methods import glossary
 from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.body_quantities import meanings
-from freebody_textbook.methods.cut_loops import LONG, Loops
-from freebody_textbook.methods.loop_forces import FEW, LoopForces, LoopReactions, needs_of
+from freebody_textbook.methods.loop_forces_on_bodies import FEW, LoopForces, LoopReactions, needs_of
+from freebody_textbook.methods.loops_and_multipliers import LONG, Loops
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.methods.shared_steps import geometry, moment_of, shared_motors
 from freebody_textbook.methods.step_reasons import Efforts, motorless

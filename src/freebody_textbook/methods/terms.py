@@ -17,7 +17,7 @@ from freebody.expressions.polynomials.symbols import RATE, SECOND, Symbols
 from freebody.model.drives import LAWS
 from freebody.scalars.generators import sign_of
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 from freebody_textbook.derivation import Meaning, Step
 from freebody_textbook.methods.setting import Setting
 

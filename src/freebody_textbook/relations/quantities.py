@@ -11,9 +11,9 @@ from freebody.algorithms.kinematics import frame_motion
 from freebody.algorithms.rnea import Recursion
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.expressions import expression as ex
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.expression import Expression
 from freebody.expressions.grammar.atoms import atom
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.textbook_form import Layout
 from freebody.lazy import cached_property
 from freebody.model.model import Model

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from freebody.expressions.nodes import Expression, Sourced, nodes
 from freebody.expressions.typesetting.literal import declared, literal
 from freebody.expressions.typesetting.mathml import lean, mathml
-from freebody.outputs.page import SHEETS, math_style, policy
-from freebody.outputs.text import legal
-from freebody_textbook.render import page, styles
+from freebody.outputs.harmless_text import legal
+from freebody.outputs.page_head import SHEETS, math_style, policy
+from freebody_textbook.render import equation_lines, styles
 from freebody_textbook.render.prose import (
     Medium,
     cited,
@@ -173,7 +173,7 @@ def _terminal(width: int) -> _Document:
 
 
 def _text_equations(step: Step, width: int) -> str:
-    lines = page.text([step.equations], width - 8).splitlines()
+    lines = equation_lines.text([step.equations], width - 8).splitlines()
     if not step.result:
         return "\n" + textwrap.indent("\n".join(lines), "      ")
     size = max(map(_cells, lines))
@@ -202,7 +202,7 @@ def _text_table(rows: SymbolRows, width: int) -> str:
 # ---------------------------------------------------------------- Markdown and LaTeX
 def _framed(step: Step) -> str:
     """A step's equations as LaTeX, with a frame around a result that fits into one."""
-    formula = page.latex([step.equations])
+    formula = equation_lines.latex([step.equations])
     return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
 
 
@@ -212,9 +212,9 @@ def _fits(step: Step, formula: str) -> bool:
 
 
 def _display(step: Step) -> str:
-    if _fits(step, page.latex([step.equations])):
+    if _fits(step, equation_lines.latex([step.equations])):
         return f"\\[\n{_framed(step)}\n\\]"
-    return page.latex([step.equations], "align*")
+    return equation_lines.latex([step.equations], "align*")
 
 
 _MARKDOWN = _Document(
@@ -273,14 +273,15 @@ def latex(derivation: Derivation) -> str:
 
 
 # ---------------------------------------------------------------- HTML
-NOTEBOOK_STYLE = f"{page.STYLE}{styles.TERMS}section>details>summary>h2{{display:inline}}"
+NOTEBOOK_STYLE = f"{equation_lines.STYLE}{styles.TERMS}section>details>summary>h2{{display:inline}}"
 """The style that steps need in a page of others, such as a notebook."""
 
 body = _Document(
     prose=web_prose,
     symbol=lambda symbol: mathml(symbol, display=False),
     equations=lambda step: (
-        f'<div class="equations{" result" * step.result}">{page.html([step.equations])}</div>'
+        f'<div class="equations{" result" * step.result}">'
+        f"{equation_lines.html([step.equations])}</div>"
         f"{_legend(step.equations)}"
     ),
     listed=lambda symbols: " ".join(
@@ -337,7 +338,7 @@ def html(
             f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8">{head}'
             '<meta name="viewport" content="width=device-width, initial-scale=1">'
             '<meta name="color-scheme" content="light dark"><link rel="icon" href="data:,">'
-            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{page.STYLE}"
+            f"<title>{title}</title><style>{math_style()}{SHEETS}{style}{styles.PAGE}{equation_lines.STYLE}"
             f"{styles.TERMS}{styles.STEPS}{styles.SCROLLED}{styles.TOUCHED}{styles.NARROW}</style></head>\n<body>"
             f"<main{kind}>\n"
             f"{lean(document(derivation, figures))}\n</main>{run}</body></html>\n"
@@ -373,8 +374,8 @@ def _short_lines(steps: Iterable[Step], room: int) -> dict[Step, str]:
     than `room` bytes: the others are scrolled."""
     found: dict[Step, str] = {}
     for step in filter(lambda one: one.equations, steps):
-        text = page.html([step.equations], LETTERS)
-        if text == page.html([step.equations]):
+        text = equation_lines.html([step.equations], LETTERS)
+        if text == equation_lines.html([step.equations]):
             continue
         kind = "equations short" + " result" * step.result
         found[step] = f'<div class="{kind}">{text}</div>'

@@ -110,12 +110,17 @@ def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
         loose = Vt[int((s > 1e-9 * s[0]).sum()) :]
         # a component is determined if no multipliers without power change it
         still = np.zeros(model.nv)
-        wrenches = fb.kernel(model, "closed_wrenches")
+        wrenches = fb.kernel(model, "reaction_wrenches")
         change = wrenches(motion.q[k], still, still, rows * loose) - wrenches(
             motion.q[k], still, still, 0 * rows * loose
         )
         undisturbed = np.abs(change).max(axis=0, initial=0.0) < 1e-8
         np.testing.assert_array_equal(found.determined[k], undisturbed)
+
+
+def test_a_formula_is_known_by_its_former_name_too():
+    model = fb.load("five_bar")
+    assert fb.kernel(model, "closed_wrenches") is fb.kernel(model, "reaction_wrenches")
 
 
 @pytest.mark.parametrize("name", ["joint_wrenches", "mass_matrix_inverse"])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.inverse import kinematics as module
+from freebody.inverse import inverse_kinematics as module
 from freebody.inverse.ways import by_closed_form
 from support import generate
 from support.arms import apart, arm, direction, holds, meeting, parallel, skew
@@ -660,7 +660,7 @@ def test_few_doubtful_targets_are_looked_at_without_the_others(monkeypatch: pyte
     fb.inverse_kinematics(model, T[:2])
     seen, closer = [], by_closed_form.by_closed_form
     monkeypatch.setattr(
-        "freebody.inverse.kinematics.by_closed_form",
+        "freebody.inverse.inverse_kinematics.by_closed_form",
         lambda problem, form: seen.append(len(problem.target)) or closer(problem, form),
     )
     found = fb.inverse_kinematics(model, T.reshape(6, 10, 4, 4))

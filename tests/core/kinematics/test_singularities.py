@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.expressions.kinematics import kinematics
+from freebody.expressions.closed_form_kinematics import kinematics
 from freebody.expressions.polynomials.factors import factored
 from freebody.scalars.trig import TrigRing
 from support.arms import arm, skew

@@ -10,9 +10,9 @@ import freebody as fb
 from freebody.errors import FreebodyError, ModelError
 from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.drives.acting import ActingLaw, DriveScalars, every_law
-from freebody.model.drives.names import LawNumbers
+from freebody.model.drives.law_numbers import LawNumbers
 from freebody.model.tree import Coordinates
-from freebody.motion.friction import simple_friction
+from freebody.motion.smooth_friction import simple_friction
 from support.exported import passes, require
 
 VALUES = {

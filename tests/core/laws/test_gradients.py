@@ -168,6 +168,6 @@ def test_the_gradient_by_weights_that_are_zero():
 def test_without_pytorch(monkeypatch):
     for name in ("torch", "torch.autograd"):
         monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.delitem(sys.modules, "freebody.targets.in_torch", raising=False)
+    monkeypatch.delitem(sys.modules, "freebody.targets.torch_operator", raising=False)
     with pytest.raises(FreebodyError, match=r"pip install 'freebody\[torch\]'"):
         fb.to_torch(fb.load("2R"), "bias")

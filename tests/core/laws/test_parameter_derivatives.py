@@ -14,7 +14,7 @@ import pytest
 import freebody as fb
 from freebody.any_chain.kernel_options import chosen_option
 from freebody.kernels.formulas import FORMULAS
-from freebody.kernels.inputs import inputs_of
+from freebody.kernels.parameter_inputs import inputs_of
 from freebody.kernels.tracing import chosen
 from support import generate
 

@@ -16,9 +16,8 @@ import freebody as fb
 from freebody import Inertia, Motion
 from freebody.formats.loading import settled
 from freebody.kernels.formulas import FORMULAS
-from freebody.model.doubts import (
+from freebody.model.doubt_rules.aspects import (
     ALL,
-    DOUBT_KINDS,
     DYNAMIC,
     EFFORTS,
     FRICTION,
@@ -27,8 +26,8 @@ from freebody.model.doubts import (
     RANGES,
     ROTORS,
     SPEEDS,
-    Doubt,
 )
+from freebody.model.doubts import DOUBT_KINDS, Doubt
 from support.command import run
 
 pytestmark = [

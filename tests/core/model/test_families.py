@@ -17,7 +17,7 @@ import freebody as fb
 from freebody import MissingValueError
 from freebody.any_chain.reactions import Reactions
 from freebody.kernels.formulas import Option
-from freebody.kernels.inputs import InputKernel
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.kernels.structural import fetch
 from freebody.model.families import FamilyError
 from freebody.model.quantity_reader import VALUES

@@ -408,7 +408,7 @@ OTHERWISE = {
     "diagnosis/findings/limits.py": "what URDF calls them",
     "diagnosis/bodies_in_space.py": "the axis that joints of the plane have in space",
     "diagnosis/differences.py": "the axis that loops of the plane have in space",
-    "model/cut.py": "the joint that stands for a fixed one",
+    "model/cut_fixed_joints.py": "the joint that stands for a fixed one",
     "ways_out/fmus.py": "how a variable of FMI varies",
 }
 SOURCE = Path(fb.__file__).parent

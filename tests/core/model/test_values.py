@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody import robots
-from freebody.values import ByValue
+from freebody.by_value import ByValue
 
 Q = np.array([0.3, 0.4])
 

@@ -13,7 +13,7 @@ import freebody as fb
 from freebody import FreebodyError, UnknownNameError
 from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.simulation.contact_events import ContactEvents
-from freebody.motion.simulation.joint_contacts import complementary
+from freebody.motion.simulation.dry_friction_and_stops import complementary
 from support import generate
 
 G = 9.81

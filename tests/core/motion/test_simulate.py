@@ -140,7 +140,7 @@ def test_methods_agree(method: str):
 
 def test_followers_feel_their_friction():
     """A follower of ratio r with friction c adds r c tanh(r q̇ / width) to its leader's torque."""
-    from freebody.motion.friction import smooth_friction
+    from freebody.motion.smooth_friction import smooth_friction
 
     links = tuple(
         Link(f"l{k}", fb.Inertia(1.0, (0.1, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1))) for k in range(3)

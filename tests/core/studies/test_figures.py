@@ -15,11 +15,11 @@ from freebody.figures.drawing import Arc, Arrow, Dimension, Line, Mark, Prism, T
 from freebody.figures.kinematic import robot_drawing
 from freebody.figures.labelling import Crowd, Wanted, overlaps
 from freebody.figures.layers import forces
+from freebody.figures.marked_text import plain
 from freebody.figures.plots import Plot, plot, thin, ticks
 from freebody.figures.snapshot import snapshot, with_values
 from freebody.figures.svg import picture
 from freebody.figures.svg_symbols import MARKS
-from freebody.figures.text import plain
 from freebody.figures.view import best_view
 from freebody.model.joints import KINDS
 from freebody.outputs.number_text import significant

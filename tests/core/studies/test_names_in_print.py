@@ -16,8 +16,8 @@ import freebody as fb
 from freebody import Inertia, Parameter
 from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting import literal
+from freebody.figures.marked_text import html, marked, plain, runs
 from freebody.figures.plots import Plot, plot
-from freebody.figures.text import html, marked, plain, runs
 from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
 from support.robots import Joint, Link, Mount, Robot, loaded, shift
 

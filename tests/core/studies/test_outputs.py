@@ -27,7 +27,7 @@ from freebody import FileError, OutputError
 from freebody.outputs import files, folder
 from freebody.outputs.files import stem, write
 from freebody.outputs.folder import MANIFEST, write_folder
-from freebody.outputs.text import as_meant, csv_text, harmless, legal
+from freebody.outputs.harmless_text import as_meant, csv_text, harmless, legal
 from support.command import run
 from support.hostile import JOINTS, LINKS, hostile_study
 from support.hostile_pages import LIVING, pages
@@ -324,7 +324,7 @@ def test_one_failed_output_costs_no_other(
     def broken(study):
         raise RuntimeError("planted")
 
-    monkeypatch.setattr("freebody.report.files.netcdf", broken)
+    monkeypatch.setattr("freebody.report.study_files.netcdf", broken)
     with pytest.raises(
         OutputError, match=r"study\.nc: RuntimeError: planted \(an error in freebody"
     ) as failure:
@@ -477,7 +477,7 @@ def test_a_study_stopped_at_any_file_operation_leaves_whole_files_and_says_which
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: bool
 ):
     from freebody.outputs import folder as folders
-    from freebody.report.files import makers
+    from freebody.report.study_files import makers
 
     def contents(name: str) -> dict[str, bytes]:
         made = {n: make() for n, make in makers(fb.study(fb.load(name)), True).items()}
@@ -601,7 +601,7 @@ def allowing(scripts: list[str]) -> str:
 
 
 def test_a_policy_names_the_scripts_that_may_run():
-    from freebody.outputs.page import policy
+    from freebody.outputs.page_head import policy
 
     # the example of the standard, Content Security Policy Level 3, section 2.3.1
     digest = "qznLcsROx4GACP2dm0UCKCzCG+HiZ1guq6ZZDob/Tng="

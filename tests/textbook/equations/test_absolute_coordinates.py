@@ -10,14 +10,14 @@ import freebody as fb
 from freebody.expressions.expression import Equation, eq
 from freebody.expressions.polynomials.symbols import symbols
 from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
-from freebody_textbook.closed_chains.first_kind import FirstKind
-from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.closed_chains.loop_equations import LoopEquations
+from freebody_textbook.closed_chains.multiplier_equations import FirstKind
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.derive import compare
 from freebody_textbook.methods.absolute_coordinates import BackToJoints
 from freebody_textbook.methods.body_by_body import SolvedReactions
-from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.loop_forces import LoopReactions
+from freebody_textbook.methods.loop_forces_on_bodies import LoopReactions
+from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting
 from support.printed_values import evaluate
 from support.robots import Joint, Link, Mount, Robot, loaded, shift, turn

@@ -10,9 +10,9 @@ import pytest
 
 import freebody as fb
 from freebody.expressions.expression import eq
-from freebody_textbook.closed_chains.first_kind import FirstKind, multiplier_names
-from freebody_textbook.closed_chains.linear import product
-from freebody_textbook.closed_chains.statics import LoopStatics
+from freebody_textbook.closed_chains.linear_equations import product
+from freebody_textbook.closed_chains.loop_statics import LoopStatics
+from freebody_textbook.closed_chains.multiplier_equations import FirstKind, multiplier_names
 from freebody_textbook.derive import compare
 from support.printed_lines import derived
 from support.printed_values import evaluate

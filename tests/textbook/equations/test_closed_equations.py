@@ -109,7 +109,7 @@ def test_power_of_the_multipliers(seed, dim):
     q, qd, qdd = (x[0] for x in state(model, seed, 1))
     lam = np.random.default_rng(seed).normal(size=model.tree.constraints)
     J = numbers(model, "constraint_jacobian", q)
-    wrenches = fb.kernel(model, "closed_wrenches")(q, qd, qdd, lam)
+    wrenches = fb.kernel(model, "reaction_wrenches")(q, qd, qdd, lam)
     power = 0.0
     for loop, w in zip(model.loops, wrenches[len(model.joint_names) :], strict=True):
         a, b = loop.frames

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.figures import svg, text
+from freebody.figures import marked_text, svg
 from freebody.figures.drawing import Arc, Arrow, Dimension, Label, Line, Mark, Prism, Turn
 from freebody.figures.figure import Figure
 from freebody.figures.labelling import overlaps
-from freebody.figures.layers.geometry import common_normal
+from freebody.figures.layers.measures import common_normal
 from freebody.figures.snapshot import clear_pose, with_values
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
@@ -22,7 +22,7 @@ from freebody_notes.figures.five_bar import closed, five_bar
 from freebody_notes.figures.quadrotor import zxz
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.methods import METHODS
-from freebody_textbook.render.page import STYLE
+from freebody_textbook.render.equation_lines import STYLE
 from support.command import run
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -630,15 +630,15 @@ def test_derivation_in_space_is_illustrated():
 
 # ---------------------------------------------------------------- formulas
 def test_formulas_are_set_as_in_print():
-    assert text.plain("−*f*_{i−1,i}") == "−fi−1,i"
-    marked = text.marked(text.runs("*v̇*_{c1}"))
+    assert marked_text.plain("−*f*_{i−1,i}") == "−fi−1,i"
+    marked = marked_text.marked(marked_text.runs("*v̇*_{c1}"))
     assert ">v</tspan>" in marked, "a letter without its accent"
     assert ">.</tspan>" in marked, "and the dot above it"
-    assert text.formula_width("p^{i−1}_i") < text.formula_width("p_{i−1}_i")
+    assert marked_text.formula_width("p^{i−1}_i") < marked_text.formula_width("p_{i−1}_i")
 
 
 def test_symbols_in_sentences_are_set_and_names_are_left():
-    said = list(text.sentence("|ΣM − Ḣ_1| of left_arm, −f_{1,2}"))
+    said = list(marked_text.sentence("|ΣM − Ḣ_1| of left_arm, −f_{1,2}"))
     assert [run.text for run in said if run.style == "v"] == ["Ḣ", "f"]
     assert [run.text for run in said if run.level] == ["1", "1,2"]
     assert "".join(run.text for run in said) == "|ΣM − Ḣ1| of left_arm, −f1,2"

@@ -27,7 +27,7 @@ OTHERWISE = [
         "freebody_textbook/commands/derive.py",
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
-    ("expressions/kinematics.py", "kinematics"),  # the function that an error is of
+    ("expressions/closed_form_kinematics.py", "kinematics"),  # the function that an error is of
 ]
 """Where such a word means something else, or is shown to be typed."""
 

@@ -14,7 +14,7 @@ from freebody.expressions import expression as ex
 from freebody.expressions.naming import Naming
 from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Arc, Arrow, Dimension, Drawing, Label, Turn
-from freebody.figures.text import canonical, label
+from freebody.figures.marked_text import canonical, label
 from freebody_textbook.derivation import Derivation
 from freebody_textbook.drawings import illustrate
 from freebody_textbook.drawings.illustrate import illustrations

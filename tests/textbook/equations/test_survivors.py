@@ -15,7 +15,7 @@ from freebody.expressions.printed_names import sym
 from freebody.expressions.typesetting.latex import width_of
 from freebody_textbook.check.asked.right_equations import setting
 from freebody_textbook.check.verdicts.verdict_sentences import example
-from freebody_textbook.closed_chains.linear import product
+from freebody_textbook.closed_chains.linear_equations import product
 from support.printed_values import evaluate
 
 

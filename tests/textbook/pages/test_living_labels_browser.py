@@ -13,7 +13,7 @@ import freebody as fb
 from freebody.expressions.expression import Symbol, nodes
 from freebody.expressions.printed_names import sym
 from freebody.figures.drawing import Dimension
-from freebody.figures.text import canonical, label
+from freebody.figures.marked_text import canonical, label
 from freebody_textbook.drawings.illustrate import illustrations
 from freebody_textbook.living.panel import units_of_symbols
 from support.page_labels import drawing_time, measured

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody_textbook.living.kernel import PageProgram, entries
 from freebody_textbook.living.line_values import line_values
+from freebody_textbook.living.page_program import PageProgram, entries
 from freebody_textbook.living.panel import LineUnits, units_of_symbols
 
 METER, KILOGRAM, SECOND = 2.0, 3.0, 5.0

@@ -10,8 +10,8 @@ from freebody.diagnosis.findings import (
     numbers,
     refused,
     shapes,
-    twin_limits,
 )
+from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
 
 FINDINGS: tuple[FindingKind, ...] = (
     numbers.NO_NUMBER,
@@ -33,8 +33,7 @@ FINDINGS: tuple[FindingKind, ...] = (
     inertias.ABOUT_ORIGIN,
     inertias.TURNED,
     inertias.TWINS,
-    doubted.NO_MASS,
-    doubted.MASSES,
+    *doubted.findings_on(MASSES),
     shapes.DENSITY,
     shapes.OUTSIDE,
     shapes.UNLIKE,
@@ -50,8 +49,8 @@ FINDINGS: tuple[FindingKind, ...] = (
     limits.DEGREES,
     limits.PUSHES,
     limits.HOLDS,
-    doubted.LIMITS,
-    twin_limits.DIFFER,
+    *doubted.findings_on(EFFORTS),
+    limits.DIFFER,
     axes.NO_AXIS,
     axes.NOT_UNIT,
     axes.NEARLY,

@@ -1,5 +1,5 @@
-"""Findings that are doubts of the model: each kind of doubt that a file is to be corrected for,
-told at the links and joints that it is about."""
+"""Findings that are doubts of the model: each kind of doubt with a remedy in the file, told at the
+links and joints that it is about."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 from freebody.diagnosis.facts import RobotFacts
 from freebody.diagnosis.finding import FindingKind, FoundFault
-from freebody.model.doubts import IMPLAUSIBLE, NO_MASSES, PLACEHOLDERS
+from freebody.model.doubts import DOUBT_KINDS
 
 
 def _of(kind: str) -> Callable[[RobotFacts], Iterator[FoundFault]]:
@@ -22,8 +22,10 @@ def _of(kind: str) -> Callable[[RobotFacts], Iterator[FoundFault]]:
     return find
 
 
-NO_MASS = FindingKind(
-    NO_MASSES, "warning", "give them mass, or estimate it with estimate_inertia=", _of(NO_MASSES)
-)
-MASSES = FindingKind(IMPLAUSIBLE, "warning", "give the robot's own numbers", _of(IMPLAUSIBLE))
-LIMITS = FindingKind(PLACEHOLDERS, "warning", "give the motors' own limits", _of(PLACEHOLDERS))
+def findings_on(aspect: str) -> tuple[FindingKind, ...]:
+    """The kinds of doubts on an aspect that have a remedy in the file, as kinds of findings."""
+    return tuple(
+        FindingKind(kind.name, "warning", kind.remedy, _of(kind.name))
+        for kind in DOUBT_KINDS.values()
+        if kind.remedy and aspect in kind.touches
+    )

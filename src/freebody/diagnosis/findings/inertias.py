@@ -14,7 +14,7 @@ from freebody.diagnosis.facts import LinkFacts, RobotFacts, norm, pose_of
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.diagnosis.urdf_facts import TENSOR
 from freebody.errors import listed
-from freebody.model.doubts import MEASURED, excess, unfelt_links
+from freebody.model.doubt_rules.inertias import MEASURED, excess, unfelt_links
 from freebody.model.inertia import Inertia
 
 _SAME = 0.05

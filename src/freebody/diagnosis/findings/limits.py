@@ -1,13 +1,17 @@
-"""Findings on limits and friction of joints."""
+"""Findings on limits and friction of joints, and on limits of left and right that differ."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
-from freebody.diagnosis.facts import JointFacts, RobotFacts, Written
+from freebody.diagnosis.facts import FRICTIONS, JointFacts, RobotFacts, Written
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
+from freebody.diagnosis.findings.inertias import twins
 from freebody.errors import listed
+from freebody.model import limit_rules
+from freebody.model.drives import NUMBERS
+from freebody.model.limit_rules import is_not_given
 
 _MANY_TURNS = 4.0 * math.pi * 1.01
 """rad: a range within this is one of radians."""
@@ -17,6 +21,8 @@ _FAST = 40.0
 _DAMPED = 20.0
 """Share of a motor's effort that damping at the speed limit may take: such limits are the motor's,
 not the joint's."""
+_SAME = 0.02
+"""Relative difference of the limits of left and right that is none."""
 
 
 def _ranged(facts: RobotFacts) -> Iterator[JointFacts]:
@@ -30,7 +36,7 @@ def _swapped(facts: RobotFacts) -> Iterator[FoundFault]:
         lower, upper = joint.limits.get("lower"), joint.limits.get("upper")
         if lower is None or upper is None or lower.value is None or upper.value is None:
             continue
-        if lower.value > upper.value:
+        if limit_rules.SWAPPED.broken(lower.value, upper.value):
             changes = (*_changed(lower, upper.text), *_changed(upper, lower.text))
             reason = f"joint {joint.name!r}: its lower limit {lower.value:g} is above its upper"
             yield FoundFault(f"{reason} one, {upper.value:g}", joint.limit_line, changes)
@@ -44,9 +50,10 @@ def _changed(number: Written, text: str) -> tuple[AttributeChange, ...]:
 
 def _negative(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
-        for name in ("velocity", "effort"):
+        for rule in limit_rules.NEGATIVE:
+            (name,) = rule.about
             number = joint.limits.get(name)
-            if number and number.value is not None and number.value < 0.0:
+            if number and number.value is not None and rule.broken(number.value):
                 reason = f"joint {joint.name!r}: its {name} limit {number.value:g} is below 0"
                 text = number.text.lstrip("-")
                 yield FoundFault(reason, joint.limit_line, _changed(number, text))
@@ -76,7 +83,7 @@ def _unstated(facts: RobotFacts) -> Iterator[FoundFault]:
 
 def _zero(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
-        zero = [x for x in ("effort", "velocity") if joint.moves and joint.limit(x) == 0.0]
+        zero = [x for x in ("effort", "velocity") if joint.moves and is_not_given(joint.limit(x))]
         if zero and not joint.mimics:
             reason = f"joint {joint.name!r}: its {listed(zero)} limit is 0, so that it cannot move"
             yield FoundFault(reason, joint.limit_line)
@@ -85,7 +92,7 @@ def _zero(facts: RobotFacts) -> Iterator[FoundFault]:
 def _no_range(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in _ranged(facts):
         lower, upper = joint.limit("lower"), joint.limit("upper")
-        if lower is not None and lower == upper:
+        if lower is not None and is_not_given(lower, upper):
             reason = f"joint {joint.name!r}: its limits are both {lower:g}, a range of no width"
             yield FoundFault(reason, joint.limit_line)
 
@@ -126,7 +133,8 @@ def _bounds(joint: JointFacts) -> list[float]:
 def _pushes(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
         for name, number in joint.drive.items():
-            if number.value is not None and number.value < 0.0:
+            refused = NUMBERS[FRICTIONS[name]].refused
+            if number.value is not None and refused and refused(number.value):
                 line = number.element.line if number.element else joint.line
                 yield FoundFault(
                     f"joint {joint.name!r}: its {name} {number.value:g} is below 0", line
@@ -154,6 +162,36 @@ def _holds(facts: RobotFacts) -> Iterator[FoundFault]:
             yield FoundFault(f"{reason}, far more than {limit}", line)
 
 
+def _differ(facts: RobotFacts) -> Iterator[FoundFault]:
+    for left, right in twins(facts, [joint.name for joint in facts.joints]):
+        a, b = facts.joint[left], facts.joint[right]
+        if a.kind != b.kind or not a.moves:
+            continue
+        what = [x for x in ("velocity", "effort") if not _close(a.limit(x), b.limit(x))]
+        if a.turns and not _mirrored(a, b):
+            what.insert(0, "range")
+        if what:
+            reason = f"joints {left!r} and {right!r} are left and right, and differ in their limits"
+            yield FoundFault(f"{reason} ({', '.join(what)})", b.limit_line)
+
+
+def _close(x: float | None, y: float | None) -> bool:
+    if x is None or y is None:
+        return x is y
+    return x == y or abs(x - y) <= _SAME * max(abs(x), abs(y))
+
+
+def _mirrored(a: JointFacts, b: JointFacts) -> bool:
+    (low, high), (lower, upper) = ((x.limit("lower"), x.limit("upper")) for x in (a, b))
+    if low is None or high is None or lower is None or upper is None:
+        return (low is None, high is None) == (lower is None, upper is None)
+    width = max(high - low, upper - lower)
+    return any(
+        max(abs(low - x), abs(high - y)) <= _SAME * abs(width)
+        for x, y in ((lower, upper), (-upper, -lower))
+    )
+
+
 SWAPPED = FindingKind("swapped limits", "error", "swap them", _swapped)
 NEGATIVE = FindingKind("negative limit", "error", "give its size", _negative)
 MISSING = FindingKind("missing limits", "warning", "give its range", _missing)
@@ -165,3 +203,5 @@ PUSHES = FindingKind(
     "negative friction", "error", "friction opposes motion: give its size", _pushes
 )
 HOLDS = FindingKind("friction holds", "warning", "correct the friction or the limit", _holds)
+DIFFER = FindingKind("left and right limits differ", "notice", "correct them if they are alike",
+                     _differ)  # fmt: skip

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from string import ascii_lowercase
 from typing import Self
 
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, shown
 from freebody.expressions.grammar.atoms import atom, numbered, undotted
 from freebody.expressions.grammar.lexemes import Lexemes
@@ -22,7 +23,6 @@ from freebody.expressions.quantities.kinds import LETTERED
 from freebody.expressions.typesetting.literal import MARK, in_parts
 from freebody.lazy import cached_property
 from freebody.model.model import Model
-from freebody.values import ByValue
 
 KIND_OF = {letter: kind for kind in LETTERED for letter in kind.printed}
 """The letters of derivations as they are made, and what they stand for."""

@@ -11,6 +11,7 @@ from importlib import resources
 from os import PathLike, fspath
 from pathlib import Path
 
+from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, UnknownNameError, listed, shown
 from freebody.expressions.grammar.words import spelt
 from freebody.expressions.quantities.kinds import (
@@ -25,7 +26,6 @@ from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model.bodies import Body
 from freebody.model.model import Model
-from freebody.values import ByValue
 
 PRESETS = (
     "notes", "craig", "spong", "siciliano", "murray-li-sastry", "lynch-park", "featherstone",

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.by_value import ByValue, key
 from freebody.elementary import Scalar
 from freebody.errors import FreebodyError
 from freebody.expressions.grammar.parser import PI
@@ -25,7 +26,6 @@ from freebody.scalars.generators import sign_of
 from freebody.scalars.rational import rational_axis, rational_rotation, rational_sin_cos
 from freebody.scalars.trig import Trig, TrigRing
 from freebody.spatial import Matrix, Vector
-from freebody.values import ByValue, key
 
 Formulas = tuple[tuple[str, tuple[tuple[tuple[tuple[str, int], ...], Fraction], ...]], ...]
 """Names, and the terms of the polynomials that they stand for."""

@@ -13,13 +13,13 @@ from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads, Load
 from freebody.figures.colours import FORCES
 from freebody.figures.drawing import SAME, Arrow, Drawing, Turn, point
-from freebody.figures.layers import geometry, structure
-from freebody.figures.layers.structure import Layer, of_each, view_of
+from freebody.figures.layers import bare_robot, measures
+from freebody.figures.layers.bare_robot import Layer, of_each, view_of
 from freebody.figures.skeleton import BodyPlace, DrawnJoint
 from freebody.figures.snapshot import Snapshot
 from freebody.figures.view import View, best_view
 
-_BESIDE = geometry.BESIDE + 2
+_BESIDE = measures.BESIDE + 2
 _AXIS, _ANGLE = 0.45, 0.4  # the longest axis and arc beside the forces, of the size of the body
 _LONGEST, _SHORTEST = 0.75, 0.12  # the longest arrow, of the size of the body; the shortest, of it
 _ALIKE = 3.0  # bodies whose sizes differ by less than this factor are drawn to one scale
@@ -71,7 +71,7 @@ def scales_of(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
 
 def size_of(loads: BodyLoads) -> float:
     """The size of a body as it is drawn, with the points where forces act on it, metres."""
-    drawn = structure.bars(loads.body, rod=len(loads.body.origin) == 3)
+    drawn = bare_robot.bars(loads.body, rod=len(loads.body.origin) == 3)
     ends = [place for _, segment in drawn for place in segment]
     places = np.array([*(load.place for load in loads.loads), *ends])
     size = float(np.linalg.norm(places.max(axis=0) - places.min(axis=0)))
@@ -96,23 +96,23 @@ def _points(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 def _axes(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """The axes of a body's joints."""
     longest = _AXIS * size_of(seen.loads[body.index])
-    geometry.axes(drawing, seen, (body, *_children(seen, body)), longest=longest)
+    measures.axes(drawing, seen, (body, *_children(seen, body)), longest=longest)
 
 
 @of_each
 def _angles(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """The angle of a body's joint."""
-    geometry.angles(drawing, seen, (body,), longest=_ANGLE * size_of(seen.loads[body.index]))
+    measures.angles(drawing, seen, (body,), longest=_ANGLE * size_of(seen.loads[body.index]))
 
 
 PARTS: dict[str, Layer] = {
     "points": _points,
-    "centres": geometry.centres,
+    "centres": measures.centres,
     "angles": _angles,
-    "lengths": partial(geometry.all_lengths, least=0.0),
-    "s": partial(geometry.links, aside=_BESIDE, least=0.0),
-    "r": partial(geometry.links, aside=_BESIDE, letter="r", least=0.0),
-    "sc": partial(geometry.to_centres, aside=-_BESIDE),
+    "lengths": partial(measures.all_lengths, least=0.0),
+    "s": partial(measures.links, aside=_BESIDE, least=0.0),
+    "r": partial(measures.links, aside=_BESIDE, letter="r", least=0.0),
+    "sc": partial(measures.to_centres, aside=-_BESIDE),
     "axes": _axes,
 }
 """Parts of a free body that may be shown beside the forces: its geometry, and the vectors s_i (or
@@ -161,17 +161,17 @@ def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
     """A body and the joints that it is cut at."""
     closing = _closing(seen, body)
     if seen.model.dim == 2:
-        drawing.add(*structure.link(body), *structure.joint(body))
+        drawing.add(*bare_robot.link(body), *bare_robot.joint(body))
         for child in _children(seen, body):
             drawing.mark(child.origin, "joint", child.symbol, "joint", 5.0)
         for loop in closing:
-            drawing.add(*structure.joint(loop))
+            drawing.add(*bare_robot.joint(loop))
         return
     radius = 0.05 * size_of(seen.loads[body.index])
-    parts = structure.solids_of(body, radius)
+    parts = bare_robot.solids_of(body, radius)
     for place in (*_children(seen, body), *closing):
-        parts += structure.joint(place, radius)
-    drawing.add(*sorted(parts, key=lambda e: structure.depth(e, drawing.view)))
+        parts += bare_robot.joint(place, radius)
+    drawing.add(*sorted(parts, key=lambda e: bare_robot.depth(e, drawing.view)))
 
 
 def _closing(seen: Snapshot, body: BodyPlace) -> list[DrawnJoint]:
@@ -276,12 +276,12 @@ def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
         _stick(drawing, seen, body)
     for body in system:
         _points(drawing, seen, (body,))
-        geometry.centres(drawing, seen, (body,))
+        measures.centres(drawing, seen, (body,))
         reactions = ("reaction",) if body is first else ()
         act(drawing, seen, body, (*reactions, "weight", "external"))
         if body is not first and body.mass > 0:
             drawing.position(first.origin, body.com, f"r_{{{first.number},c{body.number}}}")
-    geometry.to_centres(drawing, seen, (first,), aside=-_BESIDE)
+    measures.to_centres(drawing, seen, (first,), aside=-_BESIDE)
     _side_by_side(drawing, 0.38 * seen.size)
     return drawing
 
@@ -299,7 +299,7 @@ def pushed(seen: Snapshot, body: BodyPlace, thrusts: Mapping[str, str], mass: st
     drawing = Drawing(view_of(seen), f"Body {body.number}, {body.name}, that nothing holds")
     _stick(drawing, seen, body)
     size = 0.5 * size_of(seen.loads[body.index])
-    structure.triad(drawing, body.origin, body.rotation, size, "xyz")
+    bare_robot.triad(drawing, body.origin, body.rotation, size, "xyz")
     drawing.centre(body.com, "C", (0.0, -1.0, -1.0))
     weight = body.mass * seen.model.gravity
     largest = float(np.linalg.norm(weight)) or 1.0

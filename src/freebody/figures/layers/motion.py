@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.figures.drawing import Drawing, Turn, point
-from freebody.figures.layers.structure import clear_way, of_each
+from freebody.figures.layers.bare_robot import clear_way, of_each
 from freebody.figures.skeleton import BodyPlace
 from freebody.figures.snapshot import Snapshot
 

@@ -71,13 +71,13 @@ def bodies(m, mujoco):
 def joints(m, mujoco):
     """Each joint's body, kind, axis, limits, and what acts on it."""
     dofs, no_powers = m.jnt_dofadr, [[0.0, 0.0]] * m.njnt
-    found = rows(
+    return rows(
         m,
         mujoco,
         "JOINT",
         m.njnt,
         body=m.jnt_bodyid,
-        type=m.jnt_type,
+        type=[KINDS[kind] for kind in m.jnt_type],
         pos=m.jnt_pos,
         axis=m.jnt_axis,
         limited=m.jnt_limited,
@@ -94,9 +94,6 @@ def joints(m, mujoco):
         more_stiffness=getattr(m, "jnt_stiffnesspoly", no_powers),
         more_damping=m.dof_dampingpoly[dofs] if hasattr(m, "dof_dampingpoly") else no_powers,
     )
-    for joint in found:
-        joint["type"] = KINDS[joint["type"]]
-    return found
 
 
 def sites(m, mujoco):
@@ -106,21 +103,18 @@ def sites(m, mujoco):
 
 def equalities(m, mujoco):
     """The equality constraints: their kind, the two objects that each joins, its numbers."""
-    found = rows(
+    return rows(
         m,
         mujoco,
         "EQUALITY",
         m.neq,
-        type=m.eq_type,
+        type=[EQUALITIES[kind] for kind in m.eq_type],
         first=m.eq_obj1id,
         second=m.eq_obj2id,
         of_sites=m.eq_objtype == mujoco.mjtObj.mjOBJ_SITE,
         active=m.eq_active0,
         data=m.eq_data,
     )
-    for equality in found:
-        equality["type"] = EQUALITIES[equality["type"]]
-    return found
 
 
 def actuators(m, mujoco):

@@ -19,6 +19,7 @@ import numpy as np
 
 from freebody.errors import FileError, MissingPackageError, listed
 from freebody.formats.mjcf import compiled
+from freebody.lazy import cached_property
 from freebody.model.description import (
     INFINITE,
     Drive,
@@ -96,22 +97,19 @@ class _MjcfReader:
     loops: list[Loop] = field(default_factory=list)
     struts: list[Strut] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
+    at: dict[int, np.ndarray] = field(default_factory=dict)
+    """Where the frame of each body's link is, in the body's own frame; of the bodies so far, among
+    which a body's parent is."""
+    sites: dict[int, str] = field(default_factory=dict)
+    """The frame of each site that has one."""
 
     def description(self, name: str) -> RobotDescription:
-        self.body_names = self.names(self.given["bodies"], "body")
-        self.joint_names = self.names(self.given["joints"], "joint")
-        self.effort = self.efforts()
-        self.mimics = self.followers()
-        self.at: list[np.ndarray] = [np.zeros(3)] * len(self.body_names)
-        """Where the frame of each body's link is, in the body's own frame."""
         for index in range(len(self.body_names)):
             self.body(index)
         if len(self.links) < 2:
             self.refuse("it has no bodies; a robot needs at least one.")
         site_names = self.names(self.given["sites"], "site")
         pulled = {k for tendon in self.given["tendons"] for k in tendon["ends"]}
-        self.sites: dict[int, str] = {}
-        """The frame of each site that has one."""
         for k, (site, called) in enumerate(zip(self.given["sites"], site_names, strict=True)):
             if site["name"] or k in pulled:
                 at = self.in_link(site["body"], site["pos"], site["quat"])
@@ -148,6 +146,16 @@ class _MjcfReader:
             for index, (name, joint) in enumerate(single)
             if joint["zero"] and joint["type"] in ("slide", "hinge") and index not in self.mimics
         )
+
+    @cached_property
+    def body_names(self) -> list[str]:
+        """The name of each body's link."""
+        return self.names(self.given["bodies"], "body")
+
+    @cached_property
+    def joint_names(self) -> list[str]:
+        """The name of each joint."""
+        return self.names(self.given["joints"], "joint")
 
     def names(self, parts: list[dict[str, Any]], what: str) -> list[str]:
         """Their names, made up where the file gives none."""
@@ -252,7 +260,8 @@ class _MjcfReader:
         direct = (a for a in self.given["actuators"] if a["transmission"] == "joint")
         return {actuator["joint"] for actuator in direct}
 
-    def efforts(self) -> dict[int, float]:
+    @cached_property
+    def effort(self) -> dict[int, float]:
         """The largest effort of each joint with an actuator, through its gear."""
         found: dict[int, float] = {}
         for actuator in self.given["actuators"]:
@@ -272,7 +281,8 @@ class _MjcfReader:
         return found
 
     # ------------------------------------------------------------ constraints
-    def followers(self) -> dict[int, Mimic]:
+    @cached_property
+    def mimics(self) -> dict[int, Mimic]:
         """The joints that equalities make follow another."""
         found = {}
         for equality in self.given["equalities"]:

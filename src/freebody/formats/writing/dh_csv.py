@@ -14,7 +14,7 @@ import numpy as np
 
 from freebody.errors import FreebodyError, listed
 from freebody.formats import dh_csv
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     Contents,
     Holds,
     WrittenLink,

@@ -8,24 +8,24 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.errors import FreebodyError
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     STANDARD_GRAVITY,
     Contents,
     Holds,
     WrittenJoint,
     WrittenLink,
     WrittenLoop,
-    checked_names,
     contents_of,
     fixed_name,
 )
 from freebody.formats.writing.xml import (
+    TENSOR,
     Element,
     SubElement,
     angles,
+    checked,
     limit,
     numbers,
-    snapped,
     text_of,
 )
 from freebody.model.joints import KINDS
@@ -49,16 +49,13 @@ HOLDS = Holds(
     base="load it with base='free'",
 )
 _WORLD = "world"
-_TENSOR = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
 _CLOSED = 1e-12
 """Gap, m or as a sine, up to which a loop is closed where the file draws it."""
 
 
 def written(model: Model) -> tuple[str, list[str]]:
     """The text, and in words what of the model is not in it."""
-    contents = _with_names_apart(contents_of(model, HOLDS))
-    checked_names(contents, "SDF")
-    contents = contents.with_losses(snapped(contents))
+    contents = checked(_with_names_apart(contents_of(model, HOLDS)), "SDF")
     root = Element("sdf", {"version": "1.11"})
     outer = root
     if contents.gravity != (0.0, 0.0, -STANDARD_GRAVITY):
@@ -188,7 +185,7 @@ def _link(robot: Element, link: WrittenLink) -> None:
         SubElement(inertial, "pose").text = numbers((*com, 0.0, 0.0, 0.0))
     SubElement(inertial, "mass").text = repr(mass)
     entries = SubElement(inertial, "inertia")
-    for key, i, j in _TENSOR:
+    for key, i, j in TENSOR:
         SubElement(entries, key).text = numbers((tensor[i, j],))
 
 

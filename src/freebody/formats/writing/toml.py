@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from freebody.formats.writing.contents import fixed_name
+from freebody.formats.writing.format_contents import fixed_name
 from freebody.model.bodies import Frame
 from freebody.model.description import Drive, Joint, Limits, Loop
 from freebody.model.doubts import DOUBT_KINDS, read_doubts

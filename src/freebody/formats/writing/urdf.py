@@ -6,22 +6,22 @@ from __future__ import annotations
 
 from freebody.formats.urdf import TYPES
 from freebody.formats.urdf_motors import LOOPS
-from freebody.formats.writing.contents import (
+from freebody.formats.writing.format_contents import (
     Contents,
     Holds,
     WrittenJoint,
     WrittenLink,
-    checked_names,
     contents_of,
     fixed_name,
 )
 from freebody.formats.writing.xml import (
+    TENSOR,
     Element,
     SubElement,
     angles,
+    checked,
     limit,
     numbers,
-    snapped,
     text_of,
 )
 from freebody.model.description import INFINITE, Limits
@@ -38,14 +38,11 @@ HOLDS = Holds(
     base="load it with base='free'",
     passive=True,
 )
-_TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def written(model: Model) -> tuple[str, list[str]]:
     """The text, and in words what of the model is not in it."""
-    contents = contents_of(model, HOLDS)
-    checked_names(contents, "URDF")
-    contents = contents.with_losses(snapped(contents))
+    contents = checked(contents_of(model, HOLDS), "URDF")
     robot = Element("robot", {"name": contents.name})
     for link in contents.links:
         _link(robot, link)
@@ -71,12 +68,7 @@ def _inertial(element: Element, inertia: Inertia) -> None:
     mass, com, tensor = inertia.numbers()
     SubElement(element, "origin", {"xyz": numbers(com)})
     SubElement(element, "mass", {"value": repr(mass)})
-    entries = (tensor[i, j] for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)))
-    SubElement(
-        element,
-        "inertia",
-        {key: numbers((x,)) for key, x in zip(_TENSOR, entries, strict=True)},
-    )
+    SubElement(element, "inertia", {key: numbers((tensor[i, j],)) for key, i, j in TENSOR})
 
 
 def _origin(element: Element, pose: Pose) -> None:

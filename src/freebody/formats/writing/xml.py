@@ -9,7 +9,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from freebody.formats.urdf_elements import UNLIMITED
-from freebody.formats.writing.contents import Contents
+from freebody.formats.writing.format_contents import Contents, checked_names
 from freebody.model.placement import rpy
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Pose
@@ -17,6 +17,8 @@ from freebody.spatial import Matrix, space
 
 SNAPPED = 3e-9
 """rad from a multiple of a right angle within which readers take an angle for that multiple."""
+TENSOR = (("ixx", 0, 0), ("ixy", 0, 1), ("ixz", 0, 2), ("iyy", 1, 1), ("iyz", 1, 2), ("izz", 2, 2))
+"""The entries of an inertia tensor in URDF and SDF: name, row and column."""
 _ALIKE = 1e-12
 _ROUNDED = 1e-15
 """Change of an entry of a rotation that is rounding."""
@@ -55,7 +57,14 @@ def angles(R: Matrix) -> tuple[float, float, float]:
     return roll, pitch, yaw
 
 
-def snapped(contents: Contents) -> list[str]:
+def checked(contents: Contents, format_name: str) -> Contents:
+    """Contents for a format whose readers round angles: with names that XML keeps, others being
+    refused, and with the loss of angles that are rounded to right ones."""
+    checked_names(contents, format_name)
+    return contents.with_losses(_snapped(contents))
+
+
+def _snapped(contents: Contents) -> list[str]:
     """The loss of angles that readers round to right ones, unless they are told not to."""
     moved = [link.name for link in contents.links if _is_snapped(link.pose)]
     if not moved:

@@ -3,9 +3,9 @@ replaced, each element with the file and line it was written on.
 
 The order of things is that of ROS's own tool (version 2): a property's value is evaluated when it
 is first used, a macro's names hide those of its caller, blocks are evaluated where they are
-written. A file comes from anywhere: expressions are walked, not run (see `values`), only files of
-packages that are around it or named by the user are read, an environment variable only where the
-caller allows it, and every kind of growth has a bound.
+written. A file comes from anywhere: expressions are walked, not run (see `expressions`), only
+files of packages that are around it or named by the user are read, an environment variable only
+where the caller allows it, and every kind of growth has a bound.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from freebody.errors import FileError, IncludedLine, UnknownNameError, listed, s
 from freebody.formats import read_file
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement, parse
+from freebody.formats.xacro.expressions import ExpressionError, Namespace
 from freebody.formats.xacro.scopes import (
     FALSE,
     TRUE,
@@ -30,7 +31,6 @@ from freebody.formats.xacro.scopes import (
     parameters_of,
 )
 from freebody.formats.xacro.texts import XacroTexts
-from freebody.formats.xacro.values import ExpressionError, Namespace
 from freebody.model.description import Notice
 
 _PREFIX = "xacro:"

@@ -10,7 +10,7 @@ from typing import Any
 
 from freebody.errors import shown
 from freebody.formats.urdf_elements import XmlElement
-from freebody.formats.xacro.values import ExpressionError
+from freebody.formats.xacro.expressions import ExpressionError
 
 _PARAMETER = re.compile(
     r"\s*(?P<name>[^\s:=]+)"

@@ -3,17 +3,18 @@ the files and environment variables that they may ask for."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from freebody.errors import FileError, UnknownNameError, shown
+from freebody.errors import FileError, MissingPackageError, UnknownNameError, shown
+from freebody.formats import read_file
 from freebody.formats.packages import Packages
 from freebody.formats.urdf_elements import XmlElement
-from freebody.formats.xacro.scopes import literal
-from freebody.formats.xacro.values import (
+from freebody.formats.xacro.expressions import (
     GLOBALS,
     TOKENIZE,
     Budget,
@@ -22,7 +23,7 @@ from freebody.formats.xacro.values import (
     evaluated,
     size,
 )
-from freebody.formats.xacro.yaml_files import read_yaml
+from freebody.formats.xacro.scopes import literal
 from freebody.model.description import Notice
 
 _PARTS = re.compile(
@@ -31,6 +32,16 @@ _PARTS = re.compile(
     r"|\$\((?P<command>(?:[^()]|\((?:[^()]|\([^()]*\))*\))*)\)"
     r"|(?P<text>[^$]+|\$(?![{($])[^$]*|\$$)"
 )
+_LARGEST_YAML = 2**20
+_MOST_ENTRIES = 20_000  # entries of one mapping, those merged into it among them
+_UNITS = {
+    "!radians": 1.0,
+    "!degrees": math.pi / 180.0,
+    "!meters": 1.0,
+    "!millimeters": 0.001,
+    "!foot": 0.3048,
+    "!inches": 0.0254,
+}
 
 
 class XacroTexts:
@@ -161,7 +172,7 @@ class XacroTexts:
         path = Path(os.path.dirname(self.files[-1]), name)
         source = self.place or XmlElement("", {}, 0, file=self.files[-1])
         self.readable(source, path)
-        found = read_yaml(path, lambda text: evaluated(text, GLOBALS, self.budget))
+        found = _read_yaml(path, lambda text: evaluated(text, GLOBALS, self.budget))
         self.budget.spend(size(found))
         return found
 
@@ -177,3 +188,37 @@ class XacroTexts:
 
     def refuse(self, source: XmlElement, problem: str) -> NoReturn:
         raise FileError(source.file or self.files[-1], source.line or None, problem)
+
+
+def _read_yaml(path: Path, evaluate: Callable[[str], Any]) -> Any:
+    """Contents of a YAML file: dicts, lists, text and numbers. evaluate: the value of an expression
+    behind a unit. Raises FileError for what cannot be read."""
+    try:
+        import yaml  # an extra
+    except ImportError:
+        raise MissingPackageError("load: YAML in a xacro file", "yaml", "xacro") from None
+
+    class Loader(yaml.SafeLoader):
+        """Safe loading with units, and with a bound on what << merges."""
+
+        def flatten_mapping(self, node: Any) -> None:
+            super().flatten_mapping(node)
+            if len(node.value) > _MOST_ENTRIES:
+                raise yaml.YAMLError(f"a mapping has more than {_MOST_ENTRIES} entries")
+
+    for tag, factor in _UNITS.items():
+
+        def quantity(loader: Any, node: Any, factor: float = factor) -> float:
+            return float(evaluate(str(loader.construct_scalar(node)))) * factor
+
+        Loader.add_constructor(tag, quantity)
+    data = read_file.contents(path, _LARGEST_YAML, "numbers of a robot")
+    try:
+        return yaml.load(data, Loader)
+    except RecursionError:
+        raise FileError(path, None, "the YAML is nested too deeply.") from None
+    except (yaml.YAMLError, ValueError, TypeError) as problem:
+        mark = getattr(problem, "problem_mark", None)
+        told = getattr(problem, "problem", None) or str(problem)
+        line = mark.line + 1 if mark else None
+        raise FileError(path, line, f"the YAML cannot be read: {told}.") from None

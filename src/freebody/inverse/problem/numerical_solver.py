@@ -22,13 +22,13 @@ from freebody.kernels import structural
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.structural import Bound, Over
 from freebody.lazy import cached_property
-from freebody.loops.equations import scaled_jacobian, scaled_residual
+from freebody.loops.closure_checks import scaled_jacobian, scaled_residual
 from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
 from freebody.model.usable_limits import usable_limits
 from freebody.program import Argument, Program, trace
 from freebody.targets import Kernel
-from freebody.trees.states import generic_state, integrate
+from freebody.trees.positions import generic_state, integrate
 
 EXACT = 1e-10
 """A solution reproduces its target this well (m and rad)."""

@@ -12,7 +12,7 @@ from freebody.errors import FreebodyError
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.solutions import BranchNames, Verified, named, wrapped
 from freebody.lazy import cached_property
-from freebody.trees.states import neutral
+from freebody.trees.positions import neutral
 
 LimitsChoice = Literal["mark", "drop", "ignore"]
 """Choices of what becomes of solutions beyond the joints' limits."""

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from freebody.algorithms.closed_form_inverse.near_reference import LOOSE
 from freebody.algorithms.loop_scales import repeating
 from freebody.arrays import Array, as_floats, check_core
+from freebody.by_value import ByValue
 from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.values import ByValue
 
 _OUTSIDE = "  (outside the limits)"
 _TURN = 2 * np.pi

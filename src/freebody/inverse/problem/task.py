@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
-from freebody.kernels.options import motion_rows
+from freebody.kernels.formula_variants import motion_rows
 from freebody.model.model import Model
 
 TASKS = ("position", "orientation", "pose")

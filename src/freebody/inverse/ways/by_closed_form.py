@@ -16,11 +16,11 @@ from freebody.algorithms.closed_form_inverse.near_reference import (
 )
 from freebody.arrays import Array
 from freebody.elementary import absolute, less, where
-from freebody.inverse.problem.closed_form import ClosedFormArm, over_arrays
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm, over_arrays
 from freebody.inverse.problem.numerical_solver import NumericalSolver
+from freebody.inverse.problem.out_of_reach import distances
 from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
 from freebody.inverse.problem.solutions import ALIKE, turning_coordinates, verified
-from freebody.inverse.problem.workspace import distances
 from freebody.inverse.ways.many_starts import by_search
 from freebody.model.model import Model
 from freebody.program import Argument, trace

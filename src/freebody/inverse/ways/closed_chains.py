@@ -10,22 +10,22 @@ from itertools import pairwise
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.inverse.problem.answer import gathered
 from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver, descend
+from freebody.inverse.problem.out_of_reach import Away, beyond_the_starts
 from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
+from freebody.inverse.problem.solution_arrays import gathered
 from freebody.inverse.problem.solutions import ALIKE, APART, Solutions, Verified, each_once, wrapped
-from freebody.inverse.problem.workspace import Away, beyond_the_starts
 from freebody.lazy import cached_property
-from freebody.loops.dyad_decomposition import Decomposition, decomposed
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     closing,
     gaps,
     scaled_residual,
     within_tolerance,
 )
+from freebody.loops.dyad_decomposition import Decomposition, decomposed
 from freebody.loops.scaled_equations import backward, length, rate_scale, shortest_way
 from freebody.model.model import Model
-from freebody.trees.states import integrate, random_state
+from freebody.trees.positions import integrate, random_state
 
 _SHOWN = 8
 """Number of solutions that are returned of infinitely many."""

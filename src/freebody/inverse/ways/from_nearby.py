@@ -13,8 +13,7 @@ from freebody.algorithms.closed_form_inverse.solve import Branches
 from freebody.algorithms.screws import chain_to
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.inverse.problem.answer import gathered
-from freebody.inverse.problem.closed_form import ClosedFormArm, closed_form_for
+from freebody.inverse.problem.closed_form_arm import ClosedFormArm, closed_form_for
 from freebody.inverse.problem.numerical_solver import (
     EXACT,
     NumericalSolver,
@@ -23,6 +22,7 @@ from freebody.inverse.problem.numerical_solver import (
     descent_kernel,
 )
 from freebody.inverse.problem.problem import Found, InverseProblem
+from freebody.inverse.problem.solution_arrays import gathered
 from freebody.inverse.problem.solutions import APART, Solutions, wrapped
 from freebody.inverse.problem.task import Task
 from freebody.inverse.ways.by_closed_form import candidates
@@ -32,7 +32,7 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound
 from freebody.model.families import Members
 from freebody.model.model import Model
-from freebody.trees.states import random_state
+from freebody.trees.positions import random_state
 
 _UNCLEAR = 4.0
 """How much more (relative) than the arms differ a branch must clear its bounds, to be one of both

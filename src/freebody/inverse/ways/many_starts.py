@@ -7,7 +7,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.inverse.problem.problem import Found, InverseProblem, found_in_turn
 from freebody.inverse.problem.solutions import ALIKE, APART, Verified, verified, within
-from freebody.trees.states import random_state
+from freebody.trees.positions import random_state
 
 _SHOWN = 8
 """Number of solutions that are returned of the infinitely many of a redundant arm."""

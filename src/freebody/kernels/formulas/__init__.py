@@ -20,7 +20,7 @@ from freebody.kernels.formulas import (
 from freebody.kernels.formulas.inputs import INPUTS, POSITIONS
 from freebody.kernels.formulas.record import Formula, Option
 
-__all__ = ["FORMULAS", "INPUTS", "POSITIONS", "Formula", "Option"]
+__all__ = ["FORMER_NAMES", "FORMULAS", "INPUTS", "POSITIONS", "Formula", "Option"]
 
 FORMULAS: dict[str, Formula] = {
     name: formula
@@ -38,3 +38,6 @@ FORMULAS: dict[str, Formula] = {
     )
     for name, formula in family.FORMULAS.items()
 }
+
+FORMER_NAMES = {"closed_wrenches": "reaction_wrenches"}
+"""Names that formulas had before; `fb.kernel` and all that takes names still knows them."""

@@ -11,7 +11,7 @@ from freebody.algorithms.controllers.momentum_observer import momentum_observer
 from freebody.algorithms.controllers.operational_space_control import operational_space_control
 from freebody.algorithms.controllers.pd_gravity import pd_gravity
 from freebody.kernels.formulas.record import Formula, Option, Output, frame_of, one
-from freebody.model.doubts import MASSES
+from freebody.model.doubt_rules.aspects import MASSES
 from freebody.model.tree import Tree
 
 _TORQUE = one("tau", ("nv",), "torques and forces of the drives (N m, N)")
@@ -42,7 +42,7 @@ FORMULAS = {
         of_frame=True,
         of_rows=True,
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "impedance": Formula(
         ("q", "qd", "pose_ref", "V_ref", "stiffness", "damping"),
@@ -71,6 +71,6 @@ FORMULAS = {
         },
         lambda t, o, **inputs: momentum_observer(t, **inputs),
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
 }

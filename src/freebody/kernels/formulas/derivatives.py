@@ -109,7 +109,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_inverse_derivatives,
-        columns_lossless=True,
+        cannot_take=frozenset(("losses by columns",)),
     ),
     "forward_dynamics_derivatives": Formula(
         ("q", "qd", "tau"),
@@ -133,7 +133,7 @@ FORMULAS = {
         by_motion=True,
         chains="open",
         by_columns=_forward_derivatives,
-        columns_lossless=True,
+        cannot_take=frozenset(("losses by columns",)),
     ),
     "inverse_dynamics_second_derivatives": Formula(
         ("q", "qd", "qdd"),
@@ -145,7 +145,7 @@ FORMULAS = {
         },
         _second,
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "inverse_dynamics_along": Formula(
         ("q", "qd", "qdd", "dq", "dqd"),

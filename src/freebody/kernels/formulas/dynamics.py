@@ -51,7 +51,7 @@ from freebody.kernels.formulas.record import (
     seeded,
     still,
 )
-from freebody.model.doubts import FRICTION, INERTIAL, MASSES, ROTORS
+from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL, MASSES, ROTORS
 from freebody.model.tree import Tree
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import Vector, sub
@@ -263,7 +263,7 @@ FORMULAS = {
         one("bias", ("nv",), "torques at zero accelerations (N m, N)"),
         lambda t, o, q, qd: (bias(t, q, qd),),
         by_motion=True,
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
         touches=(*INERTIAL, FRICTION),
     ),
     "gravity_torque": Formula(
@@ -299,7 +299,7 @@ FORMULAS = {
         chains="open",
         touches=INERTIAL,
     ),
-    "closed_wrenches": Formula(
+    "reaction_wrenches": Formula(
         ("q", "qd", "qdd", "multipliers", "wrenches"),
         one("W", ("reactions", "six"), f"wrench of each joint, then of each loop: {_WRENCH}"),
         _every_wrench,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.algorithms import energy
 from freebody.kernels.formulas.record import Formula, one
-from freebody.model.doubts import INERTIAL, MASSES, ROTORS
+from freebody.model.doubt_rules.aspects import INERTIAL, MASSES, ROTORS
 
 FORMULAS = {
     "kinetic_energy": Formula(

@@ -14,7 +14,7 @@ from freebody.kernels.formulas.record import (
     one,
     still,
 )
-from freebody.model.doubts import MASSES
+from freebody.model.doubt_rules.aspects import MASSES
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
 

@@ -111,7 +111,7 @@ FORMULAS = {
             ),
         },
         _constrained,
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "loop_velocity": _by_loops(
         ("q", "x"),

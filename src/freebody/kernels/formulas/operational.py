@@ -11,7 +11,7 @@ from freebody.algorithms.operational_space import (
     where_sure,
 )
 from freebody.kernels.formulas.record import Formula, Option, frame_of, one
-from freebody.model.doubts import INERTIAL
+from freebody.model.doubt_rules.aspects import INERTIAL
 from freebody.model.tree import Tree
 from freebody.spatial import Matrix, Vector
 
@@ -40,7 +40,7 @@ FORMULAS = {
             "bias of the motion of the frame: force, then moment; NaN as Lambda (N, N m)",
         ),
         lambda t, o, q, qd: _sure(t, o, q, operational_space(t, q, qd, frame_of(o), o.rows)[1]),
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
     "centroidal_momentum_matrix": Formula(
         ("q",),

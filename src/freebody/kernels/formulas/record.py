@@ -12,7 +12,7 @@ from freebody.algorithms.loop_forces import Partition, drive_torques
 from freebody.algorithms.rnea import External, external_on_frame
 from freebody.arrays import Array
 from freebody.dual import Dual
-from freebody.model.doubts import DYNAMIC
+from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.tree import Tree
 from freebody.spatial import Vector
 
@@ -25,6 +25,9 @@ kinematics)."""
 Evaluation = Callable[..., tuple[Any, ...]]
 """(tree, option, **inputs) -> a tuple of nested sequences of scalars; of inputs, `wrenches` is a
 tuple of vectors, one for each of option.wrench_frames."""
+
+Untaken = Literal["struts", "losses", "losses by columns"]
+"""Features of robots that some formulas cannot take."""
 
 Fetch = Callable[[str], Any]
 """Name of a formula -> its kernel."""
@@ -89,12 +92,12 @@ class Formula:
     chain is chosen near home, once for all positions of a kernel: the "equations" that tell all,
     those left out that depend on others, or the "partition" of equations and coordinates by its
     drives, or one for what the "loops" do, to which drives do not matter.
-    without_struts: whether it leaves struts out, so that no model with some must be given to it.
     by_columns: how a matrix of a large robot is made column by column.
-    lossless: whether it says nothing of robots whose joints lose a part of the torque that they
-    transmit; columns_lossless: whether the way by columns does not.
+    cannot_take: features of robots for which it would be wrong, and is refused: "struts", which it
+    leaves out; "losses", joints that lose a part of the torque that they transmit; "losses by
+    columns", which the way by columns alone leaves out.
     touches: what of the robot it depends on besides geometry, of what a doubt may be on
-    (`model.doubts`).
+    (`model.doubt_rules.aspects`).
     derivatives: of an open chain without wrenches, formulas of the one output's derivatives on the
     tangent space, and the inputs by which their outputs are, in their order.
     """
@@ -110,10 +113,8 @@ class Formula:
     free_rows: bool = False
     chains: Literal["all", "open", "closed", "arm", "square"] = "all"
     settled: Literal["equations", "partition", "loops"] | None = None
-    without_struts: bool = False
     by_columns: ByColumns | None = None
-    lossless: bool = False
-    columns_lossless: bool = False
+    cannot_take: frozenset[Untaken] = frozenset()
     touches: tuple[str, ...] = DYNAMIC
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 

@@ -28,8 +28,7 @@ FORMULAS = {
         one("Y", ("nv", "parameters"), "factors of the inertial parameters in the torques"),
         lambda t, o, q, qd, qdd: (regressor(t, q, qd, qdd),),
         chains="open",
-        without_struts=True,
-        lossless=True,
+        cannot_take=frozenset(("struts", "losses")),
         touches=(),
     ),
     "energy_regressor": Formula(
@@ -40,7 +39,7 @@ FORMULAS = {
             "factors of the inertial parameters in the kinetic, then the potential energy",
         ),
         lambda t, o, q, qd: (energy_regressor(t, q, qd),),
-        without_struts=True,
+        cannot_take=frozenset(("struts",)),
         touches=(),
     ),
     "forward_dynamics_parameter_derivatives": Formula(
@@ -52,6 +51,6 @@ FORMULAS = {
         ),
         _forward_by_parameters,
         chains="open",
-        lossless=True,
+        cannot_take=frozenset(("losses",)),
     ),
 }

@@ -6,7 +6,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Posture
-from freebody.loops.dyads.geometry import across, along, root
+from freebody.loops.dyads.plane_vectors import across, along, root
 from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 

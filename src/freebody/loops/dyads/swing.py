@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Chain, Complex, Crossing, Posture
-from freebody.loops.dyads.geometry import coincident, corner, side
+from freebody.loops.dyads.plane_vectors import coincident, corner, side
 from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from freebody.arrays import Array
 from freebody.loops.dyads.chain import Posture
-from freebody.loops.dyads.geometry import shifted
+from freebody.loops.dyads.plane_vectors import shifted
 from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 

@@ -11,8 +11,10 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from freebody.elementary import Scalar
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, ModelError
 from freebody.lazy import cached_property
 from freebody.spatial import Vector
 
@@ -84,6 +86,15 @@ def at_least_zero(what: str) -> Callable[[float], str | None]:
 def above_zero(what: str) -> Callable[[float], str | None]:
     """The refusal of a number that is not positive."""
     return lambda x: None if x > 0.0 else f"{what} is {x:g}; give a number above 0"
+
+
+def quotient(part: Any, whole: Any, otherwise: Any, what: str, owner: str) -> Any:
+    """part / whole; `otherwise` where both are 0. Raises ModelError, which names `what` and the
+    owner, where the whole alone is 0."""
+    if np.any((whole == 0.0) & (part != 0.0)):
+        raise ModelError(f"{owner}: {what}.")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(whole == 0.0, otherwise, part / whole)
 
 
 def resting_elsewhere(numbers: Vector, flip: float, offset: float) -> Vector:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 
 from freebody.elementary import Scalar
-from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm, at_least_zero
-from freebody.model.drives.quotients import quotient
+from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm, at_least_zero, quotient
 from freebody.spatial import Vector
 
 

@@ -7,8 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from freebody.elementary import Scalar
-from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm, resting_elsewhere
-from freebody.model.drives.quotients import quotient
+from freebody.model.drives.law import DriveLaw, LawNumber, LinearForm, quotient, resting_elsewhere
 from freebody.spatial import Vector
 
 

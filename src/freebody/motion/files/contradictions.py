@@ -12,7 +12,7 @@ from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Flags, angular
-from freebody.trees.states import difference
+from freebody.trees.positions import difference
 
 _DISAGREE = 0.05
 """Difference from a slope, as a part of the largest value, that is reported."""

@@ -20,7 +20,7 @@ from freebody.errors import FileError, listed, shown
 from freebody.formats import read_file
 from freebody.model.model import Model
 from freebody.motion.ranges import angular
-from freebody.outputs.text import as_meant
+from freebody.outputs.harmless_text import as_meant
 
 TIMES = ("t", "time")
 _LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000

@@ -28,8 +28,8 @@ from freebody.motion.files.motion_columns import (
 from freebody.motion.motion import FEWEST, Motion, require_motion
 from freebody.motion.ranges import angular, position_columns
 from freebody.outputs.files import write
+from freebody.outputs.harmless_text import csv_text
 from freebody.outputs.number_text import compared
-from freebody.outputs.text import csv_text
 
 MotionRows = Literal["knots", "samples"]
 

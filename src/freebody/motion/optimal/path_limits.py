@@ -12,12 +12,12 @@ from scipy.optimize import linprog
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import simple_friction, strut_damping
 from freebody.motion.optimal.geometric_path import PathSamples, sampled
 from freebody.motion.optimal.robot_limits import LimitsReached, RobotLimits
 from freebody.motion.optimal.speed_profile import PathRows, SpeedProfile, speed_limits
 from freebody.motion.piecewise import PiecewisePolynomial
 from freebody.motion.ranges import Flags, angular
+from freebody.motion.smooth_friction import simple_friction, strut_damping
 from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 

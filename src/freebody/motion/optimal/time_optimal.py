@@ -14,7 +14,8 @@ from scipy.interpolate import PPoly
 from freebody.arrays import Array, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
-from freebody.model.doubts import DYNAMIC, EFFORTS, SPEEDS, Doubt, doubts_on, doubts_used
+from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, SPEEDS
+from freebody.model.doubts import Doubt, doubts_on, doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.optimal.geometric_path import (

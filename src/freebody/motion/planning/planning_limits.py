@@ -10,7 +10,8 @@ import numpy as np
 
 from freebody.arrays import Array, as_floats
 from freebody.errors import FreebodyError, MissingArgumentError, ShapeError
-from freebody.model.doubts import EFFORTS, RANGES, SPEEDS, doubts_used
+from freebody.model.doubt_rules.aspects import EFFORTS, RANGES, SPEEDS
+from freebody.model.doubts import doubts_used
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Ranges, position_columns, ranges

@@ -11,7 +11,7 @@ import numpy as np
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, LoopError, ShapeError
 from freebody.loops.assembly import assemble
-from freebody.loops.equations import require_closed, scaled_residual
+from freebody.loops.closure_checks import require_closed, scaled_residual
 from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.model.model import Model
 from freebody.motion.closed_chain_motion import followed, home, leaders
@@ -27,7 +27,7 @@ from freebody.trees.position_rates import (
     position_rate,
     state_of,
 )
-from freebody.trees.states import difference
+from freebody.trees.positions import difference
 
 _HALVINGS = 10
 _OPEN = 1e-12

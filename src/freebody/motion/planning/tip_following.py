@@ -9,9 +9,10 @@ from typing import NoReturn
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import NO_BRANCH
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError
-from freebody.inverse.kinematics import inverse_kinematics
+from freebody.inverse.inverse_kinematics import inverse_kinematics
 from freebody.inverse.problem.numerical_solver import NumericalSolver
 from freebody.inverse.problem.task import combined_rates
 from freebody.lazy import cached_property
@@ -20,7 +21,6 @@ from freebody.motion.planning.tip_paths import TipPath
 from freebody.outputs.display import counted
 
 _HALVINGS = 12
-_SINGULAR = 1e-5  # ratio of singular values (lengths over the arm's) at which no branch is left
 _NEARLY = 1e-2
 _LOOKED_AT = 25  # places behind one that is not reached
 _OF_LOOPS = 3  # the same of a closed chain, whose search takes longer
@@ -143,12 +143,12 @@ class TipFollower:
                 f"{counted(len(model.driven), 'driven joint')}, {', '.join(model.driven_names)}; "
                 f"its path is led by as many. Give samples to fb.Motion.of."
             )
-        if at.ratio < _SINGULAR:
+        if at.ratio < NO_BRANCH:
             names = self.solver.task.names
             lost = None if at.lost is None else combined_rates(at.lost, names)
             why = "" if lost is None else f": {lost} = 0, whatever its joints do"
             self._refuse(0.0, f"the arm is singular at the start{why}; begin elsewhere")
-        if at.hold < _SINGULAR:
+        if at.hold < NO_BRANCH:
             self._refuse(
                 0.0,
                 "the drives do not hold the tip at the start (a singular position of the second "
@@ -179,7 +179,7 @@ class TipFollower:
 
     @staticmethod
     def _on_branch(at: TipPosture, found: TipPosture) -> bool:
-        regular = found.ratio >= _SINGULAR and found.hold >= _SINGULAR
+        regular = found.ratio >= NO_BRANCH and found.hold >= NO_BRANCH
         return regular and found.moves_like(at) and found.holds_like(at)
 
     def _goal(self, way: float) -> Array:
@@ -229,7 +229,7 @@ class TipFollower:
 
     def _explain(self, at: TipPosture, found: TipPosture | None, way: float) -> NoReturn:
         """Say why the path cannot be followed to `way`, where `found` may be, from just before."""
-        if found is not None and not (found.hold >= _SINGULAR and found.holds_like(at)):
+        if found is not None and not (found.hold >= NO_BRANCH and found.holds_like(at)):
             self._refuse(
                 way,
                 "the drives no longer hold the tip (a singular position of the second type); lead "
@@ -249,7 +249,7 @@ class TipFollower:
         ways = np.linspace(way, self.path.length, _LOOKED_AT)
         for there in ways.tolist():
             nearest = steps.reached(q, self._goal(there))
-            if nearest is None or self.mobility.posture(nearest).ratio < _SINGULAR:
+            if nearest is None or self.mobility.posture(nearest).ratio < NO_BRANCH:
                 break
             q = nearest
             found.append(q)

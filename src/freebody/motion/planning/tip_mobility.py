@@ -13,12 +13,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array
 from freebody.inverse.problem.numerical_solver import EXACT, NumericalSolver
 from freebody.lazy import cached_property
-from freebody.loops.equations import closing, scaled_jacobian
-from freebody.loops.scaled_equations import RANK, null_space
-from freebody.trees.states import difference, generic_state
+from freebody.loops.closure_checks import closing, scaled_jacobian
+from freebody.loops.scaled_equations import null_space
+from freebody.trees.positions import difference, generic_state
 
 _POSITIONS = 8
 _ASIDE = 0.1  # rad, or of the mechanism's length: how far closed positions are looked for

@@ -35,8 +35,8 @@ from freebody.outputs.number_text import compared, rounded_up
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.kinematics import velocity as tip_velocity
 from freebody.trees.position_rates import continuous, layout, normalised, state_of
+from freebody.trees.positions import difference
 from freebody.trees.public_calls import JointVector
-from freebody.trees.states import difference
 
 NEAR = 1e-6
 """m, rad: the tip is nearer to its path than this, between samples too."""

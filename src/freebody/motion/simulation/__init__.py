@@ -2,7 +2,7 @@
 
 `simulate`: the public function, and the choice of a method.
 `arguments`: what it is given, checked.
-`run`: a simulation as data, which is what all that follows is about.
+`prepared_simulation`: a simulation as data, which is what all that follows is about.
 
 `one_by_one`: a few motions, one after another, by scipy's integrators.
 `first_order_system`: their differential equations, and the integrator that suits them.
@@ -12,7 +12,7 @@
 `one_step`: one step of all, and what drives each motion over it.
 `step_kernels`: the kernels of such steps.
 
-`joint_contacts`: which joints friction and stops hold.
+`dry_friction_and_stops`: which joints friction and stops hold.
 `contact_events`: when that changes within a step.
 `stiffness`: steps that stability keeps short.
 `unending`: runs to give up.

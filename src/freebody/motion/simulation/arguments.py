@@ -19,26 +19,26 @@ from freebody.arrays import (
     refuse_not_finite,
 )
 from freebody.errors import FreebodyError, KindError, UnknownNameError, listed, shown
+from freebody.kernels.formula_variants import several
 from freebody.kernels.formulas import FORMULAS
 from freebody.kernels.formulas.inputs import INPUTS
-from freebody.kernels.inputs import InputKernel
 from freebody.kernels.lookup import ColumnKernel, KernelList
-from freebody.kernels.options import several
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.labels import is_labelled, row_times
 from freebody.model.drives import LAWS
 from freebody.model.losses import lossy_joints, require_lossless
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, smooth_friction
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts, joint_contacts
 from freebody.motion.simulation.first_order_system import FINEST
-from freebody.motion.simulation.joint_contacts import JointContacts, joint_contacts
-from freebody.motion.simulation.results import RECORDED
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     TorqueArgument,
     TorqueFunction,
     TorqueInput,
 )
+from freebody.motion.simulation.results import RECORDED
 from freebody.motion.simulation.step_kernels import STATE
+from freebody.motion.smooth_friction import WIDTH, smooth_friction
 from freebody.outputs.number_text import compared
 from freebody.program import Argument, Program
 from freebody.targets import Kernel

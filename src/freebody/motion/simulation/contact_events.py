@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.motion.simulation.joint_contacts import JointContacts
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts
 from freebody.motion.simulation.one_step import LaneState, Rates
-from freebody.motion.simulation.run import MotionLanes, Some
+from freebody.motion.simulation.prepared_simulation import MotionLanes, Some
 
 _NEAR = 1e-14  # of the duration
 _TURNS = 200

@@ -22,7 +22,7 @@ from freebody.arrays import Array
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound, fetch
 from freebody.loops.accelerations import accelerations, regular, require_way
-from freebody.loops.equations import (
+from freebody.loops.closure_checks import (
     blurred,
     require_within_tolerance,
     scaled_jacobian,
@@ -32,12 +32,12 @@ from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import rate_scale
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, DryFriction, smooth_friction, strut_damping
 from freebody.motion.simulation.step_kernels import smooth_kernel
+from freebody.motion.smooth_friction import WIDTH, DryFriction, smooth_friction, strut_damping
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
+from freebody.trees.positions import integrate
 from freebody.trees.special_joints import refuse_massless
-from freebody.trees.states import integrate
 
 TorqueLaw = Callable[[Array, Array, Array], Array]
 """(t, q, qd) -> tau, all with the same leading shape."""

@@ -14,7 +14,7 @@ from scipy.integrate import OdeSolver
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.loops.equations import require_closed
+from freebody.loops.closure_checks import require_closed
 from freebody.model.families import member_at
 from freebody.model.model import Model
 from freebody.motion.simulation.first_order_system import (
@@ -30,8 +30,7 @@ from freebody.motion.simulation.first_order_system import (
     suited_method,
     system,
 )
-from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     SAME,
     CompiledTorque,
     MotionLanes,
@@ -43,6 +42,7 @@ from freebody.motion.simulation.run import (
     one_lane,
     some_of,
 )
+from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.stiffness import StiffnessWatch
 from freebody.motion.simulation.unending import stopping_endless, too_late, unless_hopeless
 from freebody.trees.special_joints import all_driven
@@ -114,7 +114,8 @@ def _one(run: Simulation, method: str, result: Simulated, warned: bool = False) 
     result.given = planned.given
     try:
         passed = stopping_endless(run, whole)
-        _integrate(whole, scheme, planned, t, state, chosen, watch, states, run.tell, passed)
+        motion = _OneMotion(run, whole, scheme, planned, watch, passed, states)
+        motion.integrate(state, chosen)
     finally:
         kept = np.array(states[:: run.every])
         result.q[: len(kept)], result.qd[: len(kept)] = whole.split(kept)
@@ -160,69 +161,73 @@ def _scheme(
     return chosen, open_scheme(whole, step_tolerance(chosen, run.tolerance), run.max_step)
 
 
-def _integrate(
-    system: System,
-    scheme: Scheme,
-    schedule: Schedule,
-    t: Array,
-    y0: Array,
-    method: str,
-    watch: StiffnessWatch,
-    states: list[Array],
-    tell: Callable[[float], None],
-    passed: Callable[[float, float, Array], None],
-) -> None:
-    """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
-    them y0. tell: of the part that is done. passed: called at each step with its two times and the
-    state behind it.
+@dataclass(eq=False)
+class _OneMotion:
+    """One motion on its way: what moves it, how it is stepped and watched, and its states so far.
 
-    The solver begins anew at each edge of the schedule, with the step that it had reached, and
-    where the watch has found another method.
+    passed: called at each step with its two times and the state behind it.
     """
-    states.append(y0)
-    y = y0
-    first: float | None = None
-    for k, (start, end) in enumerate(pairwise(schedule.edges)):
-        drive = schedule.begin(k, *system.split(y))
-        if k == 0:
-            scheme.require(drive, start, y)
-        method = watch.method or method
-        solver = _solver(system, scheme, drive, method, start, y, end, first)
-        while solver.status == "running":
-            before = solver.t
-            message = solver.step()
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
-                _refuse(scheme, method, before, message)
-            passed(before, solver.t, solver.y)
-            states += _reached(solver, scheme, t[(t > before) & (t <= solver.t)])
-            tell((solver.t - t[0]) / (t[-1] - t[0]))
-            if watch.steps(method):
-                watch.look(drive, before, solver.t, solver.y)
-            if solver.status == "running" and watch.method not in ("", method):
-                method, y = watch.method, solver.y
-                solver = _solver(system, scheme, drive, method, solver.t, y, end, None)
-        y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
 
+    run: Simulation
+    system: System
+    scheme: Scheme
+    schedule: Schedule
+    watch: StiffnessWatch
+    passed: Callable[[float, float, Array], None]
+    states: list[Array]
+    """The states (nq + nv,) at the times of the run, as they are reached."""
 
-def _solver(
-    system: System,
-    scheme: Scheme,
-    drive: TorqueLaw,
-    method: str,
-    start: float,
-    y: Array,
-    end: float,
-    first: float | None,
-) -> OdeSolver:
-    extra: dict[str, Any] = {}
-    if first is not None:
-        extra["first_step"] = min(first, end - start, scheme.settings["max_step"])
-    if method in IMPLICIT:
-        extra["jac"] = lambda now, y: system.jacobian_under(np.asarray(now), y, drive)
-    solver = METHODS[method](scheme.rate(drive), start, y, end, **scheme.settings, **extra)
-    if np.isnan(getattr(solver, "h_abs", 0.0)):  # a rate of NaN; scipy would step by it for ever
-        _refuse(scheme, method, start, None)
-    return solver
+    def integrate(self, y: Array, method: str) -> None:
+        """Find the states, the first of them y.
+
+        The solver begins anew at each edge of the schedule, with the step that it had reached, and
+        where the watch has found another method.
+        """
+        t, watch = self.run.t, self.watch
+        self.states.append(y)
+        first: float | None = None
+        for k, (start, end) in enumerate(pairwise(self.schedule.edges)):
+            drive = self.schedule.begin(k, *self.system.split(y))
+            if k == 0:
+                self.scheme.require(drive, start, y)
+            method = watch.method or method
+            solver = self._solver(drive, method, (start, end), y, first)
+            while solver.status == "running":
+                before = solver.t
+                message = solver.step()
+                if solver.status == "failed" or not np.isfinite(solver.y).all():
+                    _refuse(self.scheme, method, before, message)
+                self.passed(before, solver.t, solver.y)
+                self.states += _reached(solver, self.scheme, t[(t > before) & (t <= solver.t)])
+                self.run.tell((solver.t - t[0]) / (t[-1] - t[0]))
+                if watch.steps(method):
+                    watch.look(drive, before, solver.t, solver.y)
+                if solver.status == "running" and watch.method not in ("", method):
+                    method, y = watch.method, solver.y
+                    solver = self._solver(drive, method, (solver.t, end), y, None)
+            y, first = solver.y, getattr(solver, "h_abs", solver.step_size)
+
+    def _solver(
+        self,
+        drive: TorqueLaw,
+        method: str,
+        span: tuple[float, float],
+        y: Array,
+        first: float | None,
+    ) -> OdeSolver:
+        """The integrator over a span of time, from the state y, with a first step."""
+        (start, end), settings = span, self.scheme.settings
+        extra: dict[str, Any] = {}
+        if first is not None:
+            extra["first_step"] = min(first, end - start, settings["max_step"])
+        if method in IMPLICIT:
+            extra["jac"] = lambda now, y: self.system.jacobian_under(np.asarray(now), y, drive)
+        solver = METHODS[method](self.scheme.rate(drive), start, y, end, **settings, **extra)
+        if np.isnan(
+            getattr(solver, "h_abs", 0.0)
+        ):  # a rate of NaN; scipy would step by it for ever
+            _refuse(self.scheme, method, start, None)
+        return solver
 
 
 def _reached(solver: OdeSolver, scheme: Scheme, due: Array) -> list[Array]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.kernels.structural import Bound
 from freebody.motion.simulation.first_order_system import System, TorqueLaw
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     MotionLanes,
     Simulation,

@@ -14,11 +14,12 @@ from freebody.errors import FreebodyError
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import Bound, fetch
 from freebody.lazy import cached_property
-from freebody.loops.equations import gaps, scaled_rate, scaled_residual
-from freebody.model.doubts import DYNAMIC, RANGES, attribute, doubts_used
+from freebody.loops.closure_checks import gaps, scaled_rate, scaled_residual
+from freebody.model.doubt_rules.aspects import DYNAMIC, RANGES
+from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
-from freebody.motion.friction import sticking_friction
 from freebody.motion.ranges import angular
+from freebody.motion.simulation.dry_friction_and_stops import JointContacts
 from freebody.motion.simulation.first_order_system import (
     System,
     TorqueLaw,
@@ -26,8 +27,8 @@ from freebody.motion.simulation.first_order_system import (
     row_at,
     system,
 )
-from freebody.motion.simulation.joint_contacts import JointContacts
-from freebody.motion.simulation.run import Simulation, TorqueInput, drive_of
+from freebody.motion.simulation.prepared_simulation import Simulation, TorqueInput, drive_of
+from freebody.motion.smooth_friction import sticking_friction
 from freebody.trees.special_joints import all_driven
 
 if TYPE_CHECKING:

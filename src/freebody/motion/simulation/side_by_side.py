@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, warn
 from freebody.kernels.structural import Bound
-from freebody.loops.equations import require_closed
-from freebody.motion.friction import without_laws
+from freebody.loops.closure_checks import require_closed
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.first_order_system import (
     System,
@@ -42,14 +41,14 @@ from freebody.motion.simulation.one_step import (
     driving_of,
     steady,
 )
-from freebody.motion.simulation.results import Simulated, SimulationStopped
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     MotionLanes,
     Simulation,
     instants,
     some_of,
 )
+from freebody.motion.simulation.results import Simulated, SimulationStopped
 from freebody.motion.simulation.step_kernels import STEP_METHODS, driven_rates, driven_step
 from freebody.motion.simulation.step_sizes import (
     STAYING,
@@ -71,6 +70,7 @@ from freebody.motion.simulation.unending import (
     too_late,
     why_sampled,
 )
+from freebody.motion.smooth_friction import without_laws
 from freebody.targets.threads import cpus
 from freebody.trees.position_rates import layout
 

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.model.model import Model
-from freebody.motion.friction import WIDTH, sticking_friction
 from freebody.motion.simulation.arguments import (
     TOLERANCE,
     all_wrenches,
@@ -25,16 +24,10 @@ from freebody.motion.simulation.arguments import (
     times_of,
     torque_of,
 )
+from freebody.motion.simulation.dry_friction_and_stops import refuse_beyond
 from freebody.motion.simulation.first_order_system import EXPLICIT, METHODS
-from freebody.motion.simulation.joint_contacts import refuse_beyond
 from freebody.motion.simulation.one_by_one import one_by_one
-from freebody.motion.simulation.results import (
-    Simulated,
-    SimulationInterrupted,
-    SimulationStopped,
-    dataset,
-)
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     Progress,
     Simulation,
@@ -42,9 +35,16 @@ from freebody.motion.simulation.run import (
     paced,
     simulation_of,
 )
+from freebody.motion.simulation.results import (
+    Simulated,
+    SimulationInterrupted,
+    SimulationStopped,
+    dataset,
+)
 from freebody.motion.simulation.side_by_side import side_by_side
 from freebody.motion.simulation.step_kernels import STEP_METHODS
 from freebody.motion.simulation.unending import MOST
+from freebody.motion.smooth_friction import WIDTH, sticking_friction
 from freebody.targets import result_memory
 from freebody.trees.public_calls import FrameWrenchTable, JointVector, refuse_without_length
 from freebody.trees.special_joints import refuse_massless

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.motion.simulation.contact_events import ContactEvents
 from freebody.motion.simulation.one_step import KernelStepper, LaneState, Stepper
+from freebody.motion.simulation.prepared_simulation import Some, merged
 from freebody.motion.simulation.results import Simulated
-from freebody.motion.simulation.run import Some, merged
 from freebody.motion.simulation.unending import IN_A_ROW, MOST, GivenUp, Growth
 from freebody.targets.in_turn import Placed
 

@@ -11,7 +11,6 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import warn
 from freebody.model.families import member_at
 from freebody.model.model import Model
-from freebody.motion.friction import smooth_friction
 from freebody.motion.simulation.first_order_system import (
     EXPLICIT,
     System,
@@ -20,13 +19,14 @@ from freebody.motion.simulation.first_order_system import (
     system,
 )
 from freebody.motion.simulation.one_step import Driving, LaneState
-from freebody.motion.simulation.run import (
+from freebody.motion.simulation.prepared_simulation import (
     CompiledTorque,
     MotionLanes,
     Simulation,
     one_lane,
     some_of,
 )
+from freebody.motion.smooth_friction import smooth_friction
 
 _EVERY = 50  # steps between two looks, of which one costs as much as a step or two
 # step times decay rate from which stability, not accuracy, tells the step: both methods are stable

@@ -15,8 +15,8 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.motion.ranges import angular
 from freebody.motion.simulation.first_order_system import System, TorqueLaw
+from freebody.motion.simulation.prepared_simulation import Simulation, drive_of, some_of
 from freebody.motion.simulation.results import SimulationStopped
-from freebody.motion.simulation.run import Simulation, drive_of, some_of
 from freebody.motion.simulation.stiffness import lane_system
 
 MOST = 1e8

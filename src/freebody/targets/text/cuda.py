@@ -9,7 +9,7 @@ from freebody.identifiers import word_set
 from freebody.program.program import Argument, Program
 from freebody.targets.cuda.emit import emit
 from freebody.targets.cuda.parts import ProgramPart, parts, prepared
-from freebody.targets.cuda.plan import ptx
+from freebody.targets.cuda.ptx import ptx
 from freebody.targets.text.language import (
     Language,
     SelfTestSamples,

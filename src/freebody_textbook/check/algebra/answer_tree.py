@@ -1,5 +1,5 @@
-"""Trees of answers: those of `nodes`, and two leaves of their own. Each node knows the piece of the
-text that it stands for."""
+"""Trees of answers, for all rooms of `check`: those of `nodes`, and two leaves of their own. Each
+node knows the piece of the text that it stands for."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from freebody.expressions.nodes import Expression, Function, Matrix, Power, Quot
 from freebody.scalars.trig import Trig, TrigRing
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, inverted, negative, pair, plus, times
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 MOST_TERMS, MOST_WORK = 20_000, 2_000_000
 """Terms of a product multiplied out, and products of two terms on the way there."""

@@ -23,7 +23,7 @@ from freebody.scalars.rational import rational_sin_cos
 from freebody.scalars.trig import TrigRing
 from freebody_textbook.check.algebra.answer_tree import Angle, Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 PRIME = 2**61 - 1
 _POINTS_OF_SQUARE = 40

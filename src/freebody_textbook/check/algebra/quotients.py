@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 
 from freebody.errors import FreebodyError
 from freebody.scalars.trig import Trig
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 Value = Trig | Ratio
 """The value of an answer: a polynomial, or a quotient that is none."""

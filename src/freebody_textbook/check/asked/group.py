@@ -16,7 +16,7 @@ from freebody_textbook.check.algebra.quotients import Value, over
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.spelling.answer_text import AnswerError
-from freebody_textbook.closed_chains.linear import solved
+from freebody_textbook.closed_chains.linear_equations import solved
 from freebody_textbook.methods.setting import Setting
 
 NamedTarget = tuple[tuple[str, ...], AskedQuantity]

@@ -31,12 +31,12 @@ from freebody_textbook.check.asked.group import (
 )
 from freebody_textbook.check.asked.quantity import AskedQuantity, Mistaken, QuantityTable
 from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
-from freebody_textbook.closed_chains.first_kind import Reduction, multiplier_names
+from freebody_textbook.closed_chains.multiplier_equations import Reduction, multiplier_names
 from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.body_quantities import BY_NAME
 from freebody_textbook.methods.body_values import BodyValues
-from freebody_textbook.methods.cut_loops import Loops
-from freebody_textbook.methods.loop_forces import LoopForces, LoopReactions, needs_of
+from freebody_textbook.methods.loop_forces_on_bodies import LoopForces, LoopReactions, needs_of
+from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting
 from freebody_textbook.relations.quantities import branches
 

@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 
 from freebody.errors import FreebodyError
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.grammar.lexemes import Lexemes
 from freebody.expressions.grammar.patterns import LexemePattern
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.arithmetic import PolynomialRows, inner
 from freebody.expressions.polynomials.symbols import RATE
 from freebody.expressions.quantities import kinds

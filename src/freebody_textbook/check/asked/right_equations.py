@@ -9,9 +9,9 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Any
 
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.grammar.atoms import atom, undotted
 from freebody.expressions.grammar.parser import PI
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.notations.notation import BookNotation, Weights, angles_of
 from freebody.expressions.polynomials.symbol_order import Order
 from freebody.expressions.polynomials.symbols import (
@@ -34,9 +34,13 @@ from freebody_textbook.check.asked.letters_for_numbers import with_letters
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
 from freebody_textbook.check.spelling.answer_text import AnswerError
-from freebody_textbook.closed_chains.first_kind import FirstKind, is_multiplier, multipliers
-from freebody_textbook.closed_chains.linear import Ratio
-from freebody_textbook.closed_chains.loops import LoopEquations
+from freebody_textbook.closed_chains.linear_equations import Ratio
+from freebody_textbook.closed_chains.loop_equations import LoopEquations
+from freebody_textbook.closed_chains.multiplier_equations import (
+    FirstKind,
+    is_multiplier,
+    multipliers,
+)
 from freebody_textbook.equations.closed_form import require_polynomial_drives
 from freebody_textbook.equations.equations import Equations
 from freebody_textbook.given_parameters import formulas_of

@@ -7,9 +7,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import ClassVar
 
+from freebody.expressions.closed_form_kinematics import Kinematics
 from freebody.expressions.grammar.atoms import spellings
 from freebody.expressions.grammar.words import DETERMINANT
-from freebody.expressions.kinematics import Kinematics
 from freebody.expressions.polynomials.arithmetic import determinant
 from freebody.expressions.quantities import kinds
 from freebody.expressions.quantities.kinds import Kind

@@ -19,7 +19,7 @@ from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.claims import own_names
 from freebody_textbook.check.claims.claim_reader import ClaimReader
 from freebody_textbook.check.documents.answer_document import AnswerDocument
-from freebody_textbook.check.numbers.states import StateReader, WrittenNumbers
+from freebody_textbook.check.numbers.given_states import StateReader, WrittenNumbers
 from freebody_textbook.check.numbers.written_numbers import taken_from
 from freebody_textbook.check.reading.answer_lines import AnswerLine, DocumentReader
 from freebody_textbook.check.reading.claim import Claim, refuse_circles

@@ -31,7 +31,7 @@ from freebody_textbook.check.algebra.tables_in_formulas import TableShape, worke
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.loads import held, held_by_loops
 from freebody_textbook.check.asked.quantity import AskedQuantity
-from freebody_textbook.check.numbers.states import WrittenNumbers
+from freebody_textbook.check.numbers.given_states import WrittenNumbers
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
 from freebody_textbook.check.reading.reading import AnswerParser, opens_table

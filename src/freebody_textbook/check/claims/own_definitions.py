@@ -25,11 +25,11 @@ from freebody_textbook.check.numbers.units_of_symbols import is_of_another_kind
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, refuse_itself, uses
 from freebody_textbook.check.reading.reading import INVERSE_FUNCTIONS
-from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
-from freebody_textbook.closed_chains.first_kind import multiplier_names
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
+from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 
 _BY_FORMULA = (
     "Parameters that formulas give, as lc = l/2 of uniform bars, are told by parameters=, "

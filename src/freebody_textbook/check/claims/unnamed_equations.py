@@ -13,6 +13,7 @@ from freebody.expressions.nodes import Expression, Matrix, Negative, Number, Sum
 from freebody.expressions.quantities import kinds
 from freebody.scalars.generators import generators_in
 from freebody.scalars.trig import Trig
+from freebody_textbook.check import accepted_variants
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import (
     Value,
@@ -27,11 +28,10 @@ from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.claims.formula_reader import FormulaReader, all_right, entries_of
 from freebody_textbook.check.reading.answer_lines import AnswerLine
 from freebody_textbook.check.reading.claim import Claim, uses
-from freebody_textbook.check.reasons import right_up_to
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.state_values import functions_of
-from freebody_textbook.closed_chains.first_kind import is_multiplier
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _LONGEST_LABEL = 60
 _MOST_COORDINATES = 2
@@ -137,7 +137,9 @@ class UnnamedEquations(FormulaReader):
             return []
         value = self._difference(line)[1]
         own = [x.polynomial() for x in self.targets.undriven]
-        same = (right_up_to.is_undriven_equation(self.setting, pair(value)[0], x) for x in own)
+        same = (
+            accepted_variants.is_undriven_equation(self.setting, pair(value)[0], x) for x in own
+        )
         return [self._unpowered(line, before)] if any(same) else []
 
     def _others(self, line: AnswerLine, name: str) -> Expression | None:
@@ -228,7 +230,7 @@ class UnnamedEquations(FormulaReader):
         for _ in range(dots):
             rates = self.setting.symbols.rates
             loops = {x: Phi.along(rates) for x, Phi in loops.items()}
-        near = {x: right_up_to.alike(self.setting, above, Phi) for x, Phi in loops.items()}
+        near = {x: accepted_variants.alike(self.setting, above, Phi) for x, Phi in loops.items()}
         loop, right = min(near.items(), key=lambda row: len(difference(above, row[1])))
         of_loop = ("", "the rate of ", "the second derivative of ")[dots] + loop.words
         target = AskedQuantity(
@@ -342,7 +344,7 @@ class UnnamedEquations(FormulaReader):
             for claim in before
             if claim.target.kind.is_equation or claim.target.idle
         ]
-        joint, right = right_up_to.undriven_equation(self.targets, above, taken)
+        joint, right = accepted_variants.undriven_equation(self.targets, above, taken)
         target = AskedQuantity(kinds.UNDRIVEN, joint, lambda: times(right, inverted(below)))
         return self.claim(f"The equation of joint {joint[0]}", target, node)
 

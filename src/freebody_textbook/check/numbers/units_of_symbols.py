@@ -15,7 +15,7 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.link_symbols import BY_LETTER
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _TEXTS = {
     si_text(x, True): x

@@ -14,7 +14,7 @@ from freebody.expressions.grammar.tables.characters import FILL
 from freebody.lazy import cached_property
 from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.documents.answer_document import AnswerDocument, Blanks
-from freebody_textbook.check.numbers.states import (
+from freebody_textbook.check.numbers.given_states import (
     AT_REST,
     NO_STATE,
     GivenState,
@@ -28,7 +28,7 @@ from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of, unit
 from freebody_textbook.check.numbers.written_units import WrittenUnit, unit_at
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.spelling.equation_marks import asked_marks, quantity_before
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 _RESULT = LexemePattern(
     "number:< !-%no_result_behind @result_number | %list_end | %end < ] | ) >? > pm:@tolerance?"

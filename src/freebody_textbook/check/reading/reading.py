@@ -32,8 +32,8 @@ from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.exact_polynomials import LARGEST_EXPONENT, PolynomialReader
 from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import INVERSE, AskedQuantity
-from freebody_textbook.check.reading.derivatives import DerivativeParser
 from freebody_textbook.check.reading.vocabulary import Vocabulary
+from freebody_textbook.check.reading.written_derivatives import DerivativeParser
 
 _TURNING = ("omega", "w", "alpha", "theta", "q")
 """Letters of angular velocities and accelerations, and of rates."""

@@ -25,7 +25,7 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked import free_body, loads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.link_symbols import COORDINATES, PARAMETERS
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER, is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER, is_multiplier
 
 if TYPE_CHECKING:
     from freebody_textbook.check.asked.quantity import AskedQuantity

@@ -16,9 +16,9 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.reasons import changes as c
+from freebody_textbook.check.reasons import changed_answers as c
 from freebody_textbook.check.reasons.bodies_at_point import Belief
-from freebody_textbook.check.reasons.free_bodies import FreeBelief
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief
 from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
 
 _REST = "; everything else is right."

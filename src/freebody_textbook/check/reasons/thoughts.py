@@ -24,7 +24,7 @@ from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.quantity import AskedQuantity
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint, BodyKey, State
-from freebody_textbook.check.reasons.free_bodies import FreeBelief, FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief, FreeBodyMotion
 
 PartOfIndex = Callable[[Mapping[str, int]], bool]
 """Which terms are meant, by their powers."""

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Self
 
 from freebody.expressions.grammar.lexemes import Lexemes
+from freebody.expressions.grammar.respelling import in_one_spelling
 from freebody.expressions.grammar.source import Source, Span, UnreadableError
-from freebody.expressions.grammar.spellings import in_one_spelling
 from freebody.expressions.grammar.tables.characters import FILL
 from freebody.lazy import cached_property
 

@@ -17,7 +17,7 @@ from freebody_textbook.check.algebra.quotients import Value
 from freebody_textbook.check.asked.quantity import ActingLoads
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.states.state_values import AnyArray, Polynomials, StateValues
-from freebody_textbook.closed_chains.first_kind import multiplier_names
+from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 
 PARAMETER_SETS, STARTS, ON_EACH = 3, 4, 3
 """Sets of parameters; for each the branches that are looked for besides the home's; and states on

@@ -18,7 +18,7 @@ from freebody.scalars.generators import function_of, symbol_of
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.answer_tree import Named, Wave
 from freebody_textbook.check.algebra.quotients import Value, pair
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 EQUAL = 1e-9
 """The share of a number's terms below which a difference counts as rounding: right equations need

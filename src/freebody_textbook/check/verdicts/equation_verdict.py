@@ -15,6 +15,12 @@ from freebody.expressions.quantities.kinds import Kind
 from freebody.expressions.quantities.units import unit_text
 from freebody.lazy import cached_property
 from freebody.scalars.trig import Trig
+from freebody_textbook.check.accepted_variants import (
+    coriolis_advice,
+    coriolis_notes,
+    in_its_scale,
+    is_undriven_equation,
+)
 from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.finite_field import (
@@ -32,16 +38,10 @@ from freebody_textbook.check.numbers.units_of_symbols import can_be_a_level, mis
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.vocabulary import Vocabulary
 from freebody_textbook.check.reasons.bodies_at_point import BodiesAtPoint
-from freebody_textbook.check.reasons.differences import moving
-from freebody_textbook.check.reasons.free_bodies import FreeBodyMotion
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBodyMotion
 from freebody_textbook.check.reasons.misconceptions import explaining
 from freebody_textbook.check.reasons.misreadings import doubt_about, readings, unread_condition
-from freebody_textbook.check.reasons.right_up_to import (
-    coriolis_advice,
-    coriolis_notes,
-    in_its_scale,
-    is_undriven_equation,
-)
+from freebody_textbook.check.reasons.polynomial_differences import moving
 from freebody_textbook.check.reasons.thoughts import FreeSides, Subject
 from freebody_textbook.check.spelling.answer_text import AnswerError
 from freebody_textbook.check.states.agreement import StatesOfModel

@@ -16,7 +16,10 @@ from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reading.reading import AnswerParser
-from freebody_textbook.check.reasons.differences import (
+from freebody_textbook.check.reasons.free_body_beliefs import FreeMotion
+from freebody_textbook.check.reasons.misconceptions import related
+from freebody_textbook.check.reasons.misreadings import doubt_about
+from freebody_textbook.check.reasons.polynomial_differences import (
     Difference,
     differences,
     is_too_long,
@@ -24,14 +27,11 @@ from freebody_textbook.check.reasons.differences import (
     printed,
     terms,
 )
-from freebody_textbook.check.reasons.free_bodies import FreeMotion
-from freebody_textbook.check.reasons.misconceptions import related
-from freebody_textbook.check.reasons.misreadings import doubt_about
 from freebody_textbook.check.reasons.small_changes import Repair, Repairs
 from freebody_textbook.check.spelling.answer_text import AnswerText
 from freebody_textbook.check.verdict import EquationVerdict, Mistake
 from freebody_textbook.check.verdicts.verdict_sentences import Wording, wrong_verdict
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge

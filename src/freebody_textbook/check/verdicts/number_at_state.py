@@ -20,13 +20,13 @@ from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.states import GivenState, WrittenNumber
+from freebody_textbook.check.numbers.given_states import GivenState, WrittenNumber
 from freebody_textbook.check.numbers.units_of_symbols import Unit, unit_of_quantity
 from freebody_textbook.check.numbers.written_units import WrittenUnit, common_units
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.states.completed_state import completed
 from freebody_textbook.check.verdicts.rounded_numbers import half_a_unit
-from freebody_textbook.closed_chains.first_kind import is_multiplier
+from freebody_textbook.closed_chains.multiplier_equations import is_multiplier
 
 EXACT = 1e-9
 """The share by which numbers may be apart beyond their digits."""

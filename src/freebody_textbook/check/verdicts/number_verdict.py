@@ -24,7 +24,7 @@ from freebody_textbook.check.algebra.finite_field import RealPoint
 from freebody_textbook.check.algebra.quotients import Value, pair, put
 from freebody_textbook.check.asked.asked_quantities import Targets
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.states import (
+from freebody_textbook.check.numbers.given_states import (
     GivenState,
     GivenValue,
     WrittenNumber,

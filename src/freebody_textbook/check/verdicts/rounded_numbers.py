@@ -22,7 +22,7 @@ from freebody.scalars.rational import exactly, rational_sin_cos
 from freebody.scalars.trig import Trig
 from freebody_textbook.check.algebra.exact_polynomials import PolynomialReader
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.reasons.differences import (
+from freebody_textbook.check.reasons.polynomial_differences import (
     Difference,
     Parts,
     ProductKey,

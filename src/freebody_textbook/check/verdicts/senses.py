@@ -14,7 +14,7 @@ from freebody_textbook.check.algebra.quotients import generator
 from freebody_textbook.check.asked.right_equations import RightEquations, loop_equation
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.verdict import EquationVerdict
-from freebody_textbook.closed_chains.first_kind import multiplier_names
+from freebody_textbook.closed_chains.multiplier_equations import multiplier_names
 
 _LOOPS = "{} {} the opposite sign to that in the robot's file; both are right."
 _LOAD = "F is a force on the mechanism, from outside."

@@ -18,7 +18,7 @@ from freebody_textbook.check.algebra.answer_tree import Named
 from freebody_textbook.check.algebra.finite_field import is_square, without_values
 from freebody_textbook.check.algebra.quotients import Value, generator, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
-from freebody_textbook.check.numbers.states import in_words
+from freebody_textbook.check.numbers.given_states import in_words
 from freebody_textbook.check.numbers.units_of_symbols import in_other_units, unit_of
 from freebody_textbook.check.reading.claim import Claim
 from freebody_textbook.check.reasons.misconceptions import left_out
@@ -41,7 +41,7 @@ from freebody_textbook.check.verdicts.verdict_sentences import (
     right_verdict,
     wrong_verdict,
 )
-from freebody_textbook.closed_chains.linear import Ratio
+from freebody_textbook.closed_chains.linear_equations import Ratio
 
 if TYPE_CHECKING:
     from freebody_textbook.check.verdicts.equation_verdict import Judge

@@ -22,11 +22,11 @@ from freebody_textbook.check.algebra.finite_field import Workspace
 from freebody_textbook.check.algebra.quotients import Value, pair
 from freebody_textbook.check.asked.right_equations import RightEquations
 from freebody_textbook.check.reading.claim import Claim
-from freebody_textbook.check.reasons.differences import Difference, printed
+from freebody_textbook.check.reasons.polynomial_differences import Difference, printed
 from freebody_textbook.check.reasons.small_changes import Repair
 from freebody_textbook.check.states.state_values import StateValues
 from freebody_textbook.check.verdict import EquationVerdict, Example, Mistake
-from freebody_textbook.closed_chains.first_kind import MULTIPLIER
+from freebody_textbook.closed_chains.multiplier_equations import MULTIPLIER
 from freebody_textbook.relations.formula_values import occurs, typical_value
 
 _LONG = 70

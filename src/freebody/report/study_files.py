@@ -1,0 +1,151 @@
+"""The study as files: NetCDF with everything, CSV tables for what people open in a spreadsheet."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import freebody
+from freebody.model.doubts import attribute
+from freebody.motion.files.csv_files import motion_table
+from freebody.outputs.folder import Makers, write_folder
+from freebody.outputs.harmless_text import csv_text, encodable
+from freebody.report import variables
+from freebody.report.load_case import load_case
+from freebody.report.page import page
+from freebody.report.page_tables import facts
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from freebody.report.study import Study
+
+DATA, REPORT = "study.nc", "report.html"
+
+_HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
+"""Header and rows of a table."""
+
+_DRIVES = ("tau", *variables.PARTS, "power")
+
+
+def save(study: Study, directory: Path, report: bool) -> list[Path]:
+    """Write what `makers` lists, and the manifest."""
+    about = {
+        "freebody": freebody.__version__,
+        "robot": study.model.name,
+        "motion": study.motion.source,
+        **load_case(study.model),
+        **({"command": study.command} if study.command else {}),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "verdict": study.verdict.text,
+        **attribute(study.model.doubts),
+    }
+    return write_folder(directory, makers(study, report), about)
+
+
+def makers(study: Study, report: bool) -> Makers:
+    """Functions that make study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
+    reactions_summary.csv, checks.csv, and report.html if asked for."""
+    tables: dict[str, Callable[[], _HeadAndRows]] = {
+        "motion.csv": lambda: motion_table(study.model, study.motion),
+        "torques.csv": lambda: _torques(study),
+        "reactions.csv": lambda: _reactions(study),
+        "summary.csv": lambda: _summary(study.summary, "coordinate"),
+        "reactions_summary.csv": lambda: _summary(study.summary, "joint"),
+        "checks.csv": lambda: _checks(study),
+    }
+    made: dict[str, Callable[[], str | bytes]] = {DATA: lambda: netcdf(study)}
+    made |= {name: partial(_csv, table) for name, table in tables.items()}
+    return made | ({REPORT: lambda: page(study)} if report else {})
+
+
+def dataset(study: Study) -> xr.Dataset:
+    """Time series, summary and facts in one dataset."""
+    import xarray as xr
+
+    whole = xr.merge(
+        [study.data, study.summary, facts(study)],
+        compat="no_conflicts",
+        combine_attrs="drop_conflicts",
+    )
+    whole.attrs.update(study.data.attrs | study.summary.attrs)
+    whole.attrs["verdict"] = study.verdict.text
+    whole.attrs["notices"] = "\n".join(study.notices)
+    replay = study.replay
+    if replay is not None:
+        found = {
+            "replay_edge": replay.edges,
+            "replay_factor": replay.factors,
+            "replay_miss": replay.misses,
+            "drift": replay.drift,
+        }
+        times = {"drift_time": ("drift_time", replay.drift_time, {"units": "s"})}
+        whole.update(variables.dataset(found, times))
+    return whole
+
+
+def netcdf(study: Study) -> bytes:
+    """The dataset as NetCDF 3: read everywhere, written without HDF5.
+
+    Names of joints stand in it as values, never as names of its own, which could not hold all of
+    them.
+    """
+    whole = dataset(study)
+    for held in (whole, *whole.variables.values()):
+        held.attrs = {k: encodable(v) if isinstance(v, str) else v for k, v in held.attrs.items()}
+    labels = {
+        name: (labelled.dims, [encodable(str(label)) for label in labelled.values])
+        for name, labelled in whole.coords.items()
+        if labelled.dtype.kind in "UO"
+    }
+    return bytes(whole.assign_coords(labels).to_netcdf(engine="scipy"))
+
+
+def _csv(table: Callable[[], _HeadAndRows]) -> str:
+    header, rows = table()
+    return csv_text([header, *rows])
+
+
+def _torques(study: Study) -> _HeadAndRows:
+    data = study.data
+    header, columns = ["t (s)"], [study.motion.t]
+    for k, name in enumerate(study.model.velocity_names):
+        unit = str(data["effort_unit"].values[k])
+        for variable in _DRIVES:
+            header.append(f"{name} {variable} ({'W' if variable == 'power' else unit})")
+            columns.append(data[variable].values[:, k])
+    return header, np.column_stack(columns)
+
+
+def _reactions(study: Study) -> _HeadAndRows:
+    """Table of reactions.csv: force and moment of each joint and loop over time, world axes."""
+    data = study.data
+    header, columns = ["t (s)"], [study.motion.t]
+    for k, joint in enumerate(study.model.reaction_names):
+        for variable, dim, letter, unit in (
+            ("reaction_force", "axis", "F", "N"),
+            ("reaction_moment", "moment_axis", "M", "N m"),
+        ):
+            for i, axis in enumerate(data[dim].values):
+                header.append(f"{joint} {letter}{axis} ({unit})")
+                columns.append(data[variable].values[:, k, i])
+    return header, np.column_stack(columns)
+
+
+def _summary(summary: xr.Dataset, dim: str) -> _HeadAndRows:
+    names = [str(name) for name in summary.data_vars if summary[name].dims == (dim,)]
+    extra = ["unit", "effort_unit"] if dim == "coordinate" else []
+    header = [dim, *extra, *(f"{name} ({summary[name].attrs['units']})" for name in names)]
+    words = [map(str, summary[name].values) for name in (dim, *extra)]
+    return header, zip(*words, *(summary[name].values for name in names), strict=True)
+
+
+def _checks(study: Study) -> _HeadAndRows:
+    return ["check", "value", "bar", "passed", "what"], [
+        [check.name, check.value, check.bar, check.passed, check.text] for check in study.checks
+    ]

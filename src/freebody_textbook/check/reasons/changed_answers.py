@@ -1,0 +1,397 @@
+"""Changes of the right answer under a thought: other factors of its terms, other values and angles
+in it, or other equations of the bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import partial
+from typing import Any
+
+from freebody.errors import listed
+from freebody.expressions.grammar.atoms import atom
+from freebody.expressions.grammar.parser import PI
+from freebody.expressions.polynomials.symbols import RATE, SECOND
+from freebody.expressions.printed_names import sym
+from freebody.model.gravity import axis_of
+from freebody.scalars.generators import SIGN, function_of
+from freebody_textbook.check.algebra.finite_field import SineAndCosine
+from freebody_textbook.check.algebra.quotients import generator
+from freebody_textbook.check.asked.right_equations import RightEquations
+from freebody_textbook.check.reasons.bodies_at_point import Belief
+from freebody_textbook.check.reasons.free_body_beliefs import FreeBelief
+from freebody_textbook.check.reasons.thoughts import Change, Changed, Subject
+
+VELOCITY = ("coriolis", "centrifugal")
+_ZEROS = {1: "the vertical (upwards)", 3: "the vertical (downwards)", 0: "the x axis"}
+"""Names of the direction where angles are 0, by the right angles from the x axis."""
+_QUARTERS: Mapping[int, SineAndCosine] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
+"""Sines and cosines of right angles."""
+
+
+# ---------------------------------------------------------------- factors
+def part_of(powers: Mapping[str, int]) -> str:
+    """The part of a torque that a term belongs to by its first rates: "coriolis" or "centrifugal"
+    of second degree; "friction" of first degree, or with a rate's sign; else ""."""
+    if any(function_of(x) == SIGN for x in powers):
+        return "friction"
+    rates = {x: k for x, k in powers.items() if atom(x).dots == 1}
+    if sum(rates.values()) == 1:
+        return "friction"
+    return "coriolis" if len(rates) > 1 else "centrifugal" if rates else ""
+
+
+def parts(factor: int | Fraction, *kinds: str) -> Change:
+    """Terms of some kinds multiplied by a factor, in a torque, a force or an acceleration."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.rows):
+            yield {}, x.scaled(factor, lambda powers: part_of(powers) in kinds)
+
+    return change
+
+
+def without_acceleration(x: Subject) -> Iterator[Changed]:
+    """Change: the terms of one coordinate's acceleration are left out."""
+    for name in (c + SECOND for c in x.setting.symbols.coordinates if x.accelerates):
+        yield {"name": sym(name)}, x.at({name: 0})
+
+
+def twice_the_energy(x: Subject) -> Iterator[Changed]:
+    """Twice the kinetic energy: of all, of what turns or does not, of one body."""
+    if not x.is_energy:
+        return
+    inertial = x.setting.order.inertial
+    turning = _moments(x.setting)
+    own = [
+        {name for name, (k, _) in inertial.items() if k == i}
+        for i in range(len(x.bodies.s.symbols.model.bodies))
+    ]
+    for names in (set(inertial), turning, set(inertial) - turning, *own):
+
+        def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
+            return bool(names & powers.keys()) and any(atom(p).dots == 1 for p in powers)
+
+        yield {}, x.scaled(2, meant)
+
+
+def unmixed_rates(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two rates of turning joints: in all terms, or in those
+    with moments of inertia."""
+    rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
+    for names in (x.names, _moments(x.setting)) if rates else ():
+
+        def meant(powers: Mapping[str, int], names: set[str] = names) -> bool:
+            return len(rates & powers.keys()) > 1 and not names.isdisjoint(powers)
+
+        yield {}, x.scaled(0, meant)
+
+
+def unmixed_velocities(x: Subject) -> Iterator[Changed]:
+    """A kinetic energy without products of two lengths, or of a length and a slide's rate."""
+    turning = _turning(x) if x.is_energy else set()
+    if turning:
+        ways = {name for row in _lengths(x) for name in row}
+        ways |= {name + RATE for name in {*x.setting.symbols.coordinates} - turning}
+        yield {}, x.scaled(0, lambda powers: len(ways & powers.keys()) > 1)
+
+
+def _turning(x: Subject) -> set[str]:
+    """The coordinates of joints that turn."""
+    return {name for row in _chains(x).values() for name in row}
+
+
+def degrees(x: Subject) -> Iterator[Changed]:
+    """Change: angles or rates in degrees, so that a derivative has a factor π/180."""
+    yield {}, x.value * x.point.number(PI / 180)
+    yield {}, x.value * x.point.number(180 / PI)
+
+
+# ---------------------------------------------------------------- values
+def other_gravity(x: Subject) -> Iterator[Changed]:
+    """Change: gravity in the opposite direction."""
+    g = x.setting.order.gravity
+    if g in x.names:
+        yield {"energy": _weights(x)}, x.at({g: -x.point.values[g]})
+
+
+def _weights(x: Subject) -> str:
+    """The weights' energy, in words."""
+    axis = axis_of(x.setting.symbols.model.gravity_direction)
+    if not axis:
+        return "the weights' potential energy is V = − m g · r, with the vector g"
+    pull, rise = ("−", "+") if axis[0] == "-" else ("+", "−")
+    return f"weights act along {pull}{axis[1]}, so V = {rise} m g {axis[1]}"
+
+
+@dataclass(frozen=True)
+class Without:
+    """A thought that leaves out what some parameters stand for: the right answer where they are 0.
+    `groups` gives them, with what a sentence names."""
+
+    groups: Callable[[RightEquations], Iterator[tuple[Mapping[str, object], Set[str]]]]
+
+    def __call__(self, x: Subject) -> Iterator[Changed]:
+        for said, names in self.groups(x.setting):
+            if names & x.names:
+                yield said, x.at(dict.fromkeys(names, 0))
+
+
+def of_weights(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """Group with the symbol of gravity, which stands for all weights."""
+    if setting.order.gravity:
+        yield {}, {setting.order.gravity}
+
+
+def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """Groups with mass and inertia of one body, or of it and all that it carries."""
+    model, inertial = setting.symbols.model, setting.order.inertial
+    heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
+    carried = {i: {i} for i in every}
+    for i in reversed(every):
+        if model.bodies[i].parent in carried:
+            carried[model.bodies[i].parent] |= carried[i]
+    for group in [{i} for i in sorted(heavy)] + [carried[i] & heavy for i in every]:
+        if group != heavy:
+            links = listed(str(model.bodies[i].name) for i in sorted(group))
+            yield {"links": links}, {name for name, (i, _) in inertial.items() if i in group}
+
+
+def of_moments(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
+    """The names of all moments of inertia, which points do not have."""
+    yield {}, _moments(setting)
+
+
+def _moments(setting: RightEquations) -> set[str]:
+    return {name for name, (_, kind) in setting.order.inertial.items() if kind == 1}
+
+
+def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
+    """Groups of rows that a mistake may be about: each row alone, and all together."""
+    yield from ([x] for x in rows)
+    yield from [rows] * (len(rows) > 1)
+
+
+def lengths(reach: str = "l", centre: str = "lc") -> Change:
+    """Other values of the length of a link and of the distance of its centre of mass: "l", "lc" or
+    "half"."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        v, half = x.point.values, x.point.number(Fraction(1, 2))
+        changed = [k for k, same in enumerate((reach == "l", centre == "lc")) if not same]
+        rows = [row for row in _lengths(x) if x.names.issuperset(row[k] for k in changed)]
+        for group in _groups(rows):
+            put = {}
+            for l, lc in group:
+                named = {"l": v[l], "lc": v[lc], "half": v[l] * half}
+                put |= {l: named[reach], lc: named[centre]}
+            shown = [(str(sym(l)), str(sym(lc))) for l, lc in group]
+            said = {
+                "l": shown[0][0],
+                "lc": shown[0][1],
+                "centres": " and ".join(lc for _, lc in shown),
+                "wrong": ", ".join(f"{l} for {lc}" for l, lc in shown),
+                "back": ", ".join(f"{lc} for {l}" for l, lc in shown),
+                "half": ", ".join(f"{lc} = {l}/2" for l, lc in shown),
+            }
+            yield said, x.at(put)
+
+    return change
+
+
+def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
+    """The names of lengths to the next joint and to the centre of mass, of links that have both."""
+    s, ring = x.bodies.s, x.setting.ring.index
+    for i in s.order if x.setting.is_planar and x.bodies.is_told else ():
+        ends = [s.tree.bodies[k].p for k in s.tree.children(i)]
+        ends += [s.tip_frame[2]] * s.ends_in_tip(i)
+        centres = [mass.c for mass in s.tree.bodies[i].masses]
+        l, lc = (generator(s.symbols.element(v[0][0])) if v else None for v in (ends, centres))
+        l = l or f"l{s.numbers[i]}"  # of a last link without a tip
+        if lc in ring and l in ring:
+            yield l, lc
+
+
+def axes(factor: int) -> Change:
+    """A change of moments of inertia: m c² is added to each as often as `factor` says."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
+        for group in _groups(rows):
+            put = {name: x.point.values[name] + factor * value for name, value, _ in group}
+            names = " and ".join(str(sym(name)) for name, _, _ in group)
+            lacking = " and ".join(term for _, _, term in group)
+            are = "are" if len(group) > 1 else "is"
+            yield {"names": names, "are": are, "lacking": lacking}, x.at(put)
+
+    return change
+
+
+def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
+    """Names of moments of inertia in the right answer, m c², and how it is written."""
+    s = x.bodies.s
+    for i in s.weighted:
+        (mass,) = s.tree.bodies[i].masses
+        name, m, c = (generator(s.symbols.element(v)) for v in (mass.inertia, mass.m, mass.c[0]))
+        if name in x.names and m and c and s.symbols.element(mass.c[1]).is_zero:
+            yield name, x.bodies.number(mass.m * mass.c[0] * mass.c[0]), f"{sym(m)} {sym(c)}²"
+
+
+# ---------------------------------------------------------------- angles
+def turned(x: Subject) -> Iterator[Changed]:
+    """The angles of the joints at the ground measured from another direction."""
+    coordinates = x.setting.symbols.coordinates
+    first = [row[0] for row in _chains(x).values() if len(row) == 1]
+    quarters = x.setting.quarters or (0,) * len(coordinates)
+    zeros = {quarters[coordinates.index(name)] % 4 for name in first}
+    for own in zeros if len(zeros) == 1 else ():
+        for other in (q for q in _ZEROS if q != own):
+            quarter = _QUARTERS[(other - own) % 4]
+            put = {name: x.point.plus(x.point.turns[name], quarter) for name in first}
+            names, it = listed(str(sym(x)) for x in first), ("it is", "they are")[len(first) > 1]
+            said = {"names": names, "it": it, "zero": _ZEROS[other]}
+            yield {**said, "own": _ZEROS.get(own, "elsewhere")}, x.at(turns=put)
+
+
+def absolute(x: Subject) -> Iterator[Changed]:
+    """Joint angles taken for angles from the x axis; they are measured from the link before."""
+    s = x.bodies.s
+    before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
+    if not before:
+        return
+    values, turns = dict(x.point.values), dict(x.point.turns)
+    for name, other in before.items():
+        sine, cosine = x.point.turns[other]
+        turns[name] = x.point.plus(x.point.turns[name], (-sine, cosine))
+        for ending in (RATE, SECOND):
+            values[name + ending] = x.point.values[name + ending] - x.point.values[other + ending]
+    said = {"names": ", ".join(str(sym(name)) for name in before)}
+    yield said, x.at(turns=turns)
+    yield said, x.at(values, turns)
+    if len(before) == len(s.symbols.coordinates) - 1 and x.torque is not None:
+        rows: list[tuple[int, Any]] = [(1, x.setting.all_of(x.torque[0]))]
+        for i in (k - 1 for k in x.target.index):  # τ_k - τ_(k+1) belong to φ_k = θ_1 + … + θ_k
+            near = [(1, i), (-1, i + 1)]
+            rows = [(a * b, row[k]) for a, row in rows for b, k in near if k < len(row)]
+        moved = x.point.changed(values, turns)
+        yield said, sum(sign * moved.of(x.setting.element(row)) for sign, row in rows)
+
+
+def _chains(x: Subject) -> dict[int, list[str]]:
+    """The joint angles that add up to the direction of a body, for each that turns in the plane."""
+    s, found = x.bodies.s, dict[int, list[str]]()
+    is_told = s.planar and not s.tree.follows
+    for i, body in enumerate(s.tree.bodies if is_told else ()):
+        found[i] = [*found.get(body.parent, ()), *[s.coordinate(i)] * s.turns(i)]
+    return {i: row for i, row in found.items() if s.turns(i)}
+
+
+# ---------------------------------------------------------------- equations of the bodies
+def freely(belief: FreeBelief) -> Change:
+    """Other equations of a body that nothing holds, under which an equation's sides agree."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        if x.free is not None:
+            yield {}, x.point.of(x.free.yours) + x.free.gap(x.point, belief)
+
+    return change
+
+
+def believed(*beliefs: Belief, of_next: bool = False) -> Change:
+    """Other equations of the body to which the answer belongs, of one that it carries, or of all,
+    where the first is told that matters; of_next: only of bodies that carry others."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        every = range(len(x.bodies.bodies)) if x.about else ()
+        for i in x.about:
+            own = [j for j in _carried(x, i) if x.bodies.s.tree.children(j) or not of_next]
+            for belief in beliefs if i in own else ():
+                alone = {j: list(_under(x, i, (j,), belief)) for j in own}
+                matter = [j for j in own if any(value != x.value for value in alone[j])]
+                if len(every) > 1:
+                    first = next(iter(matter), i)
+                    alone[first] = [*alone[first], *_under(x, i, every, belief)]
+                yield from ((_names(x, j), value) for j in own for value in alone[j])
+
+    return change
+
+
+def _carried(x: Subject, i: int) -> list[int]:
+    """A body and those that it carries."""
+    found = [i]
+    for j in found:
+        found += x.bodies.s.tree.children(j)
+    return found
+
+
+def arms(*often: int, of_next: bool = False) -> Change:
+    """Other arms of the forces in Euler's equation."""
+    return believed(Belief(arms=often), of_next=of_next)
+
+
+def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[Any]:
+    """The right answer, of body i, where a belief about some bodies holds."""
+    b, right = x.bodies, x.value
+    if x.torque is not None:
+        moves = belief.spins_alone or belief.turns_alone
+        for way in (b.acting, b.projected)[: 1 + moves]:
+            state = x.torque[1]
+            yield right + way(state, of, belief)["tau", i][0] - way(state)["tau", i][0]
+    for own in x.components:
+        if own.key[1] in (i, -1):
+            told = partial(b.acting, b.moving) if own.key[0] in "fn" else b.moved
+            gap = own.of(b, told(of, belief)) - own.of(b, told())
+            yield right + gap
+            if x.is_equation:
+                yield right - gap
+
+
+def _names(x: Subject, i: int) -> dict[str, object]:
+    """Values for the places in sentences about body i."""
+    s, n = x.bodies.s, x.bodies.s.numbers[i]
+    h, behind = s.numbers[s.tree.bodies[i].parent], [s.numbers[k] for k in s.tree.children(i)]
+    return {
+        "n": n, "k": listed(map(str, behind)), "f": f"f{h}{n}",
+        "next": listed(f"f{n}{k}" for k in behind), "opposite": listed(f"−f{n}{k}" for k in behind),
+    }  # fmt: skip
+
+
+def alone(*beliefs: Belief) -> Change:
+    """The angular velocity of a body, or of all, without those of the bodies before it."""
+
+    def change(x: Subject) -> Iterator[Changed]:
+        sums = _sums(x) if x.about else {}
+        for of in _groups(list(sums)):
+            said = {
+                "wrong": listed(f"{sums[i][0]} = {sums[i][-1]}" for i in of),
+                "right": listed(f"{sums[i][0]} = {' + '.join(sums[i][1:])}" for i in of),
+            }
+            for belief in beliefs:
+                for i in x.about:
+                    yield from ((said, value) for value in _under(x, i, of, belief))
+
+    return change
+
+
+def _sums(x: Subject) -> dict[int, list[str]]:
+    """ω of each body that turns on others that do, and the rates that make it up."""
+    return {
+        i: [str(sym(f"omega{x.bodies.s.numbers[i]}")), *(str(sym(name + RATE)) for name in row)]
+        for i, row in _chains(x).items()
+        if len(row) > 1
+    }
+
+
+def other_axes(x: Subject) -> Iterator[Changed]:
+    """Components along the axes of another body, or the world's."""
+    b = x.bodies
+    found = {**b.moved(), **b.acting(b.moving)} if x.components and not x.is_equation else {}
+    for own in x.components if found else ():
+        for k in range(-(x.target.in_world is None), len(b.bodies)):
+            if k != own.axes and len(found[own.key]) == b.s.tree.space.dim:
+                yield {"axes": _axes(x, k), "here": _axes(x, own.axes)}, own.of(b, found, k)
+
+
+def _axes(x: Subject, i: int) -> str:
+    return f"along those of body {x.bodies.s.numbers[i]}" if i >= 0 else "along the world's axes"
