@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from freebody.model.description import Joint
 
 
-Coefficients = tuple[float, ...]
+RatioCoefficients = tuple[float, ...]
 """Of a leader's position q, of q², q³, …; of a linear follower the ratio alone."""
 
 
@@ -37,8 +37,8 @@ class Mimic:
     joint: str
     ratio: float = 1.0
     offset: float = 0.0
-    more: tuple[tuple[str, Coefficients], ...] = ()
-    powers: Coefficients = ()
+    more: tuple[tuple[str, RatioCoefficients], ...] = ()
+    powers: RatioCoefficients = ()
 
     def __post_init__(self) -> None:
         for name in ("ratio", "offset"):
@@ -48,19 +48,19 @@ class Mimic:
         object.__setattr__(self, "powers", _coefficients((0.0, *self.powers))[1:])
 
     @staticmethod
-    def of_terms(terms: Sequence[tuple[str, Coefficients]], offset: float) -> Mimic:
+    def of_terms(terms: Sequence[tuple[str, RatioCoefficients]], offset: float) -> Mimic:
         """The mimic of one leader or several, with the coefficients of each."""
         (first, (ratio, *powers)), *more = terms
         return Mimic(first, ratio, offset, tuple(more), tuple(powers))
 
     @property
-    def terms(self) -> tuple[tuple[str, Coefficients], ...]:
+    def terms(self) -> tuple[tuple[str, RatioCoefficients], ...]:
         """(joint, coefficients) of each leader."""
         return ((self.joint, self.coefficients), *self.more)
 
     @property
-    def coefficients(self) -> Coefficients:
-        """Coefficients of the first leader's position, or of the only one's."""
+    def coefficients(self) -> RatioCoefficients:
+        """RatioCoefficients of the first leader's position, or of the only one's."""
         return (self.ratio, *self.powers)
 
     def seen_at(self, scale: float, shift: float) -> Mimic:
@@ -85,8 +85,8 @@ class Mimic:
 _POWERS = {1: "", 2: "²", 3: "³"}
 
 
-def _coefficients(given: Sequence[float]) -> Coefficients:
-    """Coefficients without those of the highest powers that are 0."""
+def _coefficients(given: Sequence[float]) -> RatioCoefficients:
+    """RatioCoefficients without those of the highest powers that are 0."""
     found = [finite(x, "Mimic: ratio") for x in given]
     while len(found) > 1 and found[-1] == 0.0:
         found.pop()
@@ -173,7 +173,7 @@ def _follower(
         refuse(f"joint {joint.name!r}: {error}", joint.line)
 
 
-def _put_in(coefficients: Coefficients, of: Mimic) -> tuple[float, dict[str, Polynomial]]:
+def _put_in(coefficients: RatioCoefficients, of: Mimic) -> tuple[float, dict[str, Polynomial]]:
     """(constant, terms without one by leader) of the polynomial of a follower's position."""
     if len(coefficients) == 1:
         ratio = coefficients[0]
