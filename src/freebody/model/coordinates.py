@@ -64,7 +64,7 @@ class Coordinates:
         return (along[0] + self.slope_rate(q, qd) * qd[self.v[0]],)
 
     def felt(self, q: Vector, torque: Scalar) -> Scalar:
-        """What a torque at the joint is at its coordinate."""
+        """The torque at the coordinate that a torque at the joint amounts to."""
         slope = self.slope(q)
         return torque if _is_one(slope) else slope * torque
 

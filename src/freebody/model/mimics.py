@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 
 
 RatioCoefficients = tuple[float, ...]
-"""Of a leader's position q, of q², q³, …; of a linear follower the ratio alone."""
+"""Coefficients of a leader's position q, of q², q³, …; those of a linear follower are its ratio
+alone."""
 
 
 @dataclass(frozen=True)
