@@ -163,36 +163,9 @@ def _implicit_euler(
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
     them, K where it is above 0: what pushes away would leave M + h D + h² K without an inverse.
-    What is lost of torques transmitted is that at the rates to which a first solution leads: at
-    those of the start, near rest, it is hardly known.
     """
     M = crba(tree, q)
-
-    def solved(lost: Vector | None) -> Vector:
-        return _linear_step(tree, q, qd, h, M, loads, given, counting, width, lost)
-
-    if not tree.lossy:
-        qdd = solved(None)
-    else:
-        first = solved(_losses(tree, q, qd, M, given.tau, loads, width))
-        on = add(qd, scale(h, first))
-        qdd = solved(_losses(tree, q, on, M, given.tau, loads, width))
-    return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
-
-
-def _linear_step(
-    tree: Tree,
-    q: Vector,
-    qd: Vector,
-    h: Scalar,
-    M: Matrix,
-    loads: Sequence[External],
-    given: Linearised,
-    counting: Counting | None,
-    width: Scalar,
-    lost: Vector | None,
-) -> Vector:
-    """The accelerations of `_implicit_euler`. lost: torque over the rate, see `_losses`."""
+    lost = _losses(tree, q, qd, M, given.tau, loads, width) if tree.lossy else None
     tree = with_signs(tree, lambda rate: 0.0)  # what depends on them comes as drag
     damping, stiffness, drag = _slopes(tree, q, qd, width)
     drag = drag if lost is None else add(drag, lost)
@@ -205,8 +178,10 @@ def _linear_step(
     )
     factors, forces = factor(tree, M), sub(forces, scale(h, ahead))
     if tree.loops:
-        return constrained_motion(tree, q, qd, factors, forces, counting).qdd
-    return substitute(tree, factors, forces)
+        qdd = constrained_motion(tree, q, qd, factors, forces, counting).qdd
+    else:
+        qdd = substitute(tree, factors, forces)
+    return semi_implicit(tree, q, qd, h, lambda part, q, qd: qdd)
 
 
 def with_signs(tree: Tree, of: Callable[[Scalar], Scalar]) -> Tree:
