@@ -174,11 +174,13 @@ class Link:
 
 @dataclass(frozen=True)
 class Mimic:
-    """A joint that follows another: position = ratio · q(joint) + offset."""
+    """A joint that follows another: position = ratio · q(joint) + offset, and the terms of the
+    square, the cube, … of q(joint) besides."""
 
     joint: str
     ratio: float = 1.0
     offset: float = 0.0
+    powers: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -215,6 +217,8 @@ class Joint:
             entries["spring"] = _numbers({"stiffness": drive.stiffness, "rest": drive.rest})
         if self.mimic:
             ratio, offset = _number(self.mimic.ratio), _number(self.mimic.offset)
+            if self.mimic.powers:
+                ratio = _list((self.mimic.ratio, *self.mimic.powers))
             entries["mimic"] = _table(joint=_quoted(self.mimic.joint), ratio=ratio, offset=offset)
         if self.passive:
             entries["passive"] = "true"

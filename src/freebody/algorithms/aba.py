@@ -50,7 +50,7 @@ def aba(
     IA: list[Matrix] = []
     pA: list[Vector] = []
     for i, body in enumerate(tree.bodies):
-        joint = combine(S[i], body.rates(qd))
+        joint = combine(S[i], body.rates(q, qd))
         v.append(joint if body.parent < 0 else add(times(X[i], v[body.parent]), joint))
         own, velocity = own_inertia(space, body), _parts(space, v[i])
         c_w, c_v = cross_motion(space, velocity, _parts(space, joint))

@@ -26,8 +26,10 @@ def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
     drift: list[Column] = []
     forces: list[Force] = []
     for i, body in enumerate(tree.bodies):
-        rates = body.rates(x)
+        at, rates = body.coordinates, body.rates(q, x)
         u, y = weighted(world.S[i], rates), weighted(world.S_rate[i], rates)
+        if at.powers:
+            y = plus_motion(y, weighted(world.S[i], (at.slope_rate(q, qd) * x[at.v[0]],)))
         if body.parent >= 0:
             u, y = plus_motion(moved[body.parent], u), plus_motion(drift[body.parent], y)
         moved.append(u)
@@ -39,8 +41,13 @@ def coriolis_product(tree: Tree, q: Vector, qd: Vector, x: Vector) -> Vector:
     result: list[Scalar] = [0.0] * tree.nv
     for i in reversed(range(len(tree.bodies))):
         body = tree.bodies[i]
-        for s, k in zip(world.S[i], body.coordinates.v, strict=True):
-            result[k] = result[k] + body.coordinates.ratio * dot_motion(s, forces[i])
+        at = body.coordinates
+        for s, k in zip(world.S[i], at.v, strict=True):
+            result[k] = result[k] + at.slope(q) * dot_motion(s, forces[i])
+        if at.powers and body.drive is not None:
+            (k,) = at.v
+            turned = body.drive.inertia * (at.slope_rate(q, qd) * x[k])
+            result[k] = result[k] + at.felt(q, turned)
         if body.parent >= 0:
             forces[body.parent] = plus_motion(forces[body.parent], forces[i])
     return tuple(result)
@@ -52,10 +59,15 @@ def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
 
     With I and B summed over what hangs on body j, and i on the way from j to the base:
     C_ij = S_i · (I Ṡ_j + B S_j),  C_ji = Ṡ_i · I S_j + S_i · Bᵀ S_j.
+
+    Where a joint follows another by a ratio p' that changes, S is p' S, and its rate
+    p' Ṡ + p˙' S.
     """
     space = tree.space
     world = world_tree(tree, q, qd)
     C: list[list[Scalar]] = [[0.0] * tree.nv for _ in range(tree.nv)]
+    slopes = [body.coordinates.slope(q) for body in tree.bodies]
+    slope_rates = [body.coordinates.slope_rate(q, qd) for body in tree.bodies]
     for j, body in enumerate(tree.bodies):
         inner = body.coordinates
         for s, s_rate, l in zip(world.S[j], world.S_rate[j], inner.v, strict=True):
@@ -68,8 +80,17 @@ def coriolis_matrix(tree: Tree, q: Vector, qd: Vector) -> Matrix:
             for i in ancestors(tree, j):
                 outer = tree.bodies[i].coordinates
                 for r, r_rate, k in zip(world.S[i], world.S_rate[i], outer.v, strict=True):
-                    ratio = outer.ratio * inner.ratio
+                    ratio = slopes[i] * slopes[j]
                     C[k][l] = C[k][l] + ratio * dot_motion(r, force)
                     if i != j:
                         C[l][k] = C[l][k] + ratio * (dot_motion(r_rate, carried) + dot(r[0], back))
+                    if inner.powers:
+                        swing = slopes[i] * slope_rates[j]
+                        C[k][l] = C[k][l] + swing * dot_motion(r, carried)
+                    if outer.powers and i != j:
+                        swing = slopes[j] * slope_rates[i]
+                        C[l][k] = C[l][k] + swing * dot_motion(r, carried)
+        if inner.powers and body.drive is not None:
+            (l,) = inner.v
+            C[l][l] = C[l][l] + slopes[j] * slope_rates[j] * body.drive.inertia
     return tuple(tuple(row) for row in C)

@@ -66,13 +66,14 @@ def crba(tree: Tree, q: Vector) -> Matrix:
     def enter(a: int, b: int, value: Scalar) -> None:
         M[a][b] = M[a][b] + value
 
+    slopes = [body.coordinates.slope(q) for body in tree.bodies]
     for i, body in enumerate(tree.bodies):
         at = body.coordinates
         for momentum, k in zip(momenta(i), at.v, strict=True):
             n, f = momentum
             for other, l in zip(columns[i], at.v, strict=True):
                 if l <= k:
-                    value = at.ratio * at.ratio * (dot(other[0], n) + dot(other[1], f))
+                    value = slopes[i] * slopes[i] * (dot(other[0], n) + dot(other[1], f))
                     enter(k, l, value)
                     if l != k:
                         enter(l, k, value)
@@ -80,13 +81,12 @@ def crba(tree: Tree, q: Vector) -> Matrix:
             while tree.bodies[j].parent >= 0:
                 n, f = carried(j, (n, f))
                 j = tree.bodies[j].parent
-                outer = tree.bodies[j].coordinates
-                for other, l in zip(columns[j], outer.v, strict=True):
-                    value = at.ratio * outer.ratio * (dot(other[0], n) + dot(other[1], f))
+                for other, l in zip(columns[j], tree.bodies[j].coordinates.v, strict=True):
+                    value = slopes[i] * slopes[j] * (dot(other[0], n) + dot(other[1], f))
                     enter(k, l, value)
                     enter(l, k, value)
         if body.drive is not None:
-            enter(at.v[0], at.v[0], at.ratio * at.ratio * body.drive.inertia)
+            enter(at.v[0], at.v[0], slopes[i] * slopes[i] * body.drive.inertia)
     return tuple(tuple(row) for row in M)
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from freebody.algorithms.crba import factor, momentum_of, substitute
+from freebody.algorithms.crba import crba, factor, momentum_of, substitute
 from freebody.algorithms.forward_dynamics import forward_dynamics
 from freebody.algorithms.kinematics import (
     Column,
@@ -40,7 +40,7 @@ from freebody.algorithms.world_axes import (
 from freebody.dual import Dual, slopes
 from freebody.elementary import Scalar
 from freebody.model.tree import Tree
-from freebody.spatial import Matrix, Vector, dot, identity, neg, scale, transposed
+from freebody.spatial import Matrix, Vector, add, dot, identity, neg, scale, sub, transposed
 
 
 @dataclass
@@ -59,9 +59,11 @@ class Derivatives:
 def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
     """Derivatives of tau, those of the drives' laws, under which the sign of a rate is constant,
     and of struts included."""
+    if tree.bends:
+        return derivatives_by_dual_scalars(tree, q, qd, qdd)
     space = tree.space
     world = world_tree(tree, q, qd)
-    psi_rate, forces = _accelerations(tree, world, qd, qdd)
+    psi_rate, forces = _accelerations(tree, world, q, qd, qdd)
     n = tree.nv
     by_q, by_qd, by_qdd = ([[0.0] * n for _ in range(n)] for _ in range(3))
 
@@ -118,6 +120,34 @@ def inverse_dynamics_derivatives(tree: Tree, q: Vector, qd: Vector, qdd: Vector)
     return Derivatives(q_rows, qd_rows, qdd_rows, factors)
 
 
+def derivatives_by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
+    """The same derivatives by forward mode, also where a joint follows another by a ratio that
+    changes with the position."""
+    n = tree.nv
+    faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
+    recursion = rnea(tree, along_every_direction(tree, q), faster, qdd)
+    rows = [slopes(torque, 2 * n) for torque in recursion.tau]
+    by_qdd, factors = list(crba(tree, q)), {}
+    for i, body in enumerate(tree.bodies):
+        drive = body.drive
+        if drive is not None and drive.lossy:
+            k, (w, v) = body.coordinates.v[0], body.columns[0]
+            needed = _value(dot(w, recursion.n[i]) + dot(v, recursion.f[i]))
+            factors[k] = 1.0 + drive.lost_part(qd, needed + drive.at_joint.torque(q, qd))
+            rotor = tuple(drive.inertia if l == k else 0.0 for l in range(n))
+            by_qdd[k] = add(scale(factors[k], sub(by_qdd[k], rotor)), rotor)
+    return Derivatives(
+        tuple(tuple(row[:n]) for row in rows),
+        tuple(tuple(row[n:]) for row in rows),
+        tuple(by_qdd),
+        factors,
+    )
+
+
+def _value(x: Scalar) -> Scalar:
+    return x.value if isinstance(x, Dual) else x
+
+
 def _add_struts(
     tree: Tree,
     q: Vector,
@@ -134,7 +164,7 @@ def _add_struts(
     for k, torque in enumerate(torques):
         for l, slope in enumerate(slopes(torque, 2 * n)):
             enter(by_q if l < n else by_qd, k, l % n, slope)
-    return tuple(torque.value if isinstance(torque, Dual) else torque for torque in torques)
+    return tuple(map(_value, torques))
 
 
 def forward_dynamics_derivatives(
@@ -173,7 +203,7 @@ def _twice(force: Force) -> Force:
 
 
 def _accelerations(
-    tree: Tree, world: WorldTree, qd: Vector, qdd: Vector
+    tree: Tree, world: WorldTree, q: Vector, qd: Vector, qdd: Vector
 ) -> tuple[list[tuple[Column, ...]], list[Force]]:
     """Ψ̈ of each body, and the force on each subtree: I a + v ×* I v, gravity as base
     acceleration."""
@@ -193,7 +223,7 @@ def _accelerations(
             )
         )
         own = plus_motion(
-            weighted(world.S[i], body.rates(qdd)), weighted(world.psi[i], body.rates(qd))
+            weighted(world.S[i], body.rates(q, qdd)), weighted(world.psi[i], body.rates(q, qd))
         )
         a.append(plus_motion(a_parent, own))
         momentum = momentum_of(space, world.own[i], world.v[i])

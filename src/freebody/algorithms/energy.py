@@ -22,7 +22,7 @@ def kinetic_energy(tree: Tree, q: Vector, qd: Vector) -> Scalar:
             if mass.h is not None:
                 twice = twice + 2.0 * dot(v, space.cross(w, mass.h))
         if body.drive is not None:
-            (rate,) = body.rates(qd)
+            (rate,) = body.rates(q, qd)
             twice = twice + body.drive.inertia * (rate * rate)
     return 0.5 * twice
 

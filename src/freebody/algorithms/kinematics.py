@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from freebody.dual import Dual
@@ -19,6 +19,7 @@ from freebody.spatial import (
     compose,
     identity,
     neg,
+    plus,
     scale,
     sub,
     times,
@@ -200,7 +201,8 @@ def outward(
     for i, body in enumerate(tree.bodies):
         R, p = motion.joints[i]
         E = transposed(R)
-        first, second = body.rates(qd), body.rates(qdd)
+        first = body.rates(q, qd)
+        second = body.coordinates.second_rates(q, qd, qdd)
         w_joint, v_joint = weighted(body.columns, first)
         wd_joint, vd_joint = weighted(body.columns, second)
         wd_bias, vd_bias = body.primitive.bias(space, first)
@@ -267,7 +269,8 @@ def jacobian(tree: Tree, q: Vector, frame: str, reference: str = "world") -> Mat
     world = world_poses(tree, joint_poses(tree, q))
     R, p = frame_pose(tree, world, frame)
     columns = frame_columns(tree, world, p, frame)
-    return _assembled(tree, columns, None if reference == "world" else transposed(R))
+    slopes = [body.coordinates.slope(q) for body in tree.bodies]
+    return _assembled(tree, columns, slopes, None if reference == "world" else transposed(R))
 
 
 def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str = "world") -> Matrix:
@@ -278,7 +281,8 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
     R, p = frame_pose(tree, world, frame)
     (w_frame, v_frame), _ = frame_motion(tree, motion, frame)
     columns: dict[int, list[Column]] = {}
-    for i, of_body in frame_columns(tree, world, p, frame).items():
+    here = frame_columns(tree, world, p, frame)
+    for i, of_body in here.items():
         W, o = world[i]
         w, v = space.turn(W, motion.w[i]), times(W, motion.v[i])
         arm, arm_rate = sub(p, o), sub(v_frame, v)
@@ -296,7 +300,13 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
                 angular_rate = sub(angular_rate, space.cross_angular(w_frame, angular))
                 linear_rate = sub(linear_rate, space.cross(w_frame, linear))
             columns[i].append((angular_rate, linear_rate))
-    return _assembled(tree, columns, None if reference == "world" else transposed(R))
+    E = None if reference == "world" else transposed(R)
+    found = _assembled(tree, columns, [body.coordinates.slope(q) for body in tree.bodies], E)
+    if not tree.bends:
+        return found
+    # of (p' S)˙ = p' Ṡ + p˙' S the second part
+    slope_rates = [body.coordinates.slope_rate(q, qd) for body in tree.bodies]
+    return plus(found, _assembled(tree, here, slope_rates, E))
 
 
 def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
@@ -313,16 +323,17 @@ def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[
     return columns
 
 
-def _assembled(tree: Tree, columns: dict[int, list[Column]], E: Matrix | None) -> Matrix:
-    """Columns as a matrix with rows linear, angular, turned by E; coordinates that move several
-    joints add up."""
+def _assembled(
+    tree: Tree, columns: dict[int, list[Column]], factors: Sequence[Scalar], E: Matrix | None
+) -> Matrix:
+    """Columns as a matrix with rows linear, angular, turned by E, those of each body times a
+    factor; coordinates that move several joints add up."""
     space = tree.space
     full: list[Vector] = [(0.0,) * space.six for _ in range(tree.nv)]
     for i, of_body in columns.items():
-        at = tree.bodies[i].coordinates
-        for k, (angular, linear) in zip(at.v, of_body, strict=True):
+        for k, (angular, linear) in zip(tree.bodies[i].coordinates.v, of_body, strict=True):
             column = linear + angular if E is None else times(E, linear) + space.turn(E, angular)
-            full[k] = add(full[k], scale(at.ratio, column))
+            full[k] = add(full[k], scale(factors[i], column))
     return transposed(tuple(full), space.six)
 
 

@@ -118,10 +118,10 @@ def constraint_jacobian(tree: Tree, q: Vector) -> Matrix:
         a, b = _ends(tree, world, loop)
         equations = loop_equations(space, loop, a, b)
         row: list[list[Scalar]] = [[0.0] * tree.nv for _ in equations]
-        for k, (angular, linear) in _rates(tree, world, b, loop.frames[1]):
+        for k, (angular, linear) in _rates(tree, q, world, b, loop.frames[1]):
             for entry, e in zip(row, equations, strict=True):
                 entry[k] = entry[k] + (dot(e.f, linear) + dot(e.n_b, angular))
-        for k, (angular, linear) in _rates(tree, world, a, loop.frames[0]):
+        for k, (angular, linear) in _rates(tree, q, world, a, loop.frames[0]):
             for entry, e in zip(row, equations, strict=True):
                 entry[k] = entry[k] - (dot(e.f, linear) + dot(e.n_a, angular))
         rows += map(tuple, row)
@@ -382,9 +382,12 @@ def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:
     return frame_pose(tree, world, a), frame_pose(tree, world, b)
 
 
-def _rates(tree: Tree, world: list[Pose], pose: Pose, frame: str) -> Iterator[tuple[int, Column]]:
+def _rates(
+    tree: Tree, q: Vector, world: list[Pose], pose: Pose, frame: str
+) -> Iterator[tuple[int, Column]]:
     """For each rate that moves a frame (its index, what the frame's origin moves by)."""
     for i, columns in frame_columns(tree, world, pose[1], frame).items():
         at = tree.bodies[i].coordinates
+        slope = at.slope(q)
         for k, (angular, linear) in zip(at.v, columns, strict=True):
-            yield k, (scale(at.ratio, angular), scale(at.ratio, linear))
+            yield k, (scale(slope, angular), scale(slope, linear))

@@ -51,9 +51,10 @@ def repeating(tree: Tree) -> tuple[bool, ...]:
     """For each rate whether a whole turn of its coordinate changes nothing."""
     found = [True] * tree.nv
     for body in tree.bodies:
-        ratio = body.coordinates.ratio
-        for k, (_, linear) in zip(body.coordinates.v, body.columns, strict=True):
-            found[k] = found[k] and _vanishes(linear) and ratio == round(ratio)
+        at = body.coordinates
+        whole = at.ratio == round(at.ratio) and not at.powers
+        for k, (_, linear) in zip(at.v, body.columns, strict=True):
+            found[k] = found[k] and _vanishes(linear) and whole
     return tuple(found)
 
 

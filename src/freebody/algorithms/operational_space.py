@@ -163,5 +163,5 @@ def centroidal_momentum_matrix(tree: Tree, q: Vector) -> Matrix:
             angular, linear = momentum_of(space, composite, column)
             force = times(R, linear)
             about = add(space.turn(R, angular), space.moment(sub(p, centre), force))
-            columns[k] = add(columns[k], scale(at.ratio, force + about))
+            columns[k] = add(columns[k], scale(at.slope(q), force + about))
     return transposed(tuple(columns), space.six)

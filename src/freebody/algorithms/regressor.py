@@ -37,12 +37,12 @@ def regressor(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Matrix:
             for j in ancestors(tree, i):
                 at = tree.bodies[j].coordinates
                 for s, k in zip(S[j], at.v, strict=True):
-                    column[k] = column[k] + at.ratio * dot_motion(s, wrench)
+                    column[k] = column[k] + at.slope(q) * dot_motion(s, wrench)
             columns.append(column)
     for drive in drives(tree):
-        (k,), ratio = drive.at.v, drive.at.ratio
+        (k,), slope = drive.at.v, drive.at.slope(q)
         for torque in drive.unit_torques(q, qd, qdd):
-            columns.append([ratio * torque if k == row else 0.0 for row in range(tree.nv)])
+            columns.append([slope * torque if k == row else 0.0 for row in range(tree.nv)])
     return transposed(tuple(tuple(column) for column in columns))
 
 
@@ -71,7 +71,7 @@ def energy_regressor(tree: Tree, q: Vector, qd: Vector) -> Matrix:
             *(0.0 for _ in _unit_inertias(space)),
         ]
     for drive in drives(tree):
-        (rate,) = drive.at.rates(qd)
+        (rate,) = drive.at.rates(q, qd)
         kinetic += [0.5 * inertia * (rate * rate) for inertia in drive.unit_inertias()]
         potential += drive.unit_energies(q)
     return tuple(kinetic), tuple(potential)

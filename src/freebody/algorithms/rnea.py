@@ -104,9 +104,7 @@ def rnea(
         for k, torque in zip(
             body.coordinates.v, joint_torque(body, n[i], f[i], q, qd, qdd), strict=True
         ):
-            tau[k] = tau[k] + (
-                torque if body.coordinates.ratio == 1.0 else body.coordinates.ratio * torque
-            )
+            tau[k] = tau[k] + body.coordinates.felt(q, torque)
         if body.parent >= 0:
             R, p = motion.joints[i]
             f_parent = times(R, f[i])
@@ -124,7 +122,8 @@ def joint_torque(
     if body.drive is not None:
         drive = body.drive
         lost = drive.lost(torques[0], q, qd) if drive.lossy else None
-        torques[0] = torques[0] + drive.torque(q, qd) + drive.inertia * body.rates(qdd)[0]
+        (second,) = body.coordinates.second_rates(q, qd, qdd)
+        torques[0] = torques[0] + drive.torque(q, qd) + drive.inertia * second
         if lost is not None:
             torques[0] = torques[0] + lost
     return tuple(torques)

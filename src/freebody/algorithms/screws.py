@@ -101,14 +101,15 @@ class ScrewChain:
 
 def chain_to(tree: Tree, frame: str) -> ScrewChain | None:
     """The screws to a frame of a tree of numbers; None where a joint has several coordinates of its
-    own, or two share one, or turns and slides at once."""
+    own, or two share one, or turns and slides at once, or follows by a polynomial."""
     body, R, p = tree.frames[frame]
     path = ancestors(tree, body)[::-1]
-    places = [tree.bodies[i].coordinates.q for i in path]
+    at = [tree.bodies[i].coordinates for i in path]
+    places = [c.q for c in at]
     if any(tree.bodies[i].primitive.turns == tree.bodies[i].primitive.slides for i in path):
         return None
     index = [k for place in places for k in place]
-    if len(set(index)) < len(index) or not index:
+    if len(set(index)) < len(index) or not index or any(c.powers for c in at):
         return None
     pose = (identity(tree.space.dim), tree.space.zero)
     screws, points = [], []
@@ -117,7 +118,6 @@ def chain_to(tree: Tree, frame: str) -> ScrewChain | None:
         screws.append(_screw(tree, i, *pose))
         points.append(screws[-1].p)
     home_R, home_p = _in_space(*compose(pose, (R, p)))
-    at = [tree.bodies[i].coordinates for i in path]
     steps = np.diff(np.array([*points, home_p]), axis=0)
     return ScrewChain(
         tuple(screws),

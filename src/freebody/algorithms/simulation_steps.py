@@ -206,9 +206,9 @@ def drags(tree: Tree, q: Vector, qd: Vector) -> Vector:
     found: list[Scalar] = [0.0] * tree.nv
     for body in tree.bodies:
         if body.drive is not None:
-            k, ratio = body.coordinates.v[0], abs(body.coordinates.ratio)
+            k, slope = body.coordinates.v[0], absolute(body.coordinates.slope(q))
             gripping = body.drive.only(lambda law: law.grips)
-            found[k] = found[k] + ratio * gripping.drag(q, qd)
+            found[k] = found[k] + slope * gripping.drag(q, qd)
     return tuple(found)
 
 
@@ -218,7 +218,8 @@ def _slopes(tree: Tree, q: Vector, qd: Vector, width: Scalar) -> tuple[Vector, V
     damping, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
-            (rate,), k, square = body.rates(qd), body.coordinates.v[0], body.coordinates.ratio**2
+            (rate,), k, slope = body.rates(q, qd), body.coordinates.v[0], body.coordinates.slope(q)
+            square = slope * slope
             by_position, by_rate = body.drive.slopes(q, qd)
             size = sqrt(rate * rate + width * width)
             damping[k] = damping[k] + square * by_rate

@@ -66,7 +66,7 @@ def world_tree(tree: Tree, q: Vector, qd: Vector) -> WorldTree:
     world = WorldTree(gravity=times(turn, tree.gravity))
     world.S = columns_at_origin(tree, poses)
     for body, columns, pose in zip(tree.bodies, world.S, poses, strict=True):
-        joint = weighted(columns, body.rates(qd))
+        joint = weighted(columns, body.rates(q, qd))
         parent = world.v[body.parent] if body.parent >= 0 else None
         velocity = joint if parent is None else plus_motion(parent, joint)
         still = (space.zero_angular, space.zero)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import NamedTuple
 
 import numpy as np
@@ -170,9 +171,13 @@ def _mimics(found: Alignment) -> Iterator[RobotDifference]:
             text = f"follows {one.joint!r} and {two.joint!r}"
             yield _of_joint("joints", pair, text, math.inf)
             continue
-        ratio = pair.flip * leader.flip * two.ratio
-        offset = pair.flip * two.offset + pair.offset - ratio * leader.offset
-        for what, x, y in (("ratio", one.ratio, ratio), ("offset", one.offset, offset)):
+        # theirs as a polynomial of our leader's position, which is flip · theirs + offset
+        seen = two.seen_at(leader.flip, -leader.flip * leader.offset)
+        theirs = [pair.flip * x for x in (seen.offset, *seen.coefficients)]
+        theirs[0] += pair.offset
+        ours = (one.offset, *one.coefficients)
+        for k, (x, y) in enumerate(zip_longest(ours, theirs, fillvalue=0.0)):
+            what = ("offset", "ratio")[k] if k < 2 else f"coefficient {k}"
             if abs(x - y) > found.tolerances.share * max(1.0, abs(x)):
                 a = "an" if what[0] == "o" else "a"
                 text = f"follows by {a} {what} of {' and '.join(compared(x, y, digits=6))}"

@@ -284,14 +284,25 @@ def _mimic(table: TomlTable) -> Mimic | None:
     several = inner.table("joints")
     if several is None:
         inner.only("joint", "ratio", "offset")
-        ratios = [(inner.text("joint"), inner.number("ratio", default=1.0))]
+        terms = [
+            (inner.text("joint"), _coefficients(inner, "ratio") if "ratio" in inner else (1.0,))
+        ]
     else:
         inner.only("joints", "offset")
-        ratios = [(name, several.number(name)) for name in several.data]
-        if not ratios:
+        terms = [(name, _coefficients(several, name)) for name in several.data]
+        if not terms:
             inner.refuse("joints is empty; give each leader its ratio.", "joints")
-    (first, ratio), *more = ratios
-    return Mimic(first, ratio, inner.number("offset", "angle", 0.0), tuple(more))
+    return Mimic.of_terms(terms, inner.number("offset", "angle", 0.0))
+
+
+def _coefficients(table: TomlTable, key: str) -> tuple[float, ...]:
+    """A ratio, or a list of the coefficients of a leader's position q, of q², q³, …"""
+    if not isinstance(table.data[key], list):
+        return (table.number(key),)
+    given = table.listed(table.data[key], key, None)
+    if not given:
+        table.refuse(f"{key} is empty; give a number, or the coefficients of q, q², q³, …", key)
+    return tuple(table.read_number(x, "number", (key, i)) for i, x in enumerate(given))
 
 
 def _inertia(table: TomlTable, dim: int) -> Inertia:

@@ -125,7 +125,7 @@ class _Assembly:
         mimic = followers.get(joint.name)
         if mimic is None or not mimic.more:
             return (replace(joint, mimic=mimic),)
-        several = f"joint {joint.name!r} follows {listed([name for name, _ in mimic.ratios])}"
+        several = f"joint {joint.name!r} follows {listed([name for name, _ in mimic.terms])}"
         if joint.drive != Drive():
             self.checks.refuse(
                 f"{several}: friction, rotors and springs of a joint that follows several are not "

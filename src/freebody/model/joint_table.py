@@ -37,7 +37,7 @@ def _row(body: Body) -> tuple[str, ...]:
         f"{_number(limits.effort)} {force}" if one and _given(limits.effort) else "",
         body.name,
         _mass(body),
-        f"{mimic.ratio:g} × {mimic.joint} + {mimic.offset:g}" if mimic else "",
+        mimic.said() if mimic else "",
     )
 
 

@@ -8,10 +8,10 @@ from dataclasses import replace
 from freebody.errors import FreebodyError, UnknownNameError
 from freebody.lazy import cached_property
 from freebody.model.bodies import Body, Frame
+from freebody.model.coordinates import Coordinates
 from freebody.model.description import TIP, Loop, Notice
 from freebody.model.joints import JointKind
 from freebody.model.struts import Strut
-from freebody.model.tree import Coordinates
 
 
 class NamedParts:
@@ -46,7 +46,12 @@ class NamedParts:
             result.append(
                 own[body.joint.name]
                 if mimic is None
-                else replace(own[mimic.joint], ratio=mimic.ratio, offset=mimic.offset)
+                else replace(
+                    own[mimic.joint],
+                    ratio=mimic.ratio,
+                    offset=mimic.offset,
+                    powers=mimic.powers,
+                )
             )
         return tuple(result)
 

@@ -289,12 +289,13 @@ def _laws(joints: Sequence[JointContribution]) -> tuple[tuple[str, ...], ...]:
 
 
 def _followers(model: Model) -> tuple[Any, ...]:
-    """(body, its leader, ratio, offset) of each joint that follows another."""
+    """(body, its leader, ratio, offset, further coefficients) of each joint that follows
+    another."""
     if not [body for body in model.bodies if body.joint.mimic is not None]:
         return ()
     at = {name: i for i, name in enumerate(model.joint_names)}
     return tuple(
-        (i, at[mimic.joint], mimic.ratio, mimic.offset)
+        (i, at[mimic.joint], mimic.ratio, mimic.offset, mimic.powers)
         for i, body in enumerate(model.bodies)
         if (mimic := body.joint.mimic) is not None
     )

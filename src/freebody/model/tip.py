@@ -135,7 +135,7 @@ class _TreeBranches:
         self.order = parents_first(self.bodies)
         followers = [joint for joint in joints if joint.mimic is not None]
         in_step = {joint.name for joint in followers}
-        in_step |= {name for x in followers if x.mimic for name, _ in x.mimic.ratios}
+        in_step |= {name for x in followers if x.mimic for name, _ in x.mimic.terms}
         self.length = dict.fromkeys(self.order, 1)
         self.coupled = {k: self.bodies[k].joint.name in in_step for k in self.order}
         for k in reversed(self.order):

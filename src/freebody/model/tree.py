@@ -7,12 +7,13 @@ become chains of primitives, in an order where parents come first.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from freebody.elementary import Scalar
 from freebody.errors import ModelError
 from freebody.lazy import Keeps
+from freebody.model.coordinates import Coordinates
 from freebody.model.drives.acting import ActingLaw, DriveScalars, counted, every_law
 from freebody.model.families import arrays_in
 from freebody.model.inertia import Inertia, combined
@@ -44,28 +45,6 @@ class Attached(Keeps):
     load: bool = False
     frame: str = ""
     """The frame that a load rides in."""
-
-
-@dataclass(frozen=True)
-class Coordinates:
-    """The entries of q and q̇ that move a joint, and how: joint position = ratio · q + offset."""
-
-    q: tuple[int, ...]
-    v: tuple[int, ...]
-    ratio: float
-    offset: float
-
-    def position(self, q: Vector) -> Vector:
-        """The joint's own position scalars."""
-        if self.ratio == 1.0 and self.offset == 0.0:
-            return tuple(q[k] for k in self.q)
-        return tuple(self.ratio * q[k] + self.offset for k in self.q)
-
-    def rates(self, qd: Vector) -> Vector:
-        """The joint's own rates, first or second."""
-        if self.ratio == 1.0:
-            return tuple(qd[k] for k in self.v)
-        return tuple(self.ratio * qd[k] for k in self.v)
 
 
 @dataclass(frozen=True)
@@ -102,9 +81,9 @@ class TreeBody:
         """The joint's own position scalars."""
         return self.coordinates.position(q)
 
-    def rates(self, qd: Vector) -> Vector:
-        """The joint's own rates, first or second."""
-        return self.coordinates.rates(qd)
+    def rates(self, q: Vector, qd: Vector) -> Vector:
+        """The joint's own rates."""
+        return self.coordinates.rates(q, qd)
 
 
 @dataclass(frozen=True)
@@ -157,6 +136,11 @@ class Tree:
         """Whether some coordinate moves more than one joint."""
         used = [k for body in self.bodies for k in body.coordinates.v]
         return len(used) != len(set(used))
+
+    @property
+    def bends(self) -> bool:
+        """Whether some joint follows another by a ratio that changes with the position."""
+        return any(body.coordinates.powers for body in self.bodies)
 
     @property
     def lossy(self) -> bool:
@@ -237,9 +221,7 @@ def tree_of(model: Model, pieces: Pieces) -> Tree:
         iq = iv = 0
         for k, (primitive, axis) in enumerate(chain):
             last = k == len(chain) - 1
-            own = Coordinates(
-                at.q[iq : iq + primitive.nq], at.v[iv : iv + primitive.nv], at.ratio, at.offset
-            )
+            own = replace(at, q=at.q[iq : iq + primitive.nq], v=at.v[iv : iv + primitive.nv])
             bodies.append(
                 TreeBody(
                     body.name,

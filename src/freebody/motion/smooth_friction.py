@@ -3,7 +3,7 @@ width so that an integrator can follow; and the parts that motions are planned a
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,9 +12,9 @@ from freebody.algorithms.rnea import rnea
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.algorithms.struts import struts_alone
 from freebody.arrays import Array
-from freebody.elementary import Scalar, tanh
+from freebody.elementary import tanh
 from freebody.errors import FreebodyError
-from freebody.lazy import kept
+from freebody.model.coordinates import Coordinates
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.losses import require_lossless
@@ -42,30 +42,44 @@ class DryFriction:
     def torque(self, q: Array, qd: Array) -> Array:
         """Smooth torques (..., nv) that the drives need to overcome friction at q (..., nq) and qd
         (..., nv)."""
-        found = np.zeros(qd.shape)
-        for drive in self.drives:
-            smooth = replace(drive, sign=lambda law, rate: tanh(rate / self.width))
-            found[..., drive.at.v[0]] += drive.at.ratio * smooth.torque(*_columns(q, qd))
-        return found
+        smooth = [
+            replace(drive, sign=lambda law, rate: tanh(rate / self.width)) for drive in self.drives
+        ]
+        return _felt(smooth, q, qd)
 
     def drag(self, q: Array, qd: Array) -> Array:
         """The size (..., nv) of dry friction at q (..., nq) and qd (..., nv): at rest what it holds
         at most."""
         found = np.zeros(qd.shape)
         for drive in self.drives:
-            found[..., drive.at.v[0]] += abs(drive.at.ratio) * drive.drag(*_columns(q, qd))
+            at = _columns(q, qd)
+            found[..., drive.at.v[0]] += np.abs(drive.at.felt(at[0], drive.drag(*at)))
         return found
 
     def grip(self, family: tuple[int, ...] = ()) -> Array:
         """Largest torque that dry friction holds at rest (*family, nv)."""
         return self.drag(np.zeros((*family, self.nq)), np.zeros((*family, self.nv)))
 
-    def steepest(self) -> Array:
-        """About the largest slope d tau / d q̇ of each coordinate (nv,)."""
+    def steepest(self, q: Array) -> Array:
+        """About the largest slope d tau / d q̇ of each coordinate (nv,) at q (..., nq)."""
         found, slow = np.zeros(self.nv), ((0.0,) * self.nq, (self.width,) * self.nv)
         for drive in self.drives:
-            found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*slow) / self.width
+            found[drive.at.v[0]] += largest_square(drive.at, q) * drive.drag(*slow) / self.width
         return found
+
+
+def largest_square(at: Coordinates, q: Array) -> float:
+    """The largest square, at q (..., nq), of a joint's rate for each unit of its coordinate's."""
+    return float(np.max(np.square(at.slope(tuple(np.moveaxis(q, -1, 0)))), initial=0.0))
+
+
+def _felt(drives: Iterable[DriveScalars], q: Array, qd: Array) -> Array:
+    """The torques (..., nv) of drives at the coordinates, at q (..., nq) and qd (..., nv)."""
+    found, (positions, rates) = np.zeros(qd.shape), _columns(q, qd)
+    for drive in drives:
+        torque = drive.at.felt(positions, drive.torque(positions, rates))
+        found[..., drive.at.v[0]] += torque
+    return found
 
 
 def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
@@ -109,19 +123,15 @@ def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars
 def friction_torque(model: Model, q: Array, qd: Array) -> Array:
     """The torque (..., nv) of all friction, struts' dampers included, at q (..., nq) and qd (...,
     nv)."""
-    found = np.zeros(qd.shape)
-    for drive in _only(model, lambda law: law.feature == "friction"):
-        found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
+    found = _felt(_only(model, lambda law: law.feature == "friction"), q, qd)
     return found + strut_damping(model, q, qd) if model.struts else found
 
 
 def motor_springs(model: Model, q: Array, qd: Array) -> Array:
     """The torque (..., nv) of what stores energy on the motors' side of their gears, such as
     cogging, at q (..., nq) and qd (..., nv): no part of what joints transmit."""
-    found = np.zeros(qd.shape)
-    for drive in _only(model, lambda law: law.energy is not None and not law.at_joint):
-        found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
-    return found
+    at_motor = _only(model, lambda law: law.energy is not None and not law.at_joint)
+    return _felt(at_motor, q, qd)
 
 
 def strut_torque(model: Model, q: Array, qd: Array) -> Array:
@@ -165,40 +175,44 @@ def lost_parts(model: Model) -> tuple[Array, Array]:
     return driving, driven
 
 
-def reflected_inertia(model: Model) -> Array:
-    """The rotors' inertia at each coordinate (nv,), what followers add included."""
-    return _each(model, lambda drive: drive.at.ratio**2 * drive.inertia)
-
-
-def viscous_friction(model: Model) -> Array:
-    """The torque of friction for each unit of rate (nv,), of the laws that are proportional to it;
-    what followers add included."""
-    return kept(model, "_viscous_friction", _viscous_friction, model)
-
-
-def _viscous_friction(model: Model) -> Array:
-    at_rest = (0.0,) * model.nq, (0.0,) * model.nv
-    return _each(
-        model,
-        lambda drive: (
-            drive.at.ratio**2 * drive.only(lambda law: law.power == 1).slopes(*at_rest)[1]
-        ),
-    )
-
-
-def _each(model: Model, of: Callable[[DriveScalars], Scalar]) -> Array:
-    found = np.zeros(model.nv)
+def rotor_torque(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+    """The torque (..., nv) of the rotors' inertia at a motion, what followers add included."""
+    found, at = np.zeros(qdd.shape), tuple(tuple(np.moveaxis(x, -1, 0)) for x in (q, qd, qdd))
     for body in model.tree.bodies:
         if body.drive is not None:
-            found[body.coordinates.v[0]] += of(body.drive)
-    found.flags.writeable = False
+            (second,) = body.coordinates.second_rates(*at)
+            felt = body.coordinates.felt(at[0], body.drive.inertia * second)
+            found[..., body.coordinates.v[0]] += felt
     return found
+
+
+def viscous_torque(model: Model, q: Array, qd: Array) -> Array:
+    """The torque (..., nv) of the friction that is proportional to the rate, what followers add
+    included."""
+    return _felt(_only(model, lambda law: law.power == 1), q, qd)
+
+
+def refuse_bent(
+    function: str, model: Model, laws: Callable[[DriveLaw], bool], instead: str
+) -> None:
+    """Refuse laws at joints that follow others by a ratio that changes with the position, where
+    each coordinate's friction is taken for the same everywhere."""
+    for body in model.tree.bodies:
+        if body.coordinates.powers and body.drive is not None:
+            for x in body.drive.only(laws).laws:
+                if np.any(x.p[0]):
+                    raise FreebodyError(
+                        f"{function}: the {x.law.numbers[0].what} of body {body.name!r}, whose "
+                        f"joint follows another by a polynomial, is felt there by a ratio that "
+                        f"changes with the position, which is not available here; {instead}."
+                    )
 
 
 def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
     """Viscous friction, and the largest dry friction that does not depend on the rate, of each
     coordinate (nv,). Raises FreebodyError where a joint has any other."""
     require_lossless(function, model)
+    refuse_bent(function, model, lambda law: law.feature == "friction", "model.without('friction')")
     for body in model.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:
             if x.law.feature == "friction" and x.law.power not in (0, 1) and np.any(x.p[0]):
@@ -207,4 +221,5 @@ def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
                     f"constant nor proportional to the rate; plan without it, "
                     f"model.with_drive(joint, {x.law.strength}=0)."
                 )
-    return viscous_friction(model), sticking_friction(model)[1].grip()
+    still = np.zeros((model.nv, model.nq)), np.eye(model.nv)
+    return viscous_torque(model, *still).sum(axis=0), sticking_friction(model)[1].grip()

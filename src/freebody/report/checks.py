@@ -147,6 +147,7 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     """S·w of joints of one coordinate with rotor, friction and spring, against tau; what struts do
     the reactions tell."""
     tau = data["tau"].values
+    positions = tuple(np.moveaxis(data["q"].values, -1, 0))
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
     if model.struts:
         along -= strut_torque(model, data["q"].values, data["qd"].values)
@@ -162,7 +163,7 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
             continue
         for (w, v), coordinate in zip(columns, at.v, strict=True):
             share = moment[:, k] @ np.array(w) + force[:, k] @ np.array(v)
-            along[:, coordinate] = along[:, coordinate] + at.ratio * share
+            along[:, coordinate] = along[:, coordinate] + at.felt(positions, share)
     if not single.any():
         return []
     text = (

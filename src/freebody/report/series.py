@@ -29,9 +29,9 @@ from freebody.motion.smooth_friction import (
     friction_torque,
     lost_torque,
     motor_springs,
-    reflected_inertia,
+    rotor_torque,
     strut_damping,
-    viscous_friction,
+    viscous_torque,
     without_friction,
 )
 from freebody.report import jacobians
@@ -100,9 +100,11 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     C = dynamics.coriolis_matrix(model, q, qd)
     gravity = dynamics.gravity_torque(model, q)
     springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
-    rotors = reflected_inertia(model) * qdd
-    inertial, coriolis = np.einsum("tij,tj->ti", M, qdd) - rotors, np.einsum("tij,tj->ti", C, qd)
-    viscous, dampers = viscous_friction(model) * qd, np.zeros(qd.shape)
+    # of followers with a ratio that changes a rotor turns faster also at constant rates
+    rotors, swung = rotor_torque(model, q, 0.0 * qd, qdd), rotor_torque(model, q, qd, 0.0 * qdd)
+    inertial = np.einsum("tij,tj->ti", M, qdd) - rotors
+    coriolis = np.einsum("tij,tj->ti", C, qd) - swung
+    viscous, dampers = viscous_torque(model, q, qd), np.zeros(qd.shape)
     if model.struts:
         dampers = strut_damping(model, q, qd)
     sent = inertial + coriolis + gravity + springs - motor_springs(model, q, qd) + dampers
@@ -115,7 +117,7 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
         "tau_friction": friction_torque(model, q, qd) + lost,
         "tau_viscous": viscous + dampers,
         "tau_springs": springs,
-        "tau_rotors": rotors,
+        "tau_rotors": rotors + swung,
     }
     if model.loops:  # what the drives feel of each part through the loops
         parts |= {

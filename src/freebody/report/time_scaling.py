@@ -28,7 +28,12 @@ from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, with_drive
-from freebody.motion.smooth_friction import lost_parts, lost_torque, motor_springs, viscous_friction
+from freebody.motion.smooth_friction import (
+    lost_parts,
+    lost_torque,
+    motor_springs,
+    viscous_torque,
+)
 from freebody.report.results import CLOSE
 
 if TYPE_CHECKING:
@@ -93,8 +98,9 @@ def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
     """The parts of what joints transmit that grow with the square of the pace, with it, as struts'
     damping does, and not."""
     get = {name: data[f"tau_{name}"].values for name in _SENT}
-    dampers = get["viscous"] - viscous_friction(model) * data["qd"].values
-    at_joint = get["springs"] - motor_springs(model, data["q"].values, data["qd"].values)
+    q, qd = data["q"].values, data["qd"].values
+    dampers = get["viscous"] - viscous_torque(model, q, qd)
+    at_joint = get["springs"] - motor_springs(model, q, qd)
     return get["inertial"] + get["coriolis"], dampers, get["gravity"] + at_joint
 
 

@@ -150,6 +150,6 @@ class TracedSetting(Setting):
         found: list[Scalar] = [0.0] * self.tree.nv
         for body in self.tree.bodies:
             if body.drive is not None:
-                k, ratio = body.coordinates.v[0], body.coordinates.ratio
-                found[k] = found[k] + ratio * body.drive.torque(s.q, s.qd)
+                k, torque = body.coordinates.v[0], body.drive.torque(s.q, s.qd)
+                found[k] = found[k] + body.coordinates.felt(s.q, torque)
         return _Drives(found)

@@ -81,7 +81,7 @@ class Energies:
         total = self.s.symbols.zero()
         for body in self.s.tree.bodies:
             if body.drive is not None:
-                (rate,) = body.rates(self.s.symbols.qd)
+                (rate,) = body.rates(self.s.symbols.q, self.s.symbols.qd)
                 total = total + 0.5 * body.drive.inertia * (rate * rate)
         return total
 

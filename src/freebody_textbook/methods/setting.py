@@ -166,7 +166,7 @@ class Setting:
 
     def rate(self, i: int, rates: Vector) -> Scalar:
         """The rate of body i's joint, or its acceleration, of those of the coordinates."""
-        return self.tree.bodies[i].rates(rates)[0]
+        return self.tree.bodies[i].rates(self.symbols.q, rates)[0]
 
     def rotor_part(self, i: int) -> Trig:
         """Inertia of the rotors at joint i and those that follow it, times their accelerations."""

@@ -162,7 +162,7 @@ def test_followers_feel_their_friction():
     rate = np.array([[0.03], [-0.5]])
     expected = np.tanh(rate / 0.1) + 2.0 * 3.0 * np.tanh(2.0 * rate / 0.1)
     np.testing.assert_allclose(friction.torque(0.0 * rate, rate), expected, rtol=1e-14)
-    np.testing.assert_allclose(friction.steepest(), [(1.0 + 4 * 3.0) / 0.1])
+    np.testing.assert_allclose(friction.steepest(np.zeros(model.nq)), [(1.0 + 4 * 3.0) / 0.1])
     fast = np.array([[7.0]])
     sharp = fb.bias(model, [[0.3]], fast) - fb.bias(smooth, [[0.3]], fast)
     np.testing.assert_allclose(friction.torque(0.0 * fast, fast), sharp, rtol=1e-12)

@@ -320,10 +320,17 @@ def names_by_body(model: Model) -> list[tuple[str, ...]]:
 
 
 def _require_whole_ratios(model: Model) -> None:
-    """Refuse a turning joint that follows another by a fraction of its angle, or a slide."""
+    """Refuse a turning joint that follows another by a fraction of its angle, or a slide, and any
+    that follows by a ratio that changes with the position."""
     turning = {body.joint.name: any(body.kind.angular) for body in model.bodies}
     for body in model.bodies:
         mimic = body.joint.mimic
+        if mimic is not None and mimic.powers:
+            raise FreebodyError(
+                f"joint {body.joint.name!r} of {model.name!r} follows {mimic.joint!r} by a "
+                f"polynomial: closed forms need a ratio that does not change with the position. "
+                'Load with mimic="free".'
+            )
         if mimic is None or not turning[body.joint.name]:
             continue
         if not turning[mimic.joint]:

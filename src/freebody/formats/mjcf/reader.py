@@ -289,15 +289,15 @@ class _MjcfReader:
             if equality["type"] != "joint" or not equality["active"]:
                 continue
             first, second = equality["first"], equality["second"]
-            constant, slope, *higher = equality["data"][:5]
-            if second < 0 or any(higher):
-                what = "held in its place" if second < 0 else "a polynomial of another"
+            if second < 0:
                 self.refuse(
-                    f"joint {self.joint_names[first]!r} is {what} by an equality, which freebody "
-                    f"does not know; make it linear, or remove it."
+                    f"joint {self.joint_names[first]!r} is held in its place by an equality, which "
+                    f"freebody does not know; remove it, and the joint."
                 )
             zero, other = (self.given["joints"][i]["zero"] for i in (first, second))
-            found[first] = Mimic(self.joint_names[second], slope, zero + constant - slope * other)
+            constant, *terms = equality["data"][:5]
+            at_zero = Mimic.of_terms([(self.joint_names[second], tuple(terms))], zero + constant)
+            found[first] = at_zero.seen_at(1.0, -other)
         return found
 
     def equality(self, given: dict[str, Any]) -> None:

@@ -14,10 +14,11 @@ import numpy as np
 
 from freebody.errors import FreebodyError, listed
 from freebody.model.bodies import Body
-from freebody.model.description import INFINITE, Drive, Limits
+from freebody.model.description import INFINITE, Drive, Joint, Limits
 from freebody.model.doubts import read_doubts
 from freebody.model.drives import LAWS
 from freebody.model.inertia import Inertia, combined
+from freebody.model.mimics import Mimic
 from freebody.model.model import Model
 from freebody.model.parameters import each_parameter
 from freebody.model.placement import Placement
@@ -41,7 +42,8 @@ class Holds:
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
     struts, gravity, velocity (its limits): whether there is a place for it. base: how a floating
     base is told, where it is not written. passive: whether joints without motor are told, of closed
-    chains. keeps_tip: whether the tip is written; else readers choose it.
+    chains. keeps_tip: whether the tip is written; else readers choose it. degree: the highest of a
+    polynomial by which a joint follows another.
     """
 
     name: str
@@ -54,6 +56,7 @@ class Holds:
     base: str = ""
     passive: bool = False
     keeps_tip: bool = False
+    degree: int = 1
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ class WrittenJoint:
     axis: tuple[float, ...]
     limits: Limits
     drive: Mapping[str, float]
-    mimic: tuple[str, float, float] | None
+    mimic: Mimic | None
     passive: bool
 
 
@@ -271,7 +274,6 @@ class _Collection:
     # ------------------------------------------------------------ joints and loops
     def joint(self, body: Body) -> WrittenJoint:
         joint = body.joint
-        mimic = joint.mimic
         limits = Limits(*(float(getattr(joint.limits, name)) for name in vars(Limits())))
         if not self.holds.velocity and limits.velocity != INFINITE:
             self.of_joints.setdefault("speed limit", []).append(joint.name)
@@ -282,9 +284,20 @@ class _Collection:
             tuple(map(float, joint.axis)),
             limits,
             self.drive(joint.name, joint.drive),
-            None if mimic is None else (mimic.joint, float(mimic.ratio), float(mimic.offset)),
+            self.mimic(joint),
             joint.passive,
         )
+
+    def mimic(self, joint: Joint) -> Mimic | None:
+        """How the joint follows another; None where the format has no place for that."""
+        mimic = joint.mimic
+        if mimic is not None and len(mimic.powers) >= self.holds.degree:
+            self.losses.append(
+                f"the polynomial by which joint {joint.name!r} follows {mimic.joint!r}: it moves "
+                f"on its own"
+            )
+            return None
+        return mimic
 
     def drive(self, joint: str, given: Drive) -> dict[str, float]:
         """The numbers of all laws, at their defaults where the format has no place for them."""

@@ -43,6 +43,7 @@ HOLDS = Holds(
     gravity=True,
     velocity=False,
     passive=True,
+    degree=4,
 )
 _WORLD = "world"
 _LEAST = 2e-15
@@ -243,11 +244,11 @@ class _Writer:
         equality = SubElement(self.root, "equality")
         for joint in followers:
             assert joint.mimic
-            leader, ratio, offset = joint.mimic
+            mimic = joint.mimic
             given = {
                 "joint1": joint.name,
-                "joint2": leader,
-                "polycoef": numbers((offset, ratio, 0, 0, 0)),
+                "joint2": mimic.joint,
+                "polycoef": numbers((mimic.offset, mimic.ratio, *mimic.powers, 0, 0, 0)[:5]),
             }
             SubElement(equality, "joint", given)
         for loop in self.contents.loops:

@@ -93,7 +93,9 @@ def _with_names_apart(contents: Contents) -> Contents:
     def other(joint: WrittenJoint | None) -> WrittenJoint | None:
         if joint is None:
             return None
-        mimic = joint.mimic and (renamed.get(joint.mimic[0], joint.mimic[0]), *joint.mimic[1:])
+        mimic = joint.mimic
+        if mimic is not None:
+            mimic = replace(mimic, joint=renamed.get(mimic.joint, mimic.joint))
         return replace(joint, name=renamed.get(joint.name, joint.name), mimic=mimic)
 
     return replace(
@@ -220,9 +222,9 @@ def _axis(element: Element, joint: WrittenJoint) -> None:
         for key, value in numbers_of.items():
             SubElement(dynamics, key).text = repr(value)
     if joint.mimic:
-        leader, ratio, offset = joint.mimic
-        follow = SubElement(axis, "mimic", {"joint": leader})
-        for key, value in (("multiplier", ratio), ("offset", offset), ("reference", 0.0)):
+        follow = SubElement(axis, "mimic", {"joint": joint.mimic.joint})
+        numbers_of = {"multiplier": joint.mimic.ratio, "offset": joint.mimic.offset}
+        for key, value in (*numbers_of.items(), ("reference", 0.0)):
             SubElement(follow, key).text = repr(value)
     for tag, value, default in (
         ("drake:rotor_inertia", drive["rotor"], 0.0),

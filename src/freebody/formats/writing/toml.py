@@ -14,6 +14,7 @@ from freebody.model.doubts import DOUBT_KINDS, read_doubts
 from freebody.model.drives import LAWS
 from freebody.model.inertia import Inertia
 from freebody.model.joints import KINDS
+from freebody.model.mimics import Mimic
 from freebody.model.model import Model
 from freebody.model.parameter_formulas import used
 from freebody.model.parameters import Parameter, Quantity
@@ -150,13 +151,17 @@ def _joint(joint: Joint, parent: Placement) -> str:
         entries["mimic"] = _inline(
             {
                 "joint": _text(follow.joint),
-                "ratio": repr(follow.ratio),
+                "ratio": _ratio(follow),
                 "offset": repr(follow.offset),
             }
         )
     if joint.passive:
         entries["passive"] = "true"
     return _section("joint", entries)
+
+
+def _ratio(mimic: Mimic) -> str:
+    return _vector((mimic.ratio, *mimic.powers)) if mimic.powers else repr(mimic.ratio)
 
 
 def _loop(loop: Loop) -> str:

@@ -99,9 +99,9 @@ def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
     elif joint.kind == "planar":
         SubElement(element, "axis", {"xyz": "0 0 1"})
     if joint.mimic:
-        leader, ratio, offset = joint.mimic
-        given = {"joint": leader, "multiplier": repr(ratio), "offset": repr(offset)}
-        SubElement(element, "mimic", given)
+        follow = joint.mimic
+        given = {"multiplier": repr(follow.ratio), "offset": repr(follow.offset)}
+        SubElement(element, "mimic", {"joint": follow.joint, **given})
 
 
 def _limit(element: Element, kind: str, limits: Limits) -> None:

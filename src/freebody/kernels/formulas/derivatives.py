@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.algorithms.crba import crba
 from freebody.algorithms.derivatives import (
     Derivatives,
+    derivatives_by_dual_scalars,
     forward_dynamics_derivatives,
     inverse_dynamics_derivatives,
 )
@@ -38,12 +38,7 @@ def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivati
     well."""
     if tree.lossy:  # then the derivative by q̈ is not M
         return inverse_dynamics_derivatives(tree, q, qd, qdd)
-    n = tree.nv
-    faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
-    rows = [slopes(t, 2 * n) for t in rnea(tree, along_every_direction(tree, q), faster, qdd).tau]
-    return Derivatives(
-        tuple(tuple(r[:n]) for r in rows), tuple(tuple(r[n:]) for r in rows), crba(tree, q)
-    )
+    return derivatives_by_dual_scalars(tree, q, qd, qdd)
 
 
 def _along(

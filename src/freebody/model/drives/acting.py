@@ -16,7 +16,7 @@ from freebody.model.drives.law import DriveLaw
 from freebody.spatial import Vector
 
 if TYPE_CHECKING:
-    from freebody.model.tree import Coordinates
+    from freebody.model.coordinates import Coordinates
 
 USUAL = tuple(law.name for law in LAWS.values() if law.usual)
 """Names of the laws that are counted wherever any acts."""
@@ -51,7 +51,7 @@ class DriveScalars:
     def torque(self, q: Vector, qd: Vector) -> Scalar:
         """The torque that friction, springs and the like need, without inertia and without what is
         lost of the torque transmitted."""
-        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        (position,), (rate,) = self.at.position(q), self.at.rates(q, qd)
         return self._torque(position, rate, rate)
 
     @property
@@ -82,7 +82,7 @@ class DriveScalars:
         lossy = [x for x in self.laws if x.law.losses is not None]
         if not lossy:
             return 0.0
-        (rate,) = self.at.rates(qd)
+        rate = qd[self.at.v[0]]  # such a joint follows no other
         s, (driving, driven) = self.sign(lossy[0].law, rate), self.losses
         return where(less(0.0, s * direction), absolute(s) * driving, -(absolute(s) * driven))
 
@@ -105,7 +105,7 @@ class DriveScalars:
     def slopes(self, q: Vector, qd: Vector) -> tuple[Scalar, Scalar]:
         """The derivatives of the torque by the joint's position and rate, whose sign is
         constant."""
-        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        (position,), (rate,) = self.at.position(q), self.at.rates(q, qd)
         found = self._torque(Dual(position, {0: 1.0}), Dual(rate, {1: 1.0}), rate)
         by_position, by_rate = slopes(found, 2)
         return by_position, by_rate
@@ -117,7 +117,11 @@ class DriveScalars:
 
     def unit_torques(self, q: Vector, qd: Vector, qdd: Vector) -> list[Scalar]:
         """The torque at the joint of each parameter, being 1."""
-        (position,), (rate,), (second,) = self.at.position(q), self.at.rates(qd), self.at.rates(qdd)
+        (position,), (rate,), (second,) = (
+            self.at.position(q),
+            self.at.rates(q, qd),
+            self.at.second_rates(q, qd, qdd),
+        )
         found: list[Scalar] = []
         for x in self.laws:
             torques = x.law.torques(x.p, position, rate, self.sign(x.law, rate))
@@ -137,7 +141,7 @@ class DriveScalars:
     # ------------------------------------------------------------
     def drag(self, q: Vector, qd: Vector) -> Scalar:
         """The torque for each unit of the sign of the rate: what dry friction is at a state."""
-        (position,), (rate,) = self.at.position(q), self.at.rates(qd)
+        (position,), (rate,) = self.at.position(q), self.at.rates(q, qd)
         signs = replace(self, sign=lambda law, rate: Dual(0.0, {0: 1.0}))
         return slopes(signs._torque(position, rate, rate), 1)[0]
 

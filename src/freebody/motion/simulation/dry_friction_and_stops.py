@@ -14,7 +14,7 @@ from freebody.arrays import Array, at_sample
 from freebody.errors import FreebodyError, listed
 from freebody.model.model import Model
 from freebody.motion.ranges import Flags, position_columns, ranges
-from freebody.motion.smooth_friction import sticking_friction
+from freebody.motion.smooth_friction import refuse_bent, sticking_friction
 from freebody.outputs.number_text import compared
 from freebody.trees.position_rates import Index
 
@@ -136,6 +136,8 @@ def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointC
     """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
     sticks."""
     nv, friction = model.nv, sticking_friction(model)[1]
+    if dry:
+        refuse_bent("simulate", model, lambda law: law.grips, "use friction='smooth'")
     grip = friction.grip(model.family) if dry else np.zeros((*model.family, nv))
     iq, iv = position_columns(model)
     place = np.zeros(nv, dtype=int)

@@ -33,7 +33,13 @@ from freebody.loops.scaled_equations import rate_scale
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.simulation.step_kernels import smooth_kernel
-from freebody.motion.smooth_friction import WIDTH, DryFriction, smooth_friction, strut_damping
+from freebody.motion.smooth_friction import (
+    WIDTH,
+    DryFriction,
+    largest_square,
+    smooth_friction,
+    strut_damping,
+)
 from freebody.trees.dynamics import mass_matrix
 from freebody.trees.position_rates import CoordinateLayout, layout, normalised, position_rate
 from freebody.trees.positions import integrate
@@ -220,11 +226,11 @@ def suited_method(
 def decay_rate(model: Model, friction: DryFriction, q: Array) -> float:
     """The fastest rate (1/s) at which friction damps a motion at q (..., nq): largest eigenvalue of
     M⁻¹ D."""
-    damping, at_rest = friction.steepest(), ((0.0,) * model.nq, (0.0,) * model.nv)
+    damping, at_rest = friction.steepest(q), ((0.0,) * model.nq, (0.0,) * model.nv)
     for body in model.tree.bodies:
         if body.drive is not None:
-            k, ratio = body.coordinates.v[0], body.coordinates.ratio
-            damping[k] += ratio**2 * max(0.0, body.drive.slopes(*at_rest)[1])
+            steepest = max(0.0, body.drive.slopes(*at_rest)[1])
+            damping[body.coordinates.v[0]] += largest_square(body.drive.at, q) * steepest
     D = np.diag(np.abs(damping))
     if model.struts:
         D = D + strut_damping(model, np.broadcast_to(q, (model.nv, model.nq)), np.eye(model.nv))
