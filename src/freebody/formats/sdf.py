@@ -9,6 +9,7 @@ counted and reported.
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 
@@ -35,6 +36,7 @@ from freebody.spatial import space
 TEXT = 400
 """Characters of an element's text that are read: a pose of seven numbers."""
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_VERSION = re.compile(r"\s*([0-9]{1,3})\.([0-9]{1,3})\b")
 _MODEL, _WORLD = "__model__", "world"
 _OTHER_WORLD = "__world__"
 """The world's name where an old file has a link called world, which its joints then mean."""
@@ -129,10 +131,11 @@ class _SdfReader(Elements):
         )
 
     def read_version(self, root: XmlElement) -> tuple[int, int]:
-        words = root.attributes.get("version", "1.6").split(".")
-        if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
-            self.refuse(root, f"the version is {root.attributes.get('version')!r}, such as 1.7.")
-        return int(words[0]), int(words[1])
+        given = root.attributes.get("version", "1.6")
+        words = _VERSION.match(given)
+        if words is None:
+            self.refuse(root, f"the version is {shown(given)}, expected one such as 1.7.")
+        return int(words[1]), int(words[2])
 
     def model(self, root: XmlElement) -> tuple[XmlElement, tuple]:
         """The one model of the file that is no scenery, and gravity."""
@@ -411,7 +414,7 @@ class _SdfReader(Elements):
             if frame:
                 mine, theirs = self.pose_of(element.name(), element), self.pose_of(frame, element)
                 direction = mine[0].T @ theirs[0] @ direction
-            length = float(np.linalg.norm(direction))
+            length = math.hypot(*direction)
             x, y, z = (direction / length).tolist()
             found.append(((x, y, z), axis))
         return found

@@ -8,6 +8,7 @@ counterpart here is named in the model's notices; constraints that cannot be kep
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from freebody.errors import FileError, MissingPackageError, listed
+from freebody.formats import read_file
 from freebody.formats.mjcf import compiled
 from freebody.model.description import (
     INFINITE,
@@ -39,7 +41,21 @@ from freebody.spatial import space
 
 _SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
-_WORLD = "world"
+_PARTS = {
+    "bodies": "body",
+    "joints": "joint",
+    "sites": "site",
+    "equalities": "equality",
+    "actuators": "actuator",
+    "tendons": "tendon",
+}
+_BOUNDS = {
+    "range": "range",
+    "effort": "actuatorfrcrange",
+    "force": "forcerange",
+    "input": "ctrlrange",
+}
+"""MJCF's names of the pairs of numbers that bound something."""
 
 
 def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescription:
@@ -80,8 +96,28 @@ def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
         ) from None
     if "problem" in found:
         told = " ".join(found["problem"].split()).rstrip(".")
-        raise FileError(file, None, f"MuJoCo does not compile it: {told}.")
+        raise FileError(file, _line(told, data), f"MuJoCo does not compile it: {told}.")
+    _refuse_unusable(file, found)
     return found
+
+
+def _line(told: str, data: bytes) -> int | None:
+    """The line that MuJoCo tells of a file; it does not say which, where files are included."""
+    found = re.search(r"\bline (\d+)", told)
+    return int(found[1]) if found and not re.search(rb"<(include|model)\b", data) else None
+
+
+def _refuse_unusable(file: str, found: dict[str, Any]) -> None:
+    """Refuse numbers that MuJoCo takes and no robot has: NaN, and infinity where it is no bound."""
+    for kind, called in _PARTS.items():
+        for part in found[kind]:
+            for key, given in part.items():
+                for value in given if isinstance(given, list) else [given]:
+                    fault = isinstance(value, float) and read_file.fault(value, key in _BOUNDS)
+                    if fault:
+                        name = f" {part['name']!r}" if part["name"] else ""
+                        problem = f"{called}{name}: its {key} is {value:g}, {fault}."
+                        raise FileError(file, None, problem)
 
 
 @dataclass
@@ -120,6 +156,7 @@ class _MjcfReader:
             self.equality(equality)
         for tendon in self.given["tendons"]:
             self.tendon(tendon)
+        self.name_swapped()
         self.name_left_out()
         g = np.array(self.given["gravity"])
         size = float(np.linalg.norm(g))
@@ -314,6 +351,9 @@ class _MjcfReader:
             else:
                 poses = [(data[3:6], data[6:10]), (data[:3], (1, 0, 0, 0))]
             places = [self.in_link(b, *pose) for b, pose in zip(bodies, poses, strict=True)]
+        if len({*map(self.rigid, bodies)}) < 2:
+            self.note(f"the equality {called!r} joins parts of one body, and is left out.")
+            return
         frames = tuple(f"{called}_{end}" for end in "ab")
         for frame, body, place in zip(frames, bodies, places, strict=True):
             self.mount(frame, body, place)
@@ -326,8 +366,11 @@ class _MjcfReader:
             return
         name = given["name"] or f"tendon{len(self.struts) + 1}"
         (lower, upper), ends = given["rest"], given["ends"]
-        bodies = {self.given["sites"][k]["body"] for k in ends}
-        if len(bodies) < 2 or given["more"] or lower != upper:
+        bodies = {self.rigid(self.given["sites"][k]["body"]) for k in ends}
+        if len(bodies) == 1 and not given["more"]:
+            self.note(f"the tendon {name!r} is between parts of one body, and is left out.")
+            return
+        if not bodies or given["more"] or lower != upper:
             self.note(
                 f"warning: what the tendon {name!r} does is left out: read is one between sites of "
                 f"two bodies, its stiffness, damping and springlength, one number, alone."
@@ -338,6 +381,13 @@ class _MjcfReader:
             name += "_tendon"
         frames = (self.sites[ends[0]], self.sites[ends[1]])
         self.struts.append(Strut(name, frames, given["stiffness"], lower, given["damping"]))
+
+    def rigid(self, body: int) -> int:
+        """The outermost body that a body is welded to: itself where it has joints."""
+        moved = {joint["body"] for joint in self.given["joints"]}
+        while body and body not in moved:
+            body = self.given["bodies"][body]["parent"]
+        return body
 
     # ------------------------------------------------------------ frames and notices
     def in_link(self, body: int, position: Any, quaternion: Any) -> Placement:
@@ -351,6 +401,19 @@ class _MjcfReader:
             name += "_site"
         self.mounts.append(Mount(name, self.body_names[body], placement))
         return name
+
+    def name_swapped(self) -> None:
+        """Ranges whose ends are swapped, which MuJoCo takes for no bounds without a word."""
+        for kind in ("joints", "actuators"):
+            for k, part in enumerate(self.given[kind]):
+                for key, attribute in _BOUNDS.items():
+                    lower, upper = part.get(key, (0.0, 0.0))
+                    if lower > upper:
+                        called = f"{_PARTS[kind]} {part['name'] or k + 1!r}"
+                        self.note(
+                            f"warning: {called}: the lower end of its {attribute}, {lower:g}, is "
+                            f"above the upper one, {upper:g}, so that MuJoCo takes it to have none."
+                        )
 
     def name_left_out(self) -> None:
         for what, count in self.given["left_out"].items():
