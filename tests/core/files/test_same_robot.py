@@ -401,6 +401,18 @@ def test_loops_are_compared():
     assert fb.same_robot(model, turned)
 
 
+def test_many_joints_on_one_body_are_told_apart_by_their_axes():
+    """Seven joints on the base, six of one kind: more ways to match them than are tried."""
+    model = fb.load("stewart")
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, name=f"x{k}"))
+        for k, body in enumerate(model.bodies)
+    )
+    found = fb.same_robot(model, replace(model, bodies=bodies, home=()))
+    assert found, str(found)
+    assert found.joints == {x.joint.name: f"x{k}" for k, x in enumerate(model.bodies)}
+
+
 WRONG_LINK4 = """<inertial><origin xyz="-0.05113 0.05825 0.01698"/><mass value="2.2037"/>
 <inertia ixx="0.00784585566" ixy="-0.00339591957" ixz="0.00158704074" iyy="0.00649543136"
 iyz="-0.00181477884" izz="0.01003079917"/></inertial>"""
