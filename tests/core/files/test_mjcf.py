@@ -254,7 +254,7 @@ def test_files_with_includes_and_urdf_in_xml(tmp_path):
     assert fb.load(path).nv == 1
     (tmp_path / "robot.xml").write_text('<robot name="r"><link name="a"/></robot>')
     assert fb.load(tmp_path / "robot.xml").name == "r"
-    with pytest.raises(fb.FreebodyError, match="package_path= is for URDF and xacro files"):
+    with pytest.raises(fb.FreebodyError, match="package_path= is for URDF, xacro and SDF files"):
         fb.load(path, package_path=tmp_path)
     with pytest.raises(fb.FreebodyError, match="<mujocoinclude>"):
         fb.load(tmp_path / "parts.xml")

@@ -237,7 +237,7 @@ def test_arguments_are_used_or_refused(folder):
         "no argument 'm' in its <xacro:arg>. Arguments: n."
     )
     assert "xacro= is for xacro files" in refusal("2R", xacro={"n": 1})
-    assert "package_path= is for URDF and xacro files" in refusal("2R", package_path="x")
+    assert "package_path= is for URDF, xacro and SDF files" in refusal("2R", package_path="x")
 
 
 def test_packages_are_found_where_the_user_says(folder, tmp_path, monkeypatch):
