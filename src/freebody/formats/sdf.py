@@ -328,6 +328,9 @@ class _SdfReader(Elements):
                 self.refuse(found, str(UnknownNameError("link", name, "the model", known)))
             return name
         for _ in range(200):
+            if name not in self.written:
+                known = [MODEL, *self.written]
+                self.refuse(found, str(UnknownNameError("frame", name, where, known)))
             holder, around = self.written[name]
             if holder.tag == "link":
                 return name
