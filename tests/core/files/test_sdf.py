@@ -233,6 +233,10 @@ def test_what_is_not_said_is_told():
             "placed in circles",
         ),
         (sdf(link("a") + joint("j", "world", "c", Y)), "no link 'c'"),
+        (
+            sdf(link("a") + '<frame name="f" attached_to="b"/>' + joint("j", "world", "f", Y)),
+            "no frame 'b' in joint 'j'",
+        ),
         (sdf(link("a") + joint("j", "a", "world", Y)), "swap parent and child"),
         (sdf(link("a") + joint("j", "world", "a", "", "gearbox")), "no type 'gearbox'"),
         (

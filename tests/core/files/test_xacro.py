@@ -197,6 +197,8 @@ def refusal(source, **how):
         ),
         ('<link name="$(env HOME)"/>', ":2: the environment variable 'HOME' is not read; allow it"),
         ('<link name="$(arg n)"/>', ":2: no argument 'n' in the file."),
+        ('<link name="$(arg n 3)"/>', ":2: $(arg) takes other words than 'n 3'."),
+        ('<link name="$(find)"/>', ":2: $(find) takes other words than ''."),
         ('<link name="${1/0}"/>', ":2: '1/0': division by zero."),
         ('<link name="${1"/>', ":2: '${1' has no end."),
         ("<xacro:insert_block name='b'/>", ":2: there is no block 'b'."),
