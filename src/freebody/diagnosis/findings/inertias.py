@@ -151,7 +151,7 @@ def _turns(facts: RobotFacts, name: str) -> bool:
     """Whether a link can turn, and does not only slide: its moments of inertia count."""
     seen = set[str]()
     while (joint := facts.above.get(name)) and name not in seen:
-        if joint.kind not in ("fixed", "prismatic"):
+        if joint.kind != "fixed" and (joint.turns or not joint.moves):
             return True
         seen.add(name)
         name = joint.parent
