@@ -42,7 +42,7 @@ class ModelScope:
     """Whether it has a link called world, which its joints then mean."""
 
     def named(self, name: str) -> str:
-        """What a name means in the whole model."""
+        """The name of the whole model that a name in this one means."""
         name = name.strip()
         if name in ("", MODEL):
             return self.frame
@@ -294,4 +294,4 @@ def _called(element: XmlElement, scope: ModelScope, children: list[XmlElement]) 
 
 
 _WRITTEN = {"link": _link, "frame": _frame, "joint": _joint}
-"""What is written by names of the whole model, by tag."""
+"""Functions that write an element by names of the whole model, by tag."""

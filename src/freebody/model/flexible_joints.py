@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 _NEAR = 1e-9
-"""Of an axis' direction, or m: lines that are one."""
+"""Distance (m) or difference of directions of two lines that are one."""
 _TRACE = 1e-6
 """Share of a robot's mass that a rotor's link has where a format knows none without mass."""
 

@@ -18,7 +18,7 @@ def told(wrong: list[tuple[str, bytes]]) -> str:
 
 
 def some(kind: str, seed: int, most: int) -> None:
-    """That many cases are right."""
+    """Check that so many cases are right."""
     if kind == "mjcf":
         extra("mujoco", name="mjcf")
     count, wrong = fuzz.run(kind, seed, lambda n: n < most)

@@ -41,7 +41,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Closing:
-    """What closes a loop at a point of the drawing: a ball, or a hinge where it has an axis; where
+    """A joint that closes a loop at a point of the drawing: a ball, or a hinge where it has an axis; where
     it is fixed, all."""
 
     a: str

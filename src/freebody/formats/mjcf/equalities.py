@@ -1,4 +1,5 @@
-"""What connects and welds of a model of MuJoCo hold together: two connects may hold an axis."""
+"""Connects and welds of a model of MuJoCo, and the bodies that they hold together: two connects may
+hold an axis."""
 
 from __future__ import annotations
 
