@@ -41,8 +41,8 @@ class Part:
 
 @dataclass(frozen=True)
 class Closing:
-    """A joint that closes a loop at a point of the drawing: a ball, or a hinge where it has an axis; where
-    it is fixed, all."""
+    """A joint that closes a loop at a point of the drawing: a ball, or a hinge where it has an
+    axis; where it is fixed, all."""
 
     a: str
     b: str
