@@ -61,7 +61,7 @@ KNOWN = {
     ("model/description.py", "make_dataclass"): "the numbers of the laws of drives, by names that "
     "stand in their files",
     (
-        "formats/mjcf/reader.py",
+        "formats/mjcf/compilation.py",
         "subprocess",
     ): "this Python with a file of freebody's own, which "
     "has MuJoCo parse the user's; its path is an argument, never a shell's text",

@@ -13,19 +13,24 @@ import re
 import signal
 import sys
 import tempfile
+import time
 import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import freebody as fb
 from support.command import told
+from support.mujoco_server import MujocoServer
 
 CORPUS = Path(__file__).parent.parent / "corpus"
 SECONDS = 5.0
 """CPU time that a case may take."""
+BYTES = 600 << 20
+"""Memory by which all cases of a run together may make the process grow."""
 
 
 def dictionary(name: str) -> list[str]:
@@ -33,7 +38,9 @@ def dictionary(name: str) -> list[str]:
     return (CORPUS / "dictionary" / f"{name}.txt").read_text(encoding="utf-8").split("\n")[:-1]
 
 
-KINDS = ("urdf", "toml", "dh", "motion", "check", "values", "word", "name")
+ROBOTS = ("urdf", "xacro", "mjcf", "sdf", "toml", "dh")
+"""The kinds that are formats of robots."""
+KINDS = (*ROBOTS, "motion", "check", "values", "word", "name")
 NUMBERS = [*dictionary("numbers"), "9" * 5000, "0." + "1" * 3000, "1e" + "9" * 400]
 WORDS = {kind: dictionary(kind) for kind in KINDS}
 MARKS = list("\"'[]{}()<>=,.;:#&|\\/^*+-_ \t\n\r\0\x0b\x1b\x85\u2028\ufeff\u202e°²θ̇½") + [
@@ -48,9 +55,7 @@ _WORD = re.compile(r"[A-Za-z_\\]\w*")
 def seeds(kind: str) -> list[str]:
     """The texts of a corpus; of kinds that are lines, each line."""
     texts = [path.read_text(encoding="utf-8") for path in sorted((CORPUS / kind).iterdir())]
-    return (
-        texts if kind in ("urdf", "toml", "dh", "motion", "check") else "".join(texts).splitlines()
-    )
+    return texts if kind in (*ROBOTS, "motion", "check") else "".join(texts).splitlines()
 
 
 def cases(kind: str, seed: int) -> Iterator[bytes]:
@@ -158,6 +163,15 @@ def _model(path: Path) -> None:
         _ = model.mass, model.tree
 
 
+_mujoco = MujocoServer()
+
+
+def _mjcf(path: Path) -> None:
+    """Loads a robot; MuJoCo's process is the server."""
+    with unwatched(), mock.patch("subprocess.run", _mujoco.run):
+        _model(path)
+
+
 def _positions(text: str) -> None:
     """Reads positions as the command line does, for the diagram of a body that there is not."""
     _, said = told(["fbd", "2R", "--body", "none", f"--q={text}"])
@@ -174,6 +188,9 @@ def readers() -> dict[str, tuple[str, Callable[[Path, bytes], Any]]]:
     arm = fb.load("2R")
     return {
         "urdf": (".urdf", lambda path, data: _model(path)),
+        "xacro": (".xacro", lambda path, data: _model(path)),
+        "mjcf": (".xml", lambda path, data: _mjcf(path)),
+        "sdf": (".sdf", lambda path, data: _model(path)),
         "toml": (".toml", lambda path, data: _model(path)),
         "dh": (".csv", lambda path, data: _model(path)),
         "motion": (".csv", lambda path, data: fb.read_motion(arm, path)),
@@ -198,11 +215,11 @@ def _audit(event: str, arguments: tuple[Any, ...]) -> None:
     if event == "open":
         path, mode, flags = arguments
         reads = not flags & (os.O_WRONLY | os.O_RDWR)
-        # a number is what was opened before; the program and its data are its own
-        own = (
-            isinstance(path, int)
-            or str(path) == _watch["allowed"]
-            or str(path).endswith((".py", ".pyc", ".toml"))
+        # a number is what was opened before; the program and its data are its own; a file may
+        # name its neighbours, and what says of a folder which package it is
+        own = isinstance(path, int) or (
+            os.path.dirname(str(path)) == os.path.dirname(_watch["allowed"])
+            or str(path).endswith((".py", ".pyc", ".toml", "/package.xml"))
         )
         if not (reads and own):
             _watch["touched"].append((event, str(path), mode))
@@ -287,7 +304,7 @@ def run(
         path = Path(folder) / f"case{suffix}"
         for text in seeds(kind):  # for what is imported and compiled once
             fault(kind, text.encode(), path, read)
-        count = 0
+        count, before = 0, _most_memory()
         for data in cases(kind, seed):
             if not goes_on(count):
                 break
@@ -295,11 +312,22 @@ def run(
             problem = fault(kind, data, path, read)
             if problem is not None:
                 wrong.append((problem, data))
+            if _most_memory() - before > BYTES:
+                wrong.append((f"the process grew by {_most_memory() - before} bytes", data))
+                before = _most_memory()
     return count, wrong
+
+
+def _most_memory() -> int:
+    """The most that the process has had, in bytes."""
+    import resource  # where there is a timer of CPU time, as the cases need
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss << (sys.platform != "darwin") * 10
 
 
 if __name__ == "__main__":  # python tests/support/fuzz.py KIND CASES [SEED]
     most = int(sys.argv[2])
+    began = time.monotonic()
     number, found = run(
         sys.argv[1], int(sys.argv[3]) if len(sys.argv) > 3 else 0, lambda n: n < most
     )
@@ -307,4 +335,5 @@ if __name__ == "__main__":  # python tests/support/fuzz.py KIND CASES [SEED]
     for k, (problem, data) in enumerate(kinds.values()):
         Path(f"{sys.argv[1]}-{k}.case").write_bytes(data)
         print(f"{sys.argv[1]}-{k}.case: {problem}: {data[:100]!r}")
-    print(f"{sys.argv[1]}: {number} cases, {len(found)} wrong")
+    took = time.monotonic() - began
+    print(f"{sys.argv[1]}: {number} cases, {len(found)} wrong, {took:.0f} s")

@@ -256,14 +256,25 @@ def _matchings(
         for one in own
     ]
     found: dict[float, list[list[tuple[Part, Part]]]] = {}
-    for choice in islice(product(*choices), _MATCHINGS):
-        given = [x.index for x in choice if x]
-        if len(set(given)) == len(given):
-            pairs = [(x, y) for x, y in zip(own, choice, strict=True) if y]
-            off = sum(not tolerances.same(_gap(x, y, pose)[1]) for x, y in pairs)
-            lost = max(len(own), len(others)) - len(pairs)
-            found.setdefault(off + 2 * lost, []).append(pairs)
+    for choice in islice(_each_once(choices), _MATCHINGS):
+        pairs = [(x, y) for x, y in zip(own, choice, strict=True) if y]
+        off = sum(not tolerances.same(_gap(x, y, pose)[1]) for x, y in pairs)
+        lost = max(len(own), len(others)) - len(pairs)
+        found.setdefault(off + 2 * lost, []).append(pairs)
     return found[min(found)][:_FOLLOWED]
+
+
+def _each_once(
+    choices: Sequence[Sequence[Part | None]], taken: tuple[Part | None, ...] = ()
+) -> Iterator[tuple[Part | None, ...]]:
+    """The ways to choose one of each, no part twice."""
+    if len(taken) == len(choices):
+        yield taken
+        return
+    used = {x.index for x in taken if x}
+    for one in choices[len(taken)]:
+        if one is None or one.index not in used:
+            yield from _each_once(choices, (*taken, one))
 
 
 def _gap(one: Part, two: Part, pose: ArrayPose) -> tuple[ArrayPose, Gap]:

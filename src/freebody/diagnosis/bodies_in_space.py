@@ -13,6 +13,7 @@ from freebody.arrays import Array
 from freebody.diagnosis.facts import ArrayPose, composed, norm, pose_of
 from freebody.lazy import Keeps, cached_property
 from freebody.model.bodies import Body
+from freebody.model.flexible_joints import with_rigid_joints
 from freebody.model.inertia import combined
 from freebody.model.model import Model
 from freebody.model.placement import Placement
@@ -50,6 +51,8 @@ class Part(Keeps):
     axis: Array | None
     """Unit vector along a joint of one coordinate; None of other kinds."""
     dim: int
+    shaft: Body | None = None
+    """The body with the shaft of a flexible joint, of which this is the whole."""
 
     @property
     def joint(self) -> str:
@@ -94,11 +97,14 @@ def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
 
 
 class BodyTree:
-    """A model's parts as a tree; those on the base are the children of -1."""
+    """A model's parts as a tree; those on the base are the children of -1. A flexible joint is one
+    joint with a shaft."""
 
     def __init__(self, model: Model):
-        self.model = model
-        self.parts = [_part(body, k, model.dim) for k, body in enumerate(model.bodies)]
+        self.model, shafts = with_rigid_joints(model)
+        self.parts = [
+            _part(body, k, model.dim, shafts.get(k)) for k, body in enumerate(self.model.bodies)
+        ]
         self.children: dict[int, list[Part]] = {k: [] for k in range(-1, len(self.parts))}
         for part in self.parts:
             self.children[part.body.parent].append(part)
@@ -163,12 +169,12 @@ class BodyTree:
         return first.point + first.direction * (first.direction @ (centre - first.point))
 
 
-def _part(body: Body, index: int, dim: int) -> Part:
+def _part(body: Body, index: int, dim: int, shaft: Body | None) -> Part:
     joint = body.joint
     axis = None
     if body.kind.nv == 1:
         axis = _Z if dim == 2 and body.kind.turns else np.array([*joint.axis, 0.0][:3])
-    return Part(body, index, pose_in_space(joint.placement, dim), axis, dim)
+    return Part(body, index, pose_in_space(joint.placement, dim), axis, dim, shaft)
 
 
 def pose_in_space(placement: Placement, dim: int) -> ArrayPose:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -72,6 +72,12 @@ def _structure(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]
             off = norm(np.subtract(*own))
             if off > found.tolerances.length:
                 yield _of_joint("joints", pair, f"its pitch differs by {off:.3g} m/rad", off)
+        shafts = [x.shaft.joint.name if x.shaft else "" for x in (pair.a, pair.b)]
+        if bool(shafts[0]) != bool(shafts[1]):
+            who, shaft = ((found.a, found.b)[not shafts[0]].model.name, shafts[0] or shafts[1])
+            text = f"has a shaft that twists, {shaft!r}, in {who!r} alone"
+            yield _of_joint("joints", pair, text, math.inf)
+    for pair in (*found.pairs, *_shafts(found)):
         passive = pair.a.body.joint.passive, pair.b.body.joint.passive
         if passive[0] != passive[1]:
             who = (found.a, found.b)[passive[1]].model.name
@@ -313,12 +319,13 @@ def _drives_given(robot: BodyTree) -> frozenset[str]:
 
 
 def _strengths(robot: BodyTree, law: DriveLaw) -> list[float]:
-    drives = (part.body.joint.drive for part in robot.parts)
+    bodies = (body for part in robot.parts for body in (part.body, part.shaft) if body)
+    drives = (body.joint.drive for body in bodies)
     return [float(VALUES.quantity(getattr(drive, law.strength))) for drive in drives]
 
 
 def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDifference]:
-    for pair in found.pairs:
+    for pair in (*found.pairs, *_shafts(found)):
         for law in LAWS.values():
             if law.term in compared and law.inertia is not None:
                 yield from _rotors(found, pair)
@@ -326,6 +333,15 @@ def _drives(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
                 yield from _losses(found, pair, law)
             elif law.term in compared:
                 yield from _numbers(found, pair, law)
+
+
+def _shafts(found: Alignment) -> Iterator[MatchedJoint]:
+    """The shafts of flexible joints in both robots, as pairs; they count from where they are
+    straight."""
+    for pair in found.pairs:
+        if pair.a.shaft and pair.b.shaft:
+            one, two = (replace(x, body=x.shaft, shaft=None) for x in (pair.a, pair.b))
+            yield replace(pair, a=one, b=two, offset=0.0)
 
 
 def _numbers(found: Alignment, pair: MatchedJoint, law: DriveLaw) -> Iterator[RobotDifference]:

@@ -19,7 +19,7 @@ from freebody.diagnosis.findings import FINDINGS
 from freebody.diagnosis.source_text import changed
 from freebody.errors import FileError, FreebodyError, FreebodyWarning, IncludedLine
 from freebody.formats import read_file, urdf
-from freebody.formats.loading import ReadingOptions, read, weighed
+from freebody.formats.loading import SUFFIXES, ReadingOptions, read, weighed
 from freebody.formats.packages import Packages, packages_around
 from freebody.formats.urdf_elements import XmlElement, parse
 from freebody.formats.xacro.expand import expanded
@@ -127,8 +127,9 @@ def doctor(
         if root.tag == "robot":
             return _mended(given, data, root, packages)
     elif suffix == ".xacro":
-        found = expanded(given, read_file.read(given), packages, how.xacro, how.xacro_environment)
-        return Diagnosis(given, _findings(_urdf_facts(given, found.root, packages)))
+        data = read_file.read(given)
+        parse(given, data)
+        return Diagnosis(given, _findings(_xacro_facts(given, data, packages, how)))
     return Diagnosis(given, _findings(_described(path, given, packages, how)))
 
 
@@ -144,13 +145,24 @@ def _urdf_facts(file: str, root: XmlElement, packages: Packages) -> RobotFacts:
     return RobotFacts(file, links, joints, packages, model, refusal, root)
 
 
+def _xacro_facts(file: str, data: bytes, packages: Packages, how: ReadingOptions) -> RobotFacts:
+    try:
+        found = expanded(file, data, packages, how.xacro, how.xacro_environment)
+    except FileError as problem:
+        return RobotFacts(file, (), (), packages, None, problem)
+    return _urdf_facts(file, found.root, packages)
+
+
 def _described(
     path: str | os.PathLike[str], file: str, packages: Packages, how: ReadingOptions
 ) -> RobotFacts:
+    known = Path(file).suffix.lower() in SUFFIXES
+    if known:
+        read_file.read(file)  # a file that is not there has no faults
     try:
         description = read(path, how)
     except FileError as problem:
-        if not problem.line:
+        if not known:
             raise
         return RobotFacts(file, (), (), packages, None, problem)
     links, joints = description_facts.links_and_joints(description)

@@ -18,6 +18,7 @@ from freebody.errors import FreebodyError, KindError, listed
 from freebody.formats.loading import load
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
+from freebody.model.single_joints import is_taken_apart, with_single_joints
 from freebody.outputs.display import InWords, Tabled, TextTable, counted
 
 _NAMES = 4
@@ -99,10 +100,11 @@ def same_robot(
 
     What a description is free to choose does not count, and is told: where the base stands and what
     the tool's frame is, where a joint's zero is and which way it counts, where the frames of links
-    are, names, and links that are split into several. Joints of several axes are compared with
-    their frames as they are, and what is fixed to the base only by the joints on it. A robot in the
-    plane is compared with one in space by what moves it there. Limits, friction and masses that one
-    of them does not give at all are told, not compared.
+    are, names, links that are split into several, and a joint of several axes that is a chain of
+    joints in the other. Joints of several axes in both are compared with their frames as they are,
+    and what is fixed to the base only by the joints on it. A robot in the plane is compared with
+    one in space by what moves it there. Limits, friction and masses that one of them does not give
+    at all are told, not compared.
 
     Parameters
     ----------
@@ -132,6 +134,8 @@ def same_robot(
         one, two = (
             x.replace(name=f"{x.name} ({which})") for x, which in ((one, "first"), (two, "second"))
         )
+    if _composed_kinds(one) != _composed_kinds(two):  # a format without them writes several
+        one, two = with_single_joints(one), with_single_joints(two)
     robots = BodyTree(one), BodyTree(two)
     lengths = tolerance * max(robot.reach for robot in robots)
     found = align(*robots, Tolerances(lengths, tolerance))
@@ -148,7 +152,12 @@ def same_robot(
         (one.name, two.name),
         tuple(differences),
         (*_regardless(found), *absent),
-        {pair.a.joint: pair.b.joint for pair in found.pairs},
+        {
+            x.joint.name: y.joint.name
+            for pair in found.pairs
+            for x, y in ((pair.a.body, pair.b.body), (pair.a.shaft, pair.b.shaft))
+            if x and y
+        },
         found.base,
     )
 
@@ -160,6 +169,10 @@ def _model(given: object) -> Model:
     require_one("same_robot", model)
     model.require_values("same_robot: the numbers")
     return model
+
+
+def _composed_kinds(model: Model) -> list[str]:
+    return sorted(body.joint.kind for body in model.bodies if is_taken_apart(body, euler=False))
 
 
 # ------------------------------------------------------------ what does not count

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Literal
 
 from freebody.errors import FileError, FreebodyError, MassWarning, UnknownNameError, shown, warn
-from freebody.formats import dh_csv, read_file, sdf, toml, urdf
+from freebody.formats import dh_csv, read_file, sdf, sdf_nested, toml, urdf
 from freebody.formats.masses import estimated, implausible_masses
 from freebody.formats.mjcf import reader as mjcf
 from freebody.formats.packages import Packages, packages_around
@@ -92,8 +92,9 @@ def _xacro(given: _Given) -> RobotDescription:
 
 
 def _sdf(given: _Given) -> RobotDescription:
-    root = parse(given.file, given.data, sdf.TEXT)
-    return sdf.describe(root, given.file, name=given.name, snap_angles=given.how.snap_angles)
+    root = parse(given.file, given.data, sdf_nested.TEXT)
+    snap = given.how.snap_angles
+    return sdf.describe(root, given.file, given.packages, name=given.name, snap_angles=snap)
 
 
 def _xml(given: _Given) -> RobotDescription:
@@ -126,14 +127,14 @@ _FORMATS = {
     ".xacro": _Format(_xacro, ("package_path", "xacro", "xacro_environment")),
     ".xml": _Format(_xml, ("package_path",)),
     ".mjcf": _Format(_xml),
-    ".sdf": _Format(_sdf),
+    ".sdf": _Format(_sdf, ("package_path",)),
     ".toml": _Format(_toml),
     ".csv": _Format(_csv, ("convention",)),
 }
 SUFFIXES = tuple(_FORMATS)
 _PURPOSES = {
     "convention": "DH tables in .csv files, which do not always state it",
-    "package_path": "URDF and xacro files, which name packages",
+    "package_path": "URDF, xacro and SDF files, which name packages",
     "xacro": "xacro files, which have arguments",
     "xacro_environment": "xacro files, which can ask for variables",
 }
@@ -196,8 +197,9 @@ def load(
         (m, rad) by which rounded numbers may keep loops from closing, see `Model.with_loop`;
         default: the file's, else 1 mm or a thousandth of the loop's size, the smaller, and 1 mrad.
     package_path
-        Folders of ROS packages that a xacro file includes, or that hold meshes. Packages around the
-        file are found without, then those in FREEBODY_PACKAGE_PATH and where ROS keeps them.
+        Folders of ROS packages that a xacro or SDF file includes, or that hold meshes. Packages
+        around the file are found without, then those in FREEBODY_PACKAGE_PATH and where ROS keeps
+        them.
     xacro
         Values for the arguments of a xacro file, by their names.
     xacro_environment

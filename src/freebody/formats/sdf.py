@@ -14,6 +14,8 @@ import numpy as np
 
 from freebody.errors import UnknownNameError, listed, shown
 from freebody.formats import read_file
+from freebody.formats.packages import Packages
+from freebody.formats.sdf_nested import AXES_IN_JOINTS, MODEL, WORLD, NestedModels, read_version
 from freebody.formats.urdf_elements import UNLIMITED, Elements, XmlElement
 from freebody.model.description import (
     INFINITE,
@@ -32,10 +34,7 @@ from freebody.model.placement import Placement, rotate, rpy, shift
 from freebody.model.quantity_reader import VALUES
 from freebody.spatial import space
 
-TEXT = 400
-"""Characters of an element's text that are read: a pose of seven numbers."""
 _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-_MODEL, _WORLD = "__model__", "world"
 _OTHER_WORLD = "__world__"
 """The world's name where an old file has a link called world, which its joints then mean."""
 _SAME = 1e-12
@@ -57,17 +56,20 @@ _ROTOR = {"rotor": "drake:rotor_inertia", "gear": "drake:gear_ratio"}
 _AXES = {"revolute": 1, "continuous": 1, "prismatic": 1, "universal": 2, "revolute2": 2}
 
 
-def describe(root: XmlElement, file: str, *, name: str, snap_angles: float) -> RobotDescription:
-    """The description in an SDF's root element, of that file. `name` stands in where the model has
-    none; snap_angles in rad."""
-    return _SdfReader(file, snap_angles).description(root, name)
+def describe(
+    root: XmlElement, file: str, packages: Packages, *, name: str, snap_angles: float
+) -> RobotDescription:
+    """The description in an SDF's root element, of that file, which may include others of those
+    packages. `name` stands in where the model has none; snap_angles in rad."""
+    return _SdfReader(file, packages, snap_angles).description(root, name)
 
 
 class _SdfReader(Elements):
     """One reading: the frames, links and joints found so far."""
 
-    def __init__(self, file: str, snap: float):
+    def __init__(self, file: str, packages: Packages, snap: float):
         super().__init__(file, snap)
+        self.nested = NestedModels(self, packages)
         self.links: dict[str, Link] = {}
         self.joints: list[Joint] = []
         self.mounts: list[Mount] = []
@@ -75,33 +77,35 @@ class _SdfReader(Elements):
         self.written: dict[str, tuple[XmlElement, str]] = {}
         """Each frame's element, and the frame its pose is relative to where it does not say."""
         still = np.eye(3), np.zeros(3)
-        self.poses: dict[str, FramePose] = {_MODEL: still}
+        self.poses: dict[str, FramePose] = {MODEL: still}
         self.inside: dict[tuple[str, str], FramePose] = {}
         """Poses of frames in those that they are given in, as they are written."""
-        self.world = _WORLD
+        self.world = WORLD
         self.assumed: list[str] = []
         """Links of which the format assumes a mass or inertia."""
 
     def description(self, root: XmlElement, name: str) -> RobotDescription:
         if root.tag != "sdf":
             self.refuse(root, f"the root element is <{root.tag}>, expected <sdf>.")
-        self.version = self.read_version(root)
+        self.version = read_version(self, root)
         model, gravity = self.model(root)
-        self.sort_out(model, "link", "joint", "frame", "pose", "static", "model", "include")
-        for tag in ("model", "include"):
-            for inner in model.all(tag):
-                self.refuse(inner, f"a <{tag}> inside a model is not read; put its links here.")
+        model = self.nested.flattened(model, self.version)
+        self.sort_out(model, "link", "joint", "frame", "pose", "static")
         links, joints = model.all("link"), model.all("joint")
         if not links:
             self.refuse(model, "there are no links; a robot needs at least one.")
-        if any(element.name() == _WORLD for element in links):
+        if any(element.name() == WORLD for element in links):
             self.world = _OTHER_WORLD
-        self.poses[self.world] = self.poses[_MODEL]
+        self.poses[self.world] = self.poses[MODEL]
         for element in (*links, *model.all("frame"), *joints):
             self.declare(element)
         pose = self.one(model, "pose", "the model")
-        if pose is not None:
-            self.poses[self.world] = _between(self.local(pose, "the model"), self.poses[_MODEL])
+        placed = self.local(pose, "the model") if pose is not None else self.poses[MODEL]
+        base = model.attributes.get("placement_frame", "").strip()
+        if base:
+            placed = _composed(placed, _between(self.pose_of(base, model), self.poses[MODEL]))
+        if pose is not None or base:
+            self.poses[self.world] = _between(placed, self.poses[MODEL])
         for element in links:
             self.link(element)
         self.tree(model, joints)
@@ -128,24 +132,26 @@ class _SdfReader(Elements):
             real=True,
         )
 
-    def read_version(self, root: XmlElement) -> tuple[int, int]:
-        words = root.attributes.get("version", "1.6").split(".")
-        if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
-            self.refuse(root, f"the version is {root.attributes.get('version')!r}, such as 1.7.")
-        return int(words[0]), int(words[1])
-
     def model(self, root: XmlElement) -> tuple[XmlElement, tuple]:
         """The one model of the file that is no scenery, and gravity."""
         worlds, models = root.all("world"), root.all("model")
-        gravity = [0.0, 0.0, -9.81]
+        gravity, versions = [0.0, 0.0, -9.81], dict[int, tuple[int, int]]()
         for world in worlds:
             models += world.all("model")
+            for element in world.all("include"):
+                found = self.nested.included_in_world(element)
+                if found is not None:
+                    models.append(found[0])
+                    versions[id(found[0])] = found[1]
             for element in world.all("gravity"):
                 gravity = self.numbers(element, 3, "gravity")
         moving = [m for m in models if not self.truth(m, "static")] or models
         if len(moving) != 1:
             names = listed([repr(m.name()) for m in moving], 6) or "none"
-            self.refuse(root, f"a robot is one <model>, and here are {names}; leave one.")
+            lost = listed([x.text for x in self.notices if x.kind == "ignored"], 3)
+            told = f" ({lost.rstrip('.')})" if lost else ""
+            self.refuse(root, f"a robot is one <model>, and here are {names}{told}; leave one.")
+        self.version = versions.get(id(moving[0]), self.version)
         _, along = gravity_of(gravity, 3)
         return moving[0], gravity_of(math.hypot(*gravity), 3, along, name="g")
 
@@ -153,20 +159,20 @@ class _SdfReader(Elements):
     def declare(self, element: XmlElement) -> None:
         where = f"{element.tag} {element.name()!r}"
         name = self.text(element, "name", element.tag)
-        if name in self.written or name in (_MODEL, self.world):
+        if name in self.written or name in (MODEL, self.world):
             self.refuse(element, f"{where}: there are two of that name; rename one.")
-        around = _MODEL
+        around = MODEL
         if element.tag == "joint":
-            around = self.end(element, "child", where)
+            around = self.named(element, "child", where).content
         elif element.tag == "frame":
-            around = element.attributes.get("attached_to", "").strip() or _MODEL
+            around = element.attributes.get("attached_to", "").strip() or MODEL
         self.written[name] = element, around
 
     def pose_of(self, name: str, asked_by: XmlElement, above: tuple[str, ...] = ()) -> FramePose:
         """A frame's pose in the model's frame."""
         if name not in self.poses:
             if name not in self.written:
-                known = [_MODEL, *self.written]
+                known = [MODEL, *self.written]
                 self.refuse(asked_by, str(UnknownNameError("frame", name, "the model", known)))
             if name in above or len(above) > 200:
                 chain = listed([*above, name], 6)
@@ -184,8 +190,25 @@ class _SdfReader(Elements):
         self.only(pose, "relative_to", "frame", "degrees", "rotation_format")
         base = pose.attributes.get("relative_to", "").strip() or around
         outer, local = self.pose_of(base, pose, above), self.local(pose, where)
+        held = element.attributes.get("placement_frame", "").strip()
+        if element.tag == "frame" and held:
+            within = self.within(element.name(), held, pose)
+            local = _composed(local, _between(within, self.poses[MODEL]))
         self.inside[base, element.name()] = local
         return _composed(outer, local)
+
+    def within(self, outer: str, name: str, asked_by: XmlElement, depth: int = 0) -> FramePose:
+        """A frame's pose in another one that it is placed in, whose own pose may be unknown."""
+        if name == outer:
+            return self.poses[MODEL]
+        if name not in self.written or depth > 200:
+            known = [MODEL, *self.written]
+            self.refuse(asked_by, str(UnknownNameError("frame", name, f"{outer!r}", known)))
+        element, around = self.written[name]
+        pose = self.one(element, "pose", f"{element.tag} {name!r}")
+        base = pose.attributes.get("relative_to", "").strip() if pose is not None else ""
+        local = self.local(pose, name) if pose is not None else self.poses[MODEL]
+        return _composed(self.within(outer, base or around, asked_by, depth + 1), local)
 
     def local(self, pose: XmlElement, where: str) -> FramePose:
         """The numbers of a <pose>: position, then roll, pitch, yaw or a quaternion x, y, z, w."""
@@ -215,11 +238,11 @@ class _SdfReader(Elements):
         """A frame fixed to a link, directly or through others."""
         name, body, seen = element.name(), element.name(), set[str]()
         while body not in self.links:
-            if body in seen or body == _MODEL:
+            if body in seen or body == MODEL:
                 body = self.root
                 break
             seen.add(body)
-            holder, around = self.written.get(body, (element, _MODEL))
+            holder, around = self.written.get(body, (element, MODEL))
             body = self.end(holder, "child", "") if holder.tag == "joint" else around
         inside = self.relative(body, name, element)
         self.mounts.append(Mount(name, body, _placement(inside)))
@@ -288,11 +311,16 @@ class _SdfReader(Elements):
         if self.root == self.world:
             self.links = {self.world: Link(self.world), **self.links}
 
-    def end(self, element: XmlElement, tag: str, where: str) -> str:
-        """The link that <parent> or <child> names, itself or by a frame on it."""
+    def named(self, element: XmlElement, tag: str, where: str) -> XmlElement:
+        """The <parent> or <child> of a joint, with what it names."""
         found = self.one(element, tag, where)
         if found is None or not found.content:
             self.refuse(element, f"{where}: it has no <{tag}>; name a link in it.")
+        return found
+
+    def end(self, element: XmlElement, tag: str, where: str) -> str:
+        """The link that <parent> or <child> names, itself or by a frame on it."""
+        found = self.named(element, tag, where)
         name = found.content
         if name in (self.world, *self.links) or name not in self.written:
             known = [self.world, *self.links] if self.links else [self.world, *self.written]
@@ -300,11 +328,14 @@ class _SdfReader(Elements):
                 self.refuse(found, str(UnknownNameError("link", name, "the model", known)))
             return name
         for _ in range(200):
+            if name not in self.written:
+                known = [MODEL, *self.written]
+                self.refuse(found, str(UnknownNameError("frame", name, where, known)))
             holder, around = self.written[name]
             if holder.tag == "link":
                 return name
             name = self.end(holder, "child", where) if holder.tag == "joint" else around
-            if name in (_MODEL, self.world):
+            if name in (MODEL, self.world):
                 return self.world
         self.refuse(found, f"{where}: frames are attached in circles.")
 
@@ -407,18 +438,18 @@ class _SdfReader(Elements):
                 self.refuse(element, f"{where}: the axis is zero; give a direction such as 0 0 1.")
             frame = xyz.attributes.get("expressed_in", "").strip() if xyz is not None else ""
             if not frame and axis is not None and self.in_model(axis):
-                frame = _MODEL
+                frame = MODEL
             if frame:
                 mine, theirs = self.pose_of(element.name(), element), self.pose_of(frame, element)
                 direction = mine[0].T @ theirs[0] @ direction
-            length = float(np.linalg.norm(direction))
+            length = math.hypot(*direction)
             x, y, z = (direction / length).tolist()
             found.append(((x, y, z), axis))
         return found
 
     def in_model(self, axis: XmlElement) -> bool:
         """Whether an axis is given in the model's frame, as old versions do."""
-        return self.version < (1, 5) or self.truth(axis, "use_parent_model_frame")
+        return self.version < AXES_IN_JOINTS or self.truth(axis, "use_parent_model_frame")
 
     def limits(self, axis: XmlElement | None, where: str) -> Limits:
         limit = self.one(axis, "limit", where) if axis is not None else None

@@ -40,6 +40,7 @@ from freebody.model.mimics import Mimic, leaders, one_by_one
 from freebody.model.model import Model
 from freebody.model.parameters import Quantity, one_value_each, quantity
 from freebody.model.placement import Placement
+from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tip import chosen, with_tip
 from freebody.model.tree import Attached
@@ -198,6 +199,8 @@ class _Assembly:
             struts=self.struts(movable),
         )
         if problem := loss_fault(model.bodies, model.loops):
+            self.checks.refuse(f"{problem}.")
+        if problem := strut_fault(model):
             self.checks.refuse(f"{problem}.")
         known = set(model.position_names)
         for name, _ in d.home:

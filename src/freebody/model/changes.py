@@ -34,6 +34,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
+from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tree import Attached
 
@@ -293,6 +294,8 @@ def with_strut(
     taken = (*model.reaction_names, *model.strut_names)
     strut = checked_strut(Strut(name, frames, **given), body_of, taken)
     result = with_symbols_known(replace(model, struts=(*model.struts, strut)), strut)
+    if problem := strut_fault(result):
+        raise ModelError(f"with_strut: {problem}.")
     return one_family(result, model, strut)
 
 

@@ -10,16 +10,26 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from freebody.errors import ModelError, UnknownNameError
 from freebody.model.bodies import Body, Frame
 from freebody.model.changes import with_symbols_known
 from freebody.model.description import Drive, Joint, Limits, Link
 from freebody.model.families import Members, is_array, members, one_family
 from freebody.model.parameters import LARGEST, Parameter, Quantity, quantity
-from freebody.model.placement import Placement
+from freebody.model.placement import Placement, rotate, shift
+from freebody.model.quantity_reader import VALUES
+from freebody.spatial import of_dimension
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
+
+
+_NEAR = 1e-9
+"""Distance (m) or difference of directions of two lines that are one."""
+_TRACE = 1e-6
+"""Share of a robot's mass that a rotor's link has where a format knows none without mass."""
 
 
 def split(joint: Joint, stiffness: Quantity, damping: Quantity) -> tuple[Joint, Link, Joint]:
@@ -108,3 +118,66 @@ def with_flexible_joint(model: Model, name: str, given: Mapping[str, Any]) -> Mo
     changed = replace(model, bodies=tuple(bodies), frames=tuple(frames))
     result = with_symbols_known(changed, *numbers.values())
     return one_family(result, model, *numbers.values())
+
+
+def with_rigid_joints(model: Model) -> tuple[Model, dict[int, Body]]:
+    """The model with shafts that do not twist, and the shaft of each body of it that has one: a
+    body whose joint goes on along the axis of the joint above, with nothing between."""
+    shafts = {k for k in range(len(model.bodies)) if _is_shaft(model, k)}
+    if not shafts:
+        return model, {}
+    above = {model.bodies[k].parent for k in shafts}
+    kept = [k for k in range(len(model.bodies)) if k not in above]
+    index = {-1: -1} | {k: i for i, k in enumerate(kept)}
+    index |= {model.bodies[k].parent: index[k] for k in shafts}
+    bodies = []
+    for k in kept:
+        body = model.bodies[k]
+        if k in shafts:
+            rotor = model.bodies[body.parent]
+            placement = rotor.joint.placement.then(body.joint.placement)
+            axis, child = body.joint.axis, body.joint.child
+            joint = replace(rotor.joint, placement=placement, axis=axis, child=child)
+            body = replace(body, joint=joint, parent=rotor.parent)
+        bodies.append(replace(body, parent=index[body.parent]))
+    behind = {model.bodies[k].parent: model.bodies[k].joint.placement for k in shafts}
+    frames = []
+    for frame in model.frames:
+        if frame.body in behind and behind[frame.body].steps:
+            R, p = _pose(behind[frame.body], model.dim)
+            back = rotate(R.T, frame.name).then(shift(*(-p).tolist()))
+            frame = replace(frame, placement=back.then(frame.placement))
+        frames.append(replace(frame, body=index[frame.body]))
+    rigid = replace(model, bodies=tuple(bodies), frames=tuple(frames), home=())
+    return rigid, {index[k]: model.bodies[k] for k in shafts}
+
+
+def _is_shaft(model: Model, k: int) -> bool:
+    """Whether a body's joint goes on along the joint above, from a link without mass."""
+    body = model.bodies[k]
+    if body.parent < 0 or body.kind.nv != 1 or body.joint.mimic is not None:
+        return False
+    rotor = model.bodies[body.parent]
+    mass = sum(part.inertia.numbers()[0] for part in rotor.inertias)
+    return (
+        body.kind.motion is rotor.kind.motion
+        and body.joint.numbers == rotor.joint.numbers
+        and mass <= _TRACE * model.mass
+        and sum(other.parent == body.parent for other in model.bodies) == 1
+        and _goes_on(rotor, body, model.dim)
+    )
+
+
+def _goes_on(rotor: Body, body: Body, dim: int) -> bool:
+    """Whether the axes of two joints in a row are one line; those of slides are parallel."""
+    R, p = _pose(body.joint.placement, dim)
+    if not body.joint.axis:
+        return not p.any()
+    one, two = np.array(rotor.joint.axis), R @ np.array(body.joint.axis)
+    aside = np.zeros(dim) if body.kind.slides else p - one * (one @ p)
+    return max(abs(one - two).max(), abs(aside).max()) <= _NEAR
+
+
+def _pose(placement: Placement, dim: int) -> tuple[np.ndarray, np.ndarray]:
+    R, p = placement.lower(of_dimension(dim), VALUES)
+    return np.array(R, dtype=float), np.array(p, dtype=float)

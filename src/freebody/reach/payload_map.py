@@ -119,10 +119,7 @@ def payload_map(
     if not model.gravity.any():
         raise FreebodyError(f"{function}: {model.name!r} is without gravity; no mass has weight.")
     if model.passive and not model.loops:
-        joint = model.velocity_names[model.passive[0]]
-        raise PassiveJointError(
-            f"{function}: {joint!r} of {model.name!r} is passive: nothing holds it at rest."
-        )
+        _refuse_passive(model)
     at = finite_vector(function, model, "q", q)
     given = _efforts(model) if effort is None else _given(model, effort)
     if given.shape[:-1] not in ((), model.family) or not (given > 0).all():
@@ -143,6 +140,21 @@ def payload_map(
         model.velocity_names,
         name,
         doubts_on(model, MASSES, *([EFFORTS] if effort is None else ())),
+    )
+
+
+def _refuse_passive(model: Model) -> None:
+    """Tell what holds the passive joints at rest: nothing, or a spring that gives way."""
+    sprung = {body.joint.name for body in model.bodies if body.joint.drive.stiffness != 0.0}
+    loose = next((name for name in model.passive_names if name not in sprung), None)
+    if loose is not None:
+        raise PassiveJointError(
+            f"payload_map: {loose!r} of {model.name!r} is passive: nothing holds it at rest."
+        )
+    raise PassiveJointError(
+        f"payload_map: {model.passive_names[0]!r} of {model.name!r} is passive: a spring holds it "
+        f"and gives way to the mass, on which the posture then depends. Ask the robot with this "
+        f"joint rigid, such as the model before with_flexible_joint: its motors hold as much."
     )
 
 

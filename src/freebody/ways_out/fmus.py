@@ -39,11 +39,11 @@ _PLATFORMS = {"linux": ("linux64", ".so"), "darwin": ("darwin64", ".dylib")}
 def export_fmu(model: Model, path: str | os.PathLike[str], *, step: float = 1e-3) -> Path:
     """Write the robot's motion as an FMU, a unit of co-simulation of FMI 2.0 for other simulators.
 
-    Its inputs are the torques and forces of the joints, `tau.NAME`, held over each communication
-    step; its outputs positions `q.NAME` and rates `qd.NAME`, whose start values may be set. Inside
-    are equal steps of the classical Runge-Kutta method, `rk4_step`: Coulomb friction acts by the
-    sign of the rate, and loops drift open as slowly as the step is fine. The C sources go along,
-    and their library for this machine where it has a C compiler (cc, gcc or clang).
+    Its inputs are the torques and forces of the driven joints, `tau.NAME`, held over each
+    communication step; its outputs positions `q.NAME` and rates `qd.NAME`, whose start values may
+    be set. Inside are equal steps of the classical Runge-Kutta method, `rk4_step`: Coulomb friction
+    acts by the sign of the rate, and loops drift open as slowly as the step is fine. The C sources
+    go along, and their library for this machine where it has a C compiler (cc, gcc or clang).
 
     Parameters
     ----------
@@ -98,15 +98,16 @@ def export_fmu(model: Model, path: str | os.PathLike[str], *, step: float = 1e-3
 
 # ---------------------------------------------------------------- contents
 def _variables(model: Model, step: float) -> Iterator[tuple[str, str, float]]:
-    """Name, causality and start value of each variable, in the order of value references."""
+    """Name, causality and start value of each variable, in the order of value references; without
+    causality those that a simulator is not told of: torques of passive joints, which have none."""
     q = assemble(model) if model.loops else neutral(model)
     yield "step", "parameter", float(step)
     for name, value in zip(model.position_names, q, strict=True):
         yield f"q.{name}", "output", float(value)
     for name in model.velocity_names:
         yield f"qd.{name}", "output", 0.0
-    for name in model.velocity_names:
-        yield f"tau.{name}", "input", 0.0
+    for k, name in enumerate(model.velocity_names):
+        yield f"tau.{name}", "" if k in model.passive else "input", 0.0
 
 
 def _unit_text(model: Model, word: str, starts: list[float]) -> str:
@@ -154,6 +155,8 @@ def _description(
     structure = SubElement(root, "ModelStructure")
     outputs = SubElement(structure, "Outputs")
     for index, (name, causality, start) in enumerate(variables):
+        if not causality:
+            continue
         given = {
             "name": kept_name(name, "an FMU"),
             "valueReference": str(index),

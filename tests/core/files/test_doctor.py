@@ -15,6 +15,7 @@ import pytest
 
 import freebody as fb
 from support.command import run
+from support.extras import extra
 from support.fuzz import cases
 from support.real_files import FILES, ROBOTS
 
@@ -351,6 +352,36 @@ def test_other_formats_are_looked_at(tmp_path):
     assert assumed.reason == "link 'a': no mass or inertia, for which SDF assumes 1 kg and 1 kg m²"
 
 
+def test_what_mujoco_refuses_or_passes_over_is_found(tmp_path):
+    extra("mujoco", name="mjcf")
+    path = tmp_path / "arm.xml"
+
+    def found(joint: str, mass: object) -> list[tuple[str, int | None, str]]:
+        path.write_text(
+            f'<mujoco><worldbody><body name="a">\n<joint name="j" {joint}/>\n<inertial pos="0 0 1" '
+            f'mass="{mass}" diaginertia="0.2 0.3 0.4"/></body></worldbody></mujoco>',
+            encoding="utf-8",
+        )
+        return [(x.kind, x.line, x.reason) for x in fb.doctor(path).findings]
+
+    for mass in (-1, "nan"):
+        ((kind, line, reason),) = found("", mass)
+        assert (kind, line) == ("refused", 1)
+        assert "mass and inertia of moving bodies must be larger" in reason
+    ((kind, _, reason),) = found("", "inf")
+    assert (kind, reason) == ("refused", "body 'a': its mass is inf, not a finite number")
+    ((kind, _, reason),) = found('range="6.28 -6.28"', 2)
+    assert kind == "read otherwise"
+    assert reason.startswith("joint 'j': the lower end of its range, 6.28, is above the upper one")
+
+
+def test_point_masses_are_told_where_they_turn():
+    """The delta's platform only slides, and its elbows are lumped onto cranks."""
+    assert not fb.doctor("template:delta").findings
+    (found,) = fb.doctor("gantry_crane").findings
+    assert (found.kind, found.line) == ("point mass", 18)
+
+
 def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):
     head = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">'
     part, path = tmp_path / "part.xacro", tmp_path / "arm.xacro"
@@ -372,6 +403,17 @@ def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):
     ]
 
 
+def test_a_xacro_that_cannot_be_expanded_is_a_finding(tmp_path):
+    path = tmp_path / "arm.xacro"
+    path.write_text(
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">\n<xacro:segment/></robot>',
+        encoding="utf-8",
+    )
+    (only,) = fb.doctor(path).findings
+    assert (only.kind, only.line) == ("refused", 2)
+    assert "no macro 'segment'" in only.reason
+
+
 def test_a_file_that_is_only_refused_says_why(tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text('<robot name="arm"/>', encoding="utf-8")
@@ -383,7 +425,10 @@ def test_a_file_that_is_only_refused_says_why(tmp_path):
         fb.doctor(path)
 
 
-@pytest.mark.parametrize(("kind", "suffix"), [("urdf", ".urdf"), ("toml", ".toml"), ("dh", ".csv")])
+@pytest.mark.parametrize(
+    ("kind", "suffix"),
+    [("urdf", ".urdf"), ("xacro", ".xacro"), ("sdf", ".sdf"), ("toml", ".toml"), ("dh", ".csv")],
+)
 def test_broken_files_are_looked_at_or_refused(kind, suffix, tmp_path):
     path, looked_at = tmp_path / f"arm{suffix}", 0
     for data in islice(cases(kind, 31), 60):

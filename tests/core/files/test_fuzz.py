@@ -1,5 +1,5 @@
-"""Every parser under wrong input: a few cases of each always, a minute with -m long. See
-tests/support/fuzz.py."""
+"""Every parser under wrong input: some cases of each always; with -m long ten thousand of each
+format of robots, a minute of the others. See tests/support/fuzz.py."""
 
 import time
 from pathlib import Path
@@ -8,6 +8,7 @@ import pytest
 
 import freebody as fb
 from support import fuzz
+from support.extras import extra
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("signal"), "SIGPROF"), reason="no CPU timer")
 
@@ -16,15 +17,28 @@ def told(wrong: list[tuple[str, bytes]]) -> str:
     return "\n".join(f"{problem}: {data[:300]!r}" for problem, data in wrong[:5])
 
 
-@pytest.mark.parametrize("kind", fuzz.KINDS)
-def test_the_corpus_and_some_wrong_cases(kind: str):
-    count, wrong = fuzz.run(kind, 1, lambda n: n < 40)
-    assert count == 40
+def some(kind: str, seed: int, most: int) -> None:
+    """Check that so many cases are right."""
+    if kind == "mjcf":
+        extra("mujoco", name="mjcf")
+    count, wrong = fuzz.run(kind, seed, lambda n: n < most)
+    assert count == most
     assert not wrong, told(wrong)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("kind", fuzz.KINDS)
+def test_the_corpus_and_some_wrong_cases(kind: str):
+    some(kind, 1, 100 if kind in fuzz.ROBOTS else 40)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", fuzz.ROBOTS)
+def test_ten_thousand_wrong_cases_of_a_format(kind: str):
+    some(kind, 3, 10_000)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("kind", [kind for kind in fuzz.KINDS if kind not in fuzz.ROBOTS])
 def test_a_minute_of_wrong_cases(kind: str):
     end = time.monotonic() + 60.0
     count, wrong = fuzz.run(kind, 2, lambda n: time.monotonic() < end)
@@ -71,9 +85,11 @@ def test_what_is_wrong_is_seen(tmp_path, monkeypatch, read, problem: str):
 
 
 @pytest.mark.filterwarnings("ignore::freebody.errors.FreebodyWarning")
-@pytest.mark.parametrize("kind", ["urdf", "toml", "dh", "motion", "check", "word"])
+@pytest.mark.parametrize("kind", [*fuzz.ROBOTS, "motion", "check", "word"])
 def test_some_cases_are_right_and_most_are_not(kind: str, tmp_path):
     """Neither are all refused at the door, nor is what the changes make still right."""
+    if kind == "mjcf":
+        extra("mujoco", name="mjcf")
     suffix, read = fuzz.readers()[kind]
     path, taken = tmp_path / f"a{suffix}", 0
     for data, _ in zip(fuzz.cases(kind, 4), range(40), strict=False):

@@ -187,6 +187,22 @@ def test_a_loop_of_a_weld():
     assert fb.mobility(model, np.zeros(2)).instantaneous == 0
 
 
+def test_what_joins_parts_of_one_body_is_left_out():
+    """A spring and a connect between bodies that are welded together do nothing."""
+    text = mjcf(
+        f'<site name="w"/><body name="a"><joint axis="0 1 0"/>{BOX}<site name="s"/><body name="b" '
+        f'pos="1 0 0">{BOX}<site name="t"/></body></body>',
+        '<tendon><spatial name="cord" stiffness="9"><site site="s"/><site site="t"/></spatial>'
+        '</tendon><equality><connect name="pin" body1="a" body2="b" anchor="1 0 0"/></equality>',
+    )
+    model = fb.load(text=text, format="mjcf")
+    told = [str(notice) for notice in model.notices]
+    assert "text: the tendon 'cord' is between parts of one body, and is left out." in told
+    assert "text: the equality 'pin' joins parts of one body, and is left out." in told
+    assert not model.loops
+    assert not model.struts
+
+
 def test_equalities_of_joints():
     bodies = (
         f'<body><joint name="lead" axis="0 1 0" ref="10"/>{BOX}</body>'
@@ -239,7 +255,7 @@ def test_files_with_includes_and_urdf_in_xml(tmp_path):
     assert fb.load(path).nv == 1
     (tmp_path / "robot.xml").write_text('<robot name="r"><link name="a"/></robot>')
     assert fb.load(tmp_path / "robot.xml").name == "r"
-    with pytest.raises(fb.FreebodyError, match="package_path= is for URDF and xacro files"):
+    with pytest.raises(fb.FreebodyError, match="package_path= is for URDF, xacro and SDF files"):
         fb.load(path, package_path=tmp_path)
     with pytest.raises(fb.FreebodyError, match="<mujocoinclude>"):
         fb.load(tmp_path / "parts.xml")

@@ -224,6 +224,38 @@ def test_a_joint_more_is_named():
     assert only.place == ("", "panda_joint7")
 
 
+def test_a_flexible_joint_is_a_joint_with_a_shaft(tmp_path):
+    """The joints before and behind it are those of the rigid robot; a copy whose links lie
+    otherwise is the same."""
+    rigid = fb.load(text=toml(written("puma560")), format="toml")
+    stiff, soft = (rigid.with_flexible_joint("joint2", stiffness=k, damping=3) for k in (2e4, 1e4))
+    (only,) = fb.same_robot(rigid, stiff).differences
+    assert (
+        only.text
+        == f"has a shaft that twists, 'joint2_twist', in {stiff.name + ' (second)'!r} alone"
+    )
+    assert only.place == ("joint2", "joint2")
+    (only,) = fb.same_robot(stiff, soft).differences
+    assert only.place == ("joint2_twist", "joint2_twist")
+    assert only.size == pytest.approx(1e4)
+    elsewhere = rigid.with_flexible_joint("joint3", stiffness=1e4)
+    assert [x.place[0] for x in fb.same_robot(soft, elsewhere).differences] == ["joint2", "joint3"]
+    fb.save(soft, tmp_path / "copy.csv", lossy=True)
+    found = fb.same_robot(soft, tmp_path / "copy.csv")
+    assert found.joints["joint2_twist"] == "joint2_twist"
+    assert {x.place[0] for x in found.differences} == {"joint2_twist"}  # it has no motor
+
+
+@pytest.mark.parametrize("name", ["five_bar", "3RRR"])
+def test_closed_chains_are_recognised_in_mjcf(name, tmp_path):
+    """Two connects are a pin there, and a planar joint is three."""
+    pytest.importorskip("mujoco")
+    fb.save(fb.load(name), tmp_path / "robot.xml", lossy=True)
+    found = fb.same_robot(name, tmp_path / "robot.xml")
+    assert found, str(found)
+    assert not [x for x in found.regardless if "renamed" not in x]
+
+
 def test_rotors_are_what_the_joint_feels():
     bodies = written("puma560")
     model = fb.load(text=toml(bodies), format="toml")
@@ -367,6 +399,18 @@ def test_loops_are_compared():
     assert only.place == ("", loop.name)
     turned = replace(model, loops=(replace(loop, frames=frames), *model.loops[1:]))
     assert fb.same_robot(model, turned)
+
+
+def test_many_joints_on_one_body_are_told_apart_by_their_axes():
+    """Seven joints on the base, six of one kind: more ways to match them than are tried."""
+    model = fb.load("stewart")
+    bodies = tuple(
+        replace(body, joint=replace(body.joint, name=f"x{k}"))
+        for k, body in enumerate(model.bodies)
+    )
+    found = fb.same_robot(model, replace(model, bodies=bodies, home=()))
+    assert found, str(found)
+    assert found.joints == {x.joint.name: f"x{k}" for k, x in enumerate(model.bodies)}
 
 
 WRONG_LINK4 = """<inertial><origin xyz="-0.05113 0.05825 0.01698"/><mass value="2.2037"/>

@@ -31,6 +31,16 @@ def sdf(inside, version="1.7"):
 
 
 Y = "<axis><xyz>0 1 0</xyz></axis>"
+HAND = (
+    link("palm", "<pose>0 0 0.1 0.2 0 0</pose>")
+    + link("finger", '<pose relative_to="palm">0.1 0 0 0 0 0.3</pose>', 0.4)
+    + '<frame name="grip" attached_to="finger"><pose>0 0 0.05 0 0 0</pose></frame>'
+    + joint("open", "palm", "finger", '<axis><xyz expressed_in="__model__">0 0 1</xyz></axis>',
+            "prismatic")
+)  # fmt: skip
+ARM = link("a", "<pose>0 0 1 0.1 0.2 0.3</pose>") + joint("j", "world", "a", Y)
+AT = '<pose relative_to="a">0.3 0 0 0 0.5 0</pose>'
+WRIST = joint("wrist", "a", "hand::palm", Y)
 ROBOTS = {
     "poses of the model": sdf(
         link("a", "<pose>0 0 1 0.1 0.2 0.3</pose>")
@@ -86,6 +96,18 @@ ROBOTS = {
         + link("a")
         + joint("j", "world", "a", Y)
     ),
+    "a model inside": sdf(ARM + f'<model name="hand">{AT}{HAND}</model>' + WRIST),
+    "a model inside that is placed by a frame": sdf(
+        ARM + f'<model name="hand" placement_frame="grip">{AT}{HAND}</model>' + WRIST, "1.9"
+    ),
+    "models inside each other": sdf(
+        f'<model name="hand"><model name="inner"><pose>0.3 0 0 0 0.5 0</pose>{HAND}</model>'
+        + joint("wrist", "world", "inner", Y)
+        + "</model>"
+    ),
+    "a model that is placed by a link": sdf(
+        "<pose>1 2 3 0.3 0.2 0.1</pose>" + ARM, "1.9"
+    ).replace('name="arm"', 'name="arm" placement_frame="a"'),
 }  # fmt: skip
 
 
@@ -102,7 +124,7 @@ def test_equations_are_those_of_drake(robot):
     context = plant.CreateDefaultContext()
     model = fb.load(text=ROBOTS[robot], format="sdf")
     assert model.nq == plant.num_positions()
-    names = [name.removesuffix("_2") for name in model.joint_names]
+    names = [name.split("::")[-1].removesuffix("_2") for name in model.joint_names]
     at = [plant.GetJointByName(name).position_start() for name in names]
     at = [start + names[:k].count(names[k]) for k, start in enumerate(at)]
     rng = np.random.default_rng(5)
@@ -211,13 +233,29 @@ def test_what_is_not_said_is_told():
             "placed in circles",
         ),
         (sdf(link("a") + joint("j", "world", "c", Y)), "no link 'c'"),
+        (
+            sdf(link("a") + '<frame name="f" attached_to="b"/>' + joint("j", "world", "f", Y)),
+            "no frame 'b' in joint 'j'",
+        ),
         (sdf(link("a") + joint("j", "a", "world", Y)), "swap parent and child"),
         (sdf(link("a") + joint("j", "world", "a", "", "gearbox")), "no type 'gearbox'"),
         (
             sdf(link("a") + joint("j", "world", "a", "<axis><xyz>0 0 0</xyz></axis>")),
             "the axis is zero",
         ),
-        (sdf(link("a") + "<include/>"), "a <include> inside a model is not read"),
+        (sdf(link("a") + "<include/>"), "<include> has no <uri>"),
+        (sdf(link("a") + "<include><uri>model://b/c</uri></include>"), "package 'b' was not found"),
+        (sdf(link("a") + "<include><uri>https://b/c</uri></include>"), "'https://b/c' is not read"),
+        (
+            sdf(link("a") + "<include><uri>/etc/x</uri></include>"),
+            "lies outside the file's package",
+        ),
+        (sdf(link("a") + '<model name="b"/>'), "model 'b' inside a model has no links"),
+        (
+            sdf(link("a") + f'<model name="b"><static>1</static>{link("c")}</model>'),
+            "model 'b' inside a model is static",
+        ),
+        (sdf(link("a") + "<model name='b'>" * 21 + "</model>" * 21), "nested more than 20 deep"),
         ('<sdf version="x"><model name="a"/></sdf>', "the version is 'x'"),
         ('<sdf version="1.7"><world name="w"/></sdf>', "a robot is one <model>"),
     ],
@@ -226,6 +264,68 @@ def test_refusals(text, told):
     with pytest.raises(fb.FreebodyError) as caught:
         fb.load(text=text, format="sdf")
     assert told in str(caught.value)
+
+
+def test_a_model_inside_is_the_same_as_its_parts_written_out():
+    """Names with INNER:: in front, poses in the inner model's frame, which is a frame itself."""
+    pose = '<pose relative_to="hand">0 0 1 0 0 0</pose>'
+    tool = f'{WRIST}<frame name="t" attached_to="hand::grip">{pose}</frame>'
+    hand = f'<model name="hand">{AT}{HAND}</model>'
+    inside = fb.load(text=sdf(ARM + hand + tool), format="sdf")
+    flat = HAND
+    for name in ("palm", "finger", "grip", "open"):
+        for before, after in ('""', "><"):
+            flat = flat.replace(f"{before}{name}{after}", f"{before}hand::{name}{after}")
+    flat = flat.replace('"__model__"', '"hand"').replace(
+        "<pose>0 0 0.1 0.2 0 0</pose>", '<pose relative_to="hand">0 0 0.1 0.2 0 0</pose>'
+    )
+    frame = f'<frame name="hand" attached_to="hand::palm">{AT}</frame>'
+    written_out = fb.load(text=sdf(ARM + frame + flat + tool), format="sdf")
+    assert {*inside.frame_names} == {*written_out.frame_names}
+    assert {*inside.frame_names} >= {"hand", "hand::palm", "hand::grip", "t"}
+    q, _, _ = fb.random_state(inside, 2)
+    for one in (fb.mass_matrix, fb.gravity_torque):
+        np.testing.assert_array_equal(one(inside, q), one(written_out, q))
+    for frame in ("hand", "hand::grip", "t"):
+        for one, two in zip(
+            *(fb.forward_kinematics(x, q, frame) for x in (inside, written_out)), strict=True
+        ):
+            np.testing.assert_allclose(one, two, atol=1e-15)
+
+
+def test_included_models_are_read_below_packages(tmp_path):
+    hand = tmp_path / "lib" / "hand"
+    hand.mkdir(parents=True)
+    robot = tmp_path / "robot"
+    robot.mkdir()
+    (hand / "model.config").write_text("<model><name>hand</name><sdf>hand.sdf</sdf></model>")
+    (hand / "hand.sdf").write_text(
+        f'<sdf version="1.7">\n<model name="gripper">\n{HAND}</model></sdf>'
+    )
+    include = f"<include><uri>model://hand</uri><name>hand</name>{AT}</include>"
+    (robot / "arm.sdf").write_text(sdf(f"{ARM}{include}{WRIST}"))
+    with pytest.raises(fb.FileError, match="package 'hand' was not found"):
+        fb.load(robot / "arm.sdf")
+    found = fb.load(robot / "arm.sdf", package_path=hand.parent)
+    inside = fb.load(text=sdf(f'{ARM}<model name="hand">{AT}{HAND}</model>{WRIST}'), format="sdf")
+    q, _, _ = fb.random_state(inside, 4)
+    np.testing.assert_array_equal(fb.mass_matrix(found, q), fb.mass_matrix(inside, q))
+    world = robot / "world.sdf"
+    ground = "<include><uri>model://ground_plane</uri></include>"
+    world.write_text(
+        f'<sdf version="1.7"><world name="w">{ground}<include><uri>arm.sdf</uri></include></world>'
+        "</sdf>"
+    )
+    found = fb.load(world, package_path=hand.parent)
+    assert found.name == "arm"
+    assert any("'model://ground_plane'" in str(notice) for notice in found.notices)
+    text = (hand / "hand.sdf").read_text().replace("0.1 0.2 0 0", "0.1")
+    (hand / "hand.sdf").write_text(text)
+    with pytest.raises(fb.FileError, match=r"hand\.sdf:3: .* has 3 numbers, expected 6"):
+        fb.load(robot / "arm.sdf", package_path=hand.parent)
+    (robot / "arm.sdf").write_text(sdf(f"{link('a')}<include><uri>arm.sdf</uri></include>"))
+    with pytest.raises(fb.FileError, match="nested more than 20 deep"):
+        fb.load(robot / "arm.sdf")
 
 
 def test_old_files_have_a_link_called_world():

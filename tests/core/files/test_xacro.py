@@ -197,6 +197,8 @@ def refusal(source, **how):
         ),
         ('<link name="$(env HOME)"/>', ":2: the environment variable 'HOME' is not read; allow it"),
         ('<link name="$(arg n)"/>', ":2: no argument 'n' in the file."),
+        ('<link name="$(arg n 3)"/>', ":2: $(arg) takes other words than 'n 3'."),
+        ('<link name="$(find)"/>', ":2: $(find) takes other words than ''."),
         ('<link name="${1/0}"/>', ":2: '1/0': division by zero."),
         ('<link name="${1"/>', ":2: '${1' has no end."),
         ("<xacro:insert_block name='b'/>", ":2: there is no block 'b'."),
@@ -237,7 +239,7 @@ def test_arguments_are_used_or_refused(folder):
         "no argument 'm' in its <xacro:arg>. Arguments: n."
     )
     assert "xacro= is for xacro files" in refusal("2R", xacro={"n": 1})
-    assert "package_path= is for URDF and xacro files" in refusal("2R", package_path="x")
+    assert "package_path= is for URDF, xacro and SDF files" in refusal("2R", package_path="x")
 
 
 def test_packages_are_found_where_the_user_says(folder, tmp_path, monkeypatch):

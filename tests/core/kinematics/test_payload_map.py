@@ -63,7 +63,12 @@ def test_limits_of_the_model_are_taken():
 
 def test_refusals():
     arm = fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1])
+    flexible = arm.with_drive("joint1", rotor=0.1).with_flexible_joint("joint1", stiffness=9.0)
     for words, call in (
+        (
+            "'joint1_twist' of 'R' is passive: a spring holds it and gives way to the mass",
+            lambda: fb.payload_map(flexible, [0.0, 0.0], effort=[1.0] * 2),
+        ),
         ("no joint of 'R' has an effort limit", lambda: fb.payload_map(arm, [0.0])),
         ("without gravity", lambda: fb.payload_map(arm.replace(gravity=0), [0.0], effort=[1.0])),
         ("one positive number", lambda: fb.payload_map(arm, [0.0], effort=[-1.0])),

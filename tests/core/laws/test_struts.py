@@ -359,6 +359,10 @@ def test_what_is_refused():
             lambda: model.with_strut("gas", ends, rest=-1.0))  # fmt: skip
     refused("strut 'gas': the name is taken or empty; choose another.",
             lambda: gas.with_strut("gas", ends))  # fmt: skip
+    hinged = (model.frame_names[0], model.bodies[0].name)
+    with pytest.raises(fb.ModelError, match=r"'g': frames .* are always at one point"):
+        model.with_strut("g", hinged, stiffness=1.0)
+    assert model.with_strut("g", (hinged[0], "head")).strut_names == ("g",)  # of constant length
     for part in (model.with_strut, lambda name, frames: model.with_loop(name, "fixed", frames)):
         for name, frames, text in (
             (3, ends, "the name must be text"),

@@ -401,6 +401,7 @@ OTHERWISE = {
     "formats/urdf_motors.py": "what the format calls them",
     "formats/sdf.py": "what the format calls them",
     "formats/mjcf/reader.py": "what the format calls them",
+    "formats/mjcf/equalities.py": "what two equalities of the format are",
     "formats/writing/dh_csv.py": "the kinds that the format has",
     "formats/writing/mjcf.py": "the kinds that the format has",
     "formats/writing/sdf.py": "the kinds that the format has",

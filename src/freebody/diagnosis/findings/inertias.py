@@ -140,10 +140,22 @@ def _no_inertia(facts: RobotFacts) -> Iterator[FoundFault]:
     for link in facts.moving:
         if link.inertia is None or link.inertia.dim != 3:
             continue
-        mass, _, tensor = link.inertia.numbers()
-        if mass > 0.01 * whole and not tensor.any():
+        mass, com, tensor = link.inertia.numbers()
+        lumped = facts.above[link.name].kind == "fixed" and not com.any()
+        if mass > 0.01 * whole and not tensor.any() and not lumped and _turns(facts, link.name):
             reason = f"link {link.name!r} has a mass of {mass:g} kg and no moment of inertia"
             yield FoundFault(reason, facts.line_of(link.name))
+
+
+def _turns(facts: RobotFacts, name: str) -> bool:
+    """Whether a link can turn, and does not only slide: its moments of inertia count."""
+    seen = set[str]()
+    while (joint := facts.above.get(name)) and name not in seen:
+        if joint.kind != "fixed" and (joint.turns or not joint.moves):
+            return True
+        seen.add(name)
+        name = joint.parent
+    return False
 
 
 def _plain(facts: RobotFacts) -> Iterator[FoundFault]:

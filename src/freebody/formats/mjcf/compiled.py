@@ -11,6 +11,7 @@ import sys
 from typing import Any
 
 KINDS = ("free", "ball", "slide", "hinge")
+_BYTES = 16 << 30
 EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
 
 
@@ -171,19 +172,38 @@ def tendons(m, mujoco):
     return found
 
 
-def main():
+def answer(path, text):
+    """The parts of the model in a file, or in a text where the path is None; or the problem that
+    MuJoCo has with it."""
     import mujoco as library
 
     mujoco: Any = library
     try:
-        if len(sys.argv) > 1:
-            model = mujoco.MjModel.from_xml_path(sys.argv[1])
+        if path is not None:
+            model = mujoco.MjModel.from_xml_path(path)
         else:
-            model = mujoco.MjModel.from_xml_string(sys.stdin.read())
+            model = mujoco.MjModel.from_xml_string(text)
     except Exception as problem:
-        json.dump({"problem": str(problem)}, sys.stdout)
+        return {"problem": str(problem)}
+    return compiled(model, mujoco)
+
+
+def bound_memory():
+    """Bound what this process may allocate, where the system can: a file may ask for a texture of
+    any size."""
+    try:
+        import resource
+    except ImportError:  # Windows
         return
-    json.dump(compiled(model, mujoco), sys.stdout)
+    _, most = resource.getrlimit(resource.RLIMIT_AS)
+    bound = _BYTES if most == resource.RLIM_INFINITY else min(most, _BYTES)
+    resource.setrlimit(resource.RLIMIT_AS, (bound, most))
+
+
+def main():
+    bound_memory()
+    path = sys.argv[1] if len(sys.argv) > 1 else None
+    json.dump(answer(path, None if path else sys.stdin.read()), sys.stdout)
 
 
 if __name__ == "__main__":

@@ -7,18 +7,14 @@ counterpart here is named in the model's notices; constraints that cannot be kep
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
-from dataclasses import dataclass, field
-from pathlib import Path
-from tempfile import TemporaryDirectory
+from dataclasses import dataclass, field, replace
 from typing import Any, NoReturn
 
 import numpy as np
 
-from freebody.errors import FileError, MissingPackageError, listed
-from freebody.formats.mjcf import compiled
+from freebody.errors import FileError, listed
+from freebody.formats.mjcf.compilation import BOUNDS, PARTS, compilation
+from freebody.formats.mjcf.equalities import HeldBodies, joined, moved, turned
 from freebody.lazy import cached_property
 from freebody.model.description import (
     INFINITE,
@@ -34,55 +30,16 @@ from freebody.model.description import (
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
 from freebody.model.mimics import Mimic
-from freebody.model.placement import Placement, rotate, shift
+from freebody.model.placement import Placement
 from freebody.model.struts import Strut
-from freebody.spatial import space
 
-_SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
-_WORLD = "world"
 
 
 def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescription:
     """The description in an MJCF file, or in its text where it is not on disk. Raises FileError
     for what MuJoCo refuses and for constraints that freebody does not know."""
-    return _MjcfReader(file, _compiled(file, on_disk, data)).description(name)
-
-
-def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
-    """The numbers that MuJoCo makes of the file, in a process that may fail."""
-    from importlib.util import find_spec
-
-    if find_spec("mujoco") is None:
-        raise MissingPackageError("load: MJCF", "mujoco", "mjcf")
-    command = [
-        sys.executable,
-        compiled.__file__,
-        *([str(Path(file).absolute())] if on_disk else []),
-    ]
-    try:
-        with TemporaryDirectory() as folder:  # MuJoCo writes a log where it runs
-            done = subprocess.run(
-                command,
-                input=b"" if on_disk else data,
-                capture_output=True,
-                timeout=_SECONDS,
-                check=False,
-                cwd=folder,
-            )
-    except subprocess.TimeoutExpired:
-        raise FileError(file, None, f"MuJoCo took more than {_SECONDS} s to compile it.") from None
-    try:
-        found = json.loads(done.stdout)
-    except ValueError:
-        reason = done.stderr.decode(errors="replace").strip().rsplit("\n", 1)[-1]
-        raise FileError(
-            file, None, f"MuJoCo ended while it compiled it: {reason or done.returncode}."
-        ) from None
-    if "problem" in found:
-        told = " ".join(found["problem"].split()).rstrip(".")
-        raise FileError(file, None, f"MuJoCo does not compile it: {told}.")
-    return found
+    return _MjcfReader(file, compilation(file, on_disk, data)).description(name)
 
 
 @dataclass
@@ -95,15 +52,18 @@ class _MjcfReader:
     joints: list[Joint] = field(default_factory=list)
     mounts: list[Mount] = field(default_factory=list)
     loops: list[Loop] = field(default_factory=list)
+    held: list[HeldBodies] = field(default_factory=list)
+    replaced: set[str] = field(default_factory=set)
+    """Names of sites in whose place frames of loops are."""
     struts: list[Strut] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
-    at: dict[int, np.ndarray] = field(default_factory=dict)
-    """Where the frame of each body's link is, in the body's own frame; of the bodies so far, among
-    which a body's parent is."""
     sites: dict[int, str] = field(default_factory=dict)
     """The frame of each site that has one."""
 
     def description(self, name: str) -> RobotDescription:
+        for equality in self.given["equalities"]:
+            self.equality(equality)
+        self.join_connects()
         for index in range(len(self.body_names)):
             self.body(index)
         if len(self.links) < 2:
@@ -111,13 +71,14 @@ class _MjcfReader:
         site_names = self.names(self.given["sites"], "site")
         pulled = {k for tendon in self.given["tendons"] for k in tendon["ends"]}
         for k, (site, called) in enumerate(zip(self.given["sites"], site_names, strict=True)):
-            if site["name"] or k in pulled:
+            if k in pulled or (site["name"] and site["name"] not in self.replaced):
                 at = self.in_link(site["body"], site["pos"], site["quat"])
                 self.sites[k] = self.mount(called, site["body"], at)
-        for equality in self.given["equalities"]:
-            self.equality(equality)
+        for held in self.held:
+            self.loop(held)
         for tendon in self.given["tendons"]:
             self.tendon(tendon)
+        self.name_swapped()
         self.name_left_out()
         g = np.array(self.given["gravity"])
         size = float(np.linalg.norm(g))
@@ -146,6 +107,15 @@ class _MjcfReader:
             for index, (name, joint) in enumerate(single)
             if joint["zero"] and joint["type"] in ("slide", "hinge") and index not in self.mimics
         )
+
+    @cached_property
+    def at(self) -> list[np.ndarray]:
+        """Where the frame of each body's link is, in the body's own frame: at its last joint."""
+        found = [np.zeros(3)] * len(self.body_names)
+        for joint in self.given["joints"]:
+            if joint["type"] != "free":
+                found[joint["body"]] = np.array(joint["pos"])
+        return found
 
     @cached_property
     def body_names(self) -> list[str]:
@@ -185,11 +155,10 @@ class _MjcfReader:
             if joint["type"] == "free":
                 where = Placement()  # its q is the body's pose in the world
                 at = offset
-            self.joints.append(self.joint(i, parent, child, where.then(_moved(at - offset))))
+            self.joints.append(self.joint(i, parent, child, where.then(moved(at - offset))))
             if not last:
                 self.links.append(Link(child))
             parent, where, offset = child, Placement(), at
-        self.at[index] = offset
         self.links.append(Link(name, *self.inertia(given, offset)))
 
     def inertia(
@@ -198,7 +167,7 @@ class _MjcfReader:
         if not given["mass"] and not any(given["inertia"]):
             return None, Placement()
         xx, yy, zz = given["inertia"]
-        centre = _moved(np.array(given["com"]) - offset).then(_turned(given["axes"]))
+        centre = moved(np.array(given["com"]) - offset).then(turned(given["axes"]))
         return Inertia(given["mass"], (0.0, 0.0, 0.0), (xx, 0.0, 0.0, yy, 0.0, zz)), centre
 
     def joint(self, index: int, parent: str, child: str, where: Placement) -> Joint:
@@ -213,7 +182,8 @@ class _MjcfReader:
                     f"joint {name!r}: damping, springs, friction loss and armature of a "
                     f"{given['type']} joint are left out."
                 )
-            return Joint(name, kind, parent, child, where)
+            passive = self.passive(index) and (kind != "free" or self.is_held(given["body"]))
+            return Joint(name, kind, parent, child, where, passive=passive)
         axis, zero = np.array(given["axis"]), given["zero"]
         (square, hardening), (quadratic, cube) = given["more_stiffness"], given["more_damping"]
         # the first is no law here, since it pushes the same way on both sides of its rest
@@ -226,7 +196,7 @@ class _MjcfReader:
                 self.note(f"joint {name!r}: {what} is left out.")
         lower, upper = given["range"] if given["limited"] else (-INFINITE, INFINITE)
         # at qpos = ref the body is where the file draws it
-        back = _about(axis, -zero) if kind == "revolute" else _moved(-zero * axis)
+        back = _about(axis, -zero) if kind == "revolute" else moved(-zero * axis)
         return Joint(
             name,
             kind,
@@ -246,19 +216,23 @@ class _MjcfReader:
                 hardening_rest=given["rest"] if hardening else 0.0,
             ),
             self.mimics.get(index),
-            passive=bool(self.closed and self.effort and index not in self.driven),
+            passive=self.passive(index),
         )
 
-    @property
-    def closed(self) -> bool:
-        """Whether the file's equalities close loops."""
-        kinds = ("connect", "weld")
-        return any(x["type"] in kinds and x["active"] for x in self.given["equalities"])
-
-    @property
-    def driven(self) -> set[int]:
+    def passive(self, index: int) -> bool:
+        """Whether a joint of a closed chain lacks the actuator that others have."""
         direct = (a for a in self.given["actuators"] if a["transmission"] == "joint")
-        return {actuator["joint"] for actuator in direct}
+        driven = {actuator["joint"] for actuator in direct}
+        return bool(self.held and self.effort and index not in driven)
+
+    def is_held(self, body: int) -> bool:
+        """Whether a loop holds what a free body carries to anything else, as a platform is held:
+        else it is the robot's base."""
+        carried = {body}
+        for index, other in enumerate(self.given["bodies"]):
+            if other["parent"] in carried and index:
+                carried.add(index)
+        return any(len(carried.intersection(held.bodies)) == 1 for held in self.held)
 
     @cached_property
     def effort(self) -> dict[int, float]:
@@ -302,8 +276,7 @@ class _MjcfReader:
 
     def equality(self, given: dict[str, Any]) -> None:
         """A loop, from a connect or a weld."""
-        kind, index = given["type"], len(self.loops) + 1
-        called = given["name"] or f"loop{index}"
+        kind, called = given["type"], given["name"] or f"loop{len(self.held) + 1}"
         if kind == "joint":
             return
         if not given["active"]:
@@ -316,19 +289,31 @@ class _MjcfReader:
         if given["of_sites"]:
             sites = [self.given["sites"][i] for i in ends]
             bodies = [site["body"] for site in sites]
-            places = [self.in_link(s["body"], s["pos"], s["quat"]) for s in sites]
+            poses = [(site["pos"], site["quat"]) for site in sites]
         else:
             bodies, data = list(ends), given["data"]
             if kind == "connect":
                 poses = [(data[:3], (1, 0, 0, 0)), (data[3:6], (1, 0, 0, 0))]
             else:
                 poses = [(data[3:6], data[6:10]), (data[:3], (1, 0, 0, 0))]
-            places = [self.in_link(b, *pose) for b, pose in zip(bodies, poses, strict=True)]
-        frames = tuple(f"{called}_{end}" for end in "ab")
-        for frame, body, place in zip(frames, bodies, places, strict=True):
-            self.mount(frame, body, place)
+        if len({*map(self.rigid, bodies)}) < 2:
+            self.note(f"the equality {called!r} joins parts of one body, and is left out.")
+            return
+        places = [self.in_link(b, *pose) for b, pose in zip(bodies, poses, strict=True)]
+        points = [np.array(at) - self.at[b] for b, (at, _) in zip(bodies, poses, strict=True)]
         closing = "spherical" if kind == "connect" else "fixed"
-        self.loops.append(Loop(called, closing, (frames[0], frames[1])))
+        self.held.append(HeldBodies(called, closing, bodies, points, places))
+
+    def join_connects(self) -> None:
+        self.held, pairs = joined(self.held)
+        for first, second in pairs:
+            self.replaced |= {f"{name}_{end}" for name in (first, second) for end in "ab"}
+            self.note(f"the connects {first!r} and {second!r} hold an axis: one revolute loop.")
+
+    def loop(self, held: HeldBodies) -> None:
+        ends = zip("ab", held.bodies, held.places, strict=True)
+        frames = [self.mount(f"{held.name}_{end}", body, place) for end, body, place in ends]
+        self.loops.append(Loop(held.name, held.kind, (frames[0], frames[1]), held.axis))
 
     def tendon(self, given: dict[str, Any]) -> None:
         """A strut, from a tendon between sites of two bodies."""
@@ -336,8 +321,11 @@ class _MjcfReader:
             return
         name = given["name"] or f"tendon{len(self.struts) + 1}"
         (lower, upper), ends = given["rest"], given["ends"]
-        bodies = {self.given["sites"][k]["body"] for k in ends}
-        if len(bodies) < 2 or given["more"] or lower != upper:
+        bodies = {self.rigid(self.given["sites"][k]["body"]) for k in ends}
+        if len(bodies) == 1 and not given["more"]:
+            self.note(f"the tendon {name!r} is between parts of one body, and is left out.")
+            return
+        if not bodies or given["more"] or lower != upper:
             self.note(
                 f"warning: what the tendon {name!r} does is left out: read is one between sites of "
                 f"two bodies, its stiffness, damping and springlength, one number, alone."
@@ -349,18 +337,41 @@ class _MjcfReader:
         frames = (self.sites[ends[0]], self.sites[ends[1]])
         self.struts.append(Strut(name, frames, given["stiffness"], lower, given["damping"]))
 
+    def rigid(self, body: int) -> int:
+        """The outermost body that a body is welded to: itself where it has joints."""
+        moved = {joint["body"] for joint in self.given["joints"]}
+        while body and body not in moved:
+            body = self.given["bodies"][body]["parent"]
+        return body
+
     # ------------------------------------------------------------ frames and notices
     def in_link(self, body: int, position: Any, quaternion: Any) -> Placement:
         """A pose given in a body's frame, in its link's."""
-        return _moved(np.array(position) - self.at[body]).then(_turned(quaternion))
+        return moved(np.array(position) - self.at[body]).then(turned(quaternion))
 
     def mount(self, name: str, body: int, placement: Placement) -> str:
-        """Fix a frame to a body's link; the name that it has."""
+        """Fix a frame to a body's link, if it is not there; the name that it has."""
+        new = Mount(name, self.body_names[body], placement)
+        if new in self.mounts:
+            return name
         taken = {*self.body_names, *(mount.name for mount in self.mounts)}
         while name in taken:
             name += "_site"
-        self.mounts.append(Mount(name, self.body_names[body], placement))
+        self.mounts.append(replace(new, name=name))
         return name
+
+    def name_swapped(self) -> None:
+        """Ranges whose ends are swapped, which MuJoCo takes for no bounds without a word."""
+        for kind in ("joints", "actuators"):
+            for k, part in enumerate(self.given[kind]):
+                for key, attribute in BOUNDS.items():
+                    lower, upper = part.get(key, (0.0, 0.0))
+                    if lower > upper:
+                        called = f"{PARTS[kind]} {part['name'] or k + 1!r}"
+                        self.note(
+                            f"warning: {called}: the lower end of its {attribute}, {lower:g}, is "
+                            f"above the upper one, {upper:g}, so that MuJoCo takes it to have none."
+                        )
 
     def name_left_out(self) -> None:
         for what, count in self.given["left_out"].items():
@@ -391,17 +402,6 @@ class _MjcfReader:
         raise FileError(self.file, None, problem)
 
 
-def _moved(by: np.ndarray) -> Placement:
-    return shift(*by.tolist()) if by.any() else Placement()
-
-
-def _turned(quaternion: Any) -> Placement:
-    w, x, y, z = (float(c) for c in quaternion)
-    if not (x or y or z):
-        return Placement()
-    return rotate(space.quaternion((w, x, y, z)), "quaternion")
-
-
 def _about(axis: np.ndarray, angle: float) -> Placement:
     half = 0.5 * angle
-    return _turned((np.cos(half), *(np.sin(half) * axis)))
+    return turned((np.cos(half), *(np.sin(half) * axis)))

@@ -254,10 +254,6 @@ class _Writer:
         for loop in self.contents.loops:
             ends = [self.end(frame) for frame in loop.frames]
             if loop.kind == "revolute":
-                self.losses.append(
-                    f"the kind of the revolute loop {loop.name!r}: two points of its axis are held "
-                    f"together"
-                )
                 for side in (-1.0, 1.0):
                     by = side * _ALONG * np.array(loop.axis)
                     self.equality(

@@ -7,6 +7,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from inspect import signature
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -102,7 +103,12 @@ class XacroTexts:
         if name not in known:
             problem = UnknownNameError("command", name, "$(…)", [*known, "eval", "cwd"])
             raise ExpressionError(str(problem).removesuffix("."))
-        return known[name].call(*rest.split(maxsplit=1 if name == "optenv" else -1))
+        words = rest.split(maxsplit=1 if name == "optenv" else -1)
+        try:
+            signature(known[name].call).bind(*words)
+        except TypeError:
+            raise ExpressionError(f"$({name}) takes other words than {shown(rest)}") from None
+        return known[name].call(*words)
 
     def commands(self) -> dict[str, XacroFunction]:
         return {
