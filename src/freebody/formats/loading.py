@@ -105,7 +105,14 @@ def _xml(given: _Given) -> RobotDescription:
         raise FileError(
             given.file,
             root.line,
-            f"the root element is <{root.tag}>, expected <mujoco> or <robot>.",
+            f"the root element is <{root.tag}>, expected <mujoco> or <robot>"
+            f"{urdf.other_format(root.tag)}.",
+        )
+    if not root.all("worldbody") and not root.all("include"):
+        raise FileError(
+            given.file,
+            root.line,
+            "there is no <worldbody>: the file is a part that others include; load one that does.",
         )
     _used(given.how, (), given.file)  # MuJoCo finds its files by itself
     on_disk = given.packages.folder is not None

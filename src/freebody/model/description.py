@@ -59,7 +59,10 @@ class Limits:
                 return "a limit is not a number; correct it"
             if lower > upper:
                 low, high = compared(lower, upper, digits=6)
-                return f"lower limit {low} is above upper {high}; swap them"
+                return (
+                    f"lower limit {low} is above upper {high}; swap them, or leave both out where "
+                    f"there are none"
+                )
             if lower == INFINITE or upper == -INFINITE:
                 return "no position lies between its limits; make one finite"
             for what, most in (("velocity", velocity), ("effort", effort)):

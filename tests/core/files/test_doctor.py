@@ -372,6 +372,22 @@ def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):
     ]
 
 
+def test_mirror_images_change_all_words_for_sides(tmp_path):
+    """Legs of two motors each: the outer ones are alike, and so are the inner ones."""
+    legs = {f"{side}{x}": 0.4 + 0.1 * (side[0].upper() == x) for side in ("left", "right")
+            for x in "LR"}  # fmt: skip
+    parts = "".join(
+        link(name, mass, "0.001 0.0011 0.0006") + joint(f"{name}_hip", "link3", name)
+        for name, mass in legs.items()
+    )
+    path = tmp_path / "arm.urdf"
+    path.write_text(arm(more=parts), encoding="utf-8")
+    assert "left and right differ" not in {x.kind for x in fb.doctor(path).findings}
+    path.write_text(arm(more=parts.replace("0.5", "0.6", 1)), encoding="utf-8")
+    (found,) = (x for x in fb.doctor(path).findings if x.kind == "left and right differ")
+    assert found.reason.startswith("links 'leftL' and 'rightR' are left and right")
+
+
 def test_a_file_that_is_only_refused_says_why(tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text('<robot name="arm"/>', encoding="utf-8")

@@ -152,7 +152,8 @@ def actuators(m, mujoco):
 
 def tendons(m, mujoco):
     """Each tendon's spring and damper; the two sites between which it runs, none of one that runs
-    otherwise; and whether it has anything more."""
+    otherwise; the joints that a fixed one adds up, with their factors; and whether it has limits of
+    its length, and anything more."""
     found = rows(
         m,
         mujoco,
@@ -163,16 +164,20 @@ def tendons(m, mujoco):
         stiffness=m.tendon_stiffness,
         damping=m.tendon_damping,
         rest=m.tendon_lengthspring,
+        limited=m.tendon_limited,
     )
     # partly in later versions alone
-    keys = ("limited", "actfrclimited", "frictionloss", "armature", "stiffnesspoly", "dampingpoly")
+    keys = ("actfrclimited", "frictionloss", "armature", "stiffnesspoly", "dampingpoly")
     more = [getattr(m, f"tendon_{key}") for key in keys if hasattr(m, f"tendon_{key}")]
-    site = mujoco.mjtWrap.mjWRAP_SITE
+    site, joint = mujoco.mjtWrap.mjWRAP_SITE, mujoco.mjtWrap.mjWRAP_JOINT
     for i, tendon in enumerate(found):
         start, points = tendon.pop("start"), tendon.pop("points")
         through = range(start, start + points)
         straight = points == 2 and all(m.wrap_type[k] == site for k in through)
         tendon["ends"] = [int(m.wrap_objid[k]) for k in through] if straight else []
+        tendon["joints"] = [
+            [int(m.wrap_objid[k]), float(m.wrap_prm[k])] for k in through if m.wrap_type[k] == joint
+        ]
         tendon["more"] = any(bool(x[i].any()) for x in more)
     return found
 

@@ -19,6 +19,7 @@ import numpy as np
 
 from freebody.errors import FileError, MissingPackageError, listed
 from freebody.formats.mjcf import compiled
+from freebody.formats.mjcf.couplings import followers, is_coupling
 from freebody.model.description import (
     INFINITE,
     Drive,
@@ -32,7 +33,6 @@ from freebody.model.description import (
 )
 from freebody.model.gravity import gravity_of
 from freebody.model.inertia import Inertia
-from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement, rotate, shift
 from freebody.model.struts import Strut
 from freebody.spatial import space
@@ -40,6 +40,17 @@ from freebody.spatial import space
 _SECONDS = 300  # that MuJoCo may take, of which distances of large meshes take most
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
 _WORLD = "world"
+_LAWS = {
+    "damping": ("damping", "more_damping"),
+    "stiffness": ("stiffness", "more_stiffness"),
+    "friction loss": ("friction",),
+    "armature": ("armature",),
+}
+"""What acts along a joint, and its numbers."""
+_TENDON = (
+    "warning: what tendons do, but for those straight between sites of two bodies with stiffness, "
+    "damping and one springlength alone, is"
+)
 
 
 def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescription:
@@ -96,12 +107,15 @@ class _MjcfReader:
     loops: list[Loop] = field(default_factory=list)
     struts: list[Strut] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+    """What is not read of a part, and the part's name."""
 
     def description(self, name: str) -> RobotDescription:
-        self.body_names = self.names(self.given["bodies"], "body")
-        self.joint_names = self.names(self.given["joints"], "joint")
+        given = self.given
+        self.body_names = self.names(given["bodies"], "body")
+        self.joint_names = self.names(given["joints"], "joint")
         self.effort = self.efforts()
-        self.mimics = self.followers()
+        self.mimics = followers(given, self.joint_names, self.refuse)
         self.at: list[np.ndarray] = [np.zeros(3)] * len(self.body_names)
         """Where the frame of each body's link is, in the body's own frame."""
         for index in range(len(self.body_names)):
@@ -118,8 +132,8 @@ class _MjcfReader:
                 self.sites[k] = self.mount(called, site["body"], at)
         for equality in self.given["equalities"]:
             self.equality(equality)
-        for tendon in self.given["tendons"]:
-            self.tendon(tendon)
+        for index, tendon in enumerate(given["tendons"]):
+            self.tendon(index, tendon)
         self.name_left_out()
         g = np.array(self.given["gravity"])
         size = float(np.linalg.norm(g))
@@ -197,14 +211,11 @@ class _MjcfReader:
         given, name = self.given["joints"][index], self.joint_names[index]
         kind = _KINDS[given["type"]]
         if given["type"] in ("free", "ball"):
-            names = ("damping", "stiffness", "friction", "armature")
-            if any(map(given.get, names)) or any(
-                [*given["more_damping"], *given["more_stiffness"]]
-            ):
-                self.note(
-                    f"joint {name!r}: damping, springs, friction loss and armature of a "
-                    f"{given['type']} joint are left out."
-                )
+            self.left_out += [
+                (f"warning: {what} of free and ball joints is", name)
+                for what, keys in _LAWS.items()
+                if any(np.any(given[key]) for key in keys)
+            ]
             return Joint(name, kind, parent, child, where)
         axis, zero = np.array(given["axis"]), given["zero"]
         (square, hardening), (quadratic, cube) = given["more_stiffness"], given["more_damping"]
@@ -272,35 +283,17 @@ class _MjcfReader:
         return found
 
     # ------------------------------------------------------------ constraints
-    def followers(self) -> dict[int, Mimic]:
-        """The joints that equalities make follow another."""
-        found = {}
-        for equality in self.given["equalities"]:
-            if equality["type"] != "joint" or not equality["active"]:
-                continue
-            first, second = equality["first"], equality["second"]
-            constant, slope, *higher = equality["data"][:5]
-            if second < 0 or any(higher):
-                what = "held in its place" if second < 0 else "a polynomial of another"
-                self.refuse(
-                    f"joint {self.joint_names[first]!r} is {what} by an equality, which freebody "
-                    f"does not know; make it linear, or remove it."
-                )
-            zero, other = (self.given["joints"][i]["zero"] for i in (first, second))
-            found[first] = Mimic(self.joint_names[second], slope, zero + constant - slope * other)
-        return found
-
     def equality(self, given: dict[str, Any]) -> None:
         """A loop, from a connect or a weld."""
         kind, index = given["type"], len(self.loops) + 1
         called = given["name"] or f"loop{index}"
-        if kind == "joint":
-            return
         if not given["active"]:
             self.note(f"the equality {called!r} is not active, and is left out.")
             return
+        if is_coupling(given, self.given):
+            return
         if kind not in ("connect", "weld"):
-            self.note(f"the equality {called!r} of {kind}s is left out.")
+            self.note(f"warning: the equality {called!r} of {kind}s is left out.")
             return
         ends = (given["first"], given["second"])
         if given["of_sites"]:
@@ -320,18 +313,17 @@ class _MjcfReader:
         closing = "spherical" if kind == "connect" else "fixed"
         self.loops.append(Loop(called, closing, (frames[0], frames[1])))
 
-    def tendon(self, given: dict[str, Any]) -> None:
+    def tendon(self, index: int, given: dict[str, Any]) -> None:
         """A strut, from a tendon between sites of two bodies."""
+        name = given["name"] or f"tendon{index + 1}"
+        if given["limited"]:
+            self.left_out.append(("limits of the length of tendons are", name))
         if not (given["stiffness"] or given["damping"] or given["more"]):
             return
-        name = given["name"] or f"tendon{len(self.struts) + 1}"
         (lower, upper), ends = given["rest"], given["ends"]
         bodies = {self.given["sites"][k]["body"] for k in ends}
         if len(bodies) < 2 or given["more"] or lower != upper:
-            self.note(
-                f"warning: what the tendon {name!r} does is left out: read is one between sites of "
-                f"two bodies, its stiffness, damping and springlength, one number, alone."
-            )
+            self.left_out.append((_TENDON, name))
             return
         parts = (*self.joints, *self.loops, *self.struts)
         while name in {part.name for part in parts}:
@@ -353,6 +345,9 @@ class _MjcfReader:
         return name
 
     def name_left_out(self) -> None:
+        for what in dict.fromkeys(what for what, _ in self.left_out):
+            names = [name for of, name in self.left_out if of == what]
+            self.note(f"{what} left out: {listed(names, 5)}.")
         for what, count in self.given["left_out"].items():
             if count:
                 self.note(f"warning: {what} acts on the bodies in MuJoCo, and is left out.")
