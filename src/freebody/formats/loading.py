@@ -258,9 +258,9 @@ def _estimated(description: RobotDescription, mass: float, packages: Packages) -
 def weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
-        found = implausible_masses(
-            model, {link.name: link.shapes for link in description.links}, estimate
-        )
+        shapes = {link.name: link.shapes for link in description.links}
+        filled = {link.name for link in description.links if link.filled}
+        found = implausible_masses(model, shapes, estimate, filled)
         model = replace(model, notices=(*model.notices, *found)) if found else model
     model = settled(model)
     for doubt in model.notices if warned else ():

@@ -1,5 +1,7 @@
 """MJCF files: the same equations of motion as MuJoCo's own, and what is left out is named."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -294,3 +296,21 @@ def test_files_with_includes_and_urdf_in_xml(tmp_path):
         fb.load(path, package_path=tmp_path)
     with pytest.raises(fb.FreebodyError, match="<mujocoinclude>"):
         fb.load(tmp_path / "parts.xml")
+
+
+def test_inertias_that_mujoco_works_out_from_geoms_are_not_doubted():
+    """Three equal balls of one chain are no placeholders, the same numbers in <inertial> are."""
+    ball = '<geom type="sphere" size="0.1" mass="2"/>'
+    stated = '<inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>'
+
+    def doubted(inertia, option="auto"):
+        bodies = "".join(f'<body pos="{k} 0 0"><joint axis="0 1 0"/>{inertia}' for k in (1, 2, 3))
+        compiler = f'<compiler inertiafromgeom="{option}"/>'
+        text = mjcf(bodies + "</body>" * 3).replace("<worldbody>", f"{compiler}<worldbody>")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", fb.MassWarning)
+            doubts = fb.load(text=text, format="mjcf").doubts
+        return [doubt.kind for doubt in doubts if doubt.kind != "missing limits"]
+
+    assert doubted(ball) == doubted(stated + ball, "true") == []
+    assert doubted(stated + ball) == ["implausible inertias"]

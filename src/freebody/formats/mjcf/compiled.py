@@ -49,6 +49,19 @@ def rows(model, mujoco, kind, count, **columns):
     ]
 
 
+def filled(source, m, mujoco):
+    """Whether the inertia of each body is that of its geoms, by the source of the model, an
+    MjSpec."""
+    given = source.bodies
+    names = [mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY, i) or "" for i in range(m.nbody)]
+    if [body.name for body in given] != names:
+        return [False] * m.nbody
+    rule, by = source.compiler.inertiafromgeom, mujoco.mjtInertiaFromGeom
+    if rule != by.mjINERTIAFROMGEOM_AUTO:
+        return [rule == by.mjINERTIAFROMGEOM_TRUE] * m.nbody
+    return [not body.explicitinertial for body in given]
+
+
 def bodies(m, mujoco):
     """Each body's parent, pose in it, and inertia in principal axes."""
     return rows(
@@ -189,12 +202,18 @@ def main():
     try:
         if len(sys.argv) > 1:
             model = mujoco.MjModel.from_xml_path(sys.argv[1])
+            source = mujoco.MjSpec.from_file(sys.argv[1])
         else:
-            model = mujoco.MjModel.from_xml_string(sys.stdin.read())
+            text = sys.stdin.read()
+            model = mujoco.MjModel.from_xml_string(text)
+            source = mujoco.MjSpec.from_string(text)
     except Exception as problem:
         json.dump({"problem": str(problem)}, sys.stdout)
         return
-    json.dump(compiled(model, mujoco), sys.stdout)
+    found = compiled(model, mujoco)
+    for body, told in zip(found["bodies"], filled(source, model, mujoco), strict=True):
+        body["filled"] = told
+    json.dump(found, sys.stdout)
 
 
 if __name__ == "__main__":

@@ -196,7 +196,7 @@ class _MjcfReader:
                 self.links.append(Link(child))
             parent, where, offset = child, Placement(), at
         self.at[index] = offset
-        self.links.append(Link(name, *self.inertia(given, offset)))
+        self.links.append(Link(name, *self.inertia(given, offset), filled=given["filled"]))
 
     def inertia(
         self, given: dict[str, Any], offset: np.ndarray
