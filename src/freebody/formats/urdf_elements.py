@@ -307,9 +307,14 @@ class Elements:
         raise FileError(self.file, element.line, problem)
 
 
+def is_unexpanded(value: str) -> bool:
+    """Whether a value is an expression or substitution of xacro."""
+    return "${" in value or "$(" in value
+
+
 def _unexpanded(value: str) -> str:
     """Advice on a value that only xacro evaluates, else empty."""
-    return f"; it is a xacro expression, {UNEXPANDED}" if "${" in value or "$(" in value else ""
+    return f"; it is a xacro expression, {UNEXPANDED}" if is_unexpanded(value) else ""
 
 
 def _contents(element: XmlElement) -> tuple[Any, ...]:

@@ -372,6 +372,17 @@ def test_faults_of_a_macro_are_told_where_it_is_written(tmp_path):
     ]
 
 
+def test_what_only_xacro_reads_is_told_so(tmp_path):
+    path = tmp_path / "arm.urdf"
+    half = arm().replace('xyz="0 0 0.15"', 'xyz="$(optenv ARM_XYZ 0 0 0.15)"', 1)
+    path.write_text(half, encoding="utf-8")
+    (found,) = fb.doctor(path).of("error")
+    assert found.reason == (
+        "xyz of <origin> is '$(optenv ARM_XYZ 0 0 0.15)', which only xacro reads"
+    )
+    assert found.remedy == "call the file .urdf.xacro, and it is expanded"
+
+
 def test_mirror_images_change_all_words_for_sides(tmp_path):
     """Legs of two motors each: the outer ones are alike, and so are the inner ones."""
     legs = {f"{side}{x}": 0.4 + 0.1 * (side[0].upper() == x) for side in ("left", "right")
