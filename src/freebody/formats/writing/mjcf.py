@@ -189,10 +189,11 @@ class _Writer:
                 f"the moments of inertia of {name!r}, which no rigid body has: the smaller ones "
                 f"are raised"
             )
+        smaller = np.arange(3) != largest
         if short > 0.0:
-            moments[np.arange(3) != largest] += 0.5 * short
-            # MuJoCo adds the two without regard to rounding
-            moments[largest] = min(moments[largest], moments.sum() - moments[largest])
+            moments[smaller] += 0.5 * short
+        # MuJoCo adds the two without regard to rounding
+        moments[largest] = min(moments[largest], moments[smaller].sum())
         return moments, axes
 
     # ------------------------------------------------------------ joints
