@@ -192,6 +192,16 @@ iyy="1.34948516667e-05" iyz="9.372e-06" izz="2.63979183333e-05"/></inertial></li
     assert read.mass == model.mass
 
 
+@pytest.mark.parametrize("kind", ["sdf", "mjcf"])
+def test_a_link_that_moves_and_is_called_as_the_ground_is_refused(kind):
+    """Two bodies of one name were written, which no reader takes."""
+    hinge = HINGE.format(k=1, axis="z", parent="base")
+    text = ARM.format(links=LINK.format(k=1), joints=hinge).replace("l3", "l1")
+    model = fb.load(text=text.replace("l1", "world"), format="toml")
+    with pytest.raises(fb.FreebodyError, match="'world' is the ground, and no other link"):
+        fb.losses(model, kind)
+
+
 # ---------------------------------------------------------------- closed chains
 @pytest.mark.parametrize(
     ("name", "kind"),

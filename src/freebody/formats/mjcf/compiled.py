@@ -49,10 +49,19 @@ def rows(model, mujoco, kind, count, **columns):
     ]
 
 
+def source_of(path=None, *, text, mujoco):
+    """The source, an MjSpec, of a model in a file or else in a text; None of a file whose suffix it
+    does not know, other than .xml."""
+    try:
+        return mujoco.MjSpec.from_file(path) if path else mujoco.MjSpec.from_string(text)
+    except ValueError:
+        return None
+
+
 def filled(source, m, mujoco):
-    """Whether the inertia of each body is that of its geoms, by the source of the model, an
-    MjSpec."""
-    given = source.bodies
+    """Whether the inertia of each body is that of its geoms, by the source of the model; nowhere
+    where there is none."""
+    given = source.bodies if source else []
     names = [mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY, i) or "" for i in range(m.nbody)]
     if [body.name for body in given] != names:
         return [False] * m.nbody
@@ -199,20 +208,20 @@ def main():
     import mujoco as library
 
     mujoco: Any = library
+    text = ""
     try:
         if len(sys.argv) > 1:
             model = mujoco.MjModel.from_xml_path(sys.argv[1])
-            source = mujoco.MjSpec.from_file(sys.argv[1])
         else:
             text = sys.stdin.read()
             model = mujoco.MjModel.from_xml_string(text)
-            source = mujoco.MjSpec.from_string(text)
     except Exception as problem:
         json.dump({"problem": str(problem)}, sys.stdout)
         return
     found = compiled(model, mujoco)
-    for body, told in zip(found["bodies"], filled(source, model, mujoco), strict=True):
-        body["filled"] = told
+    told = filled(source_of(*sys.argv[1:], text=text, mujoco=mujoco), model, mujoco)
+    for body, value in zip(found["bodies"], told, strict=True):
+        body["filled"] = value
     json.dump(found, sys.stdout)
 
 
