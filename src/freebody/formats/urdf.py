@@ -272,7 +272,7 @@ class _UrdfReader(Elements):
 
 
 def other_format(tag: str) -> str:
-    """In brackets, what a file with a root element of that tag is; empty where nobody knows."""
+    """Words in brackets for a file with a root element of that tag; empty where nobody knows."""
     return {
         "sdf": " (this is SDF)",
         "mujoco": " (this is MJCF)",

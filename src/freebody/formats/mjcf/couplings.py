@@ -8,7 +8,7 @@ from typing import Any, NoReturn
 
 from freebody.model.mimics import Mimic
 
-_Factors = dict[int, float]
+_JointFactors = dict[int, float]
 
 
 def followers(
@@ -54,11 +54,11 @@ def _ends(equality: Mapping[str, Any]) -> list[int]:
     return [i for i in (equality["first"], equality["second"]) if i >= 0]
 
 
-def _factors(equality: Mapping[str, Any], given: Mapping[str, Any]) -> _Factors:
+def _factors(equality: Mapping[str, Any], given: Mapping[str, Any]) -> _JointFactors:
     """Factors of joints whose shifts from their zeros, times these, add up to the equality's
     constant. The one that follows comes first: the joint that the equality names first; of a tendon
     the last in the tree."""
-    factors: _Factors = {}
+    factors: _JointFactors = {}
     for joint, factor in _added(equality, given):
         factors[joint] = factors.get(joint, 0.0) + factor
     joints = sorted(factors, reverse=True) if equality["type"] == "tendon" else factors
@@ -76,7 +76,7 @@ def _added(equality: Mapping[str, Any], given: Mapping[str, Any]) -> Iterator[tu
 
 def _mimic(
     follower: int,
-    factors: _Factors,
+    factors: _JointFactors,
     constant: float,
     given: Mapping[str, Any],
     names: Sequence[str],

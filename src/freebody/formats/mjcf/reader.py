@@ -46,7 +46,7 @@ _LAWS = {
     "friction loss": ("friction",),
     "armature": ("armature",),
 }
-"""What acts along a joint, and its numbers."""
+"""Laws that act along joints, and their numbers in a compiled model."""
 _TENDON = (
     "warning: what tendons do, but for those straight between sites of two bodies with stiffness, "
     "damping and one springlength alone, is"
@@ -108,7 +108,7 @@ class _MjcfReader:
     struts: list[Strut] = field(default_factory=list)
     notices: list[Notice] = field(default_factory=list)
     left_out: list[tuple[str, str]] = field(default_factory=list)
-    """What is not read of a part, and the part's name."""
+    """Pairs of words for something that is not read, and the name of the part that has it."""
 
     def description(self, name: str) -> RobotDescription:
         given = self.given
