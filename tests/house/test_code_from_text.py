@@ -53,6 +53,7 @@ EXECUTES = {
 }  # fmt: skip
 
 KNOWN = {
+    ("formats/mjcf/compiled.py", "from_string"): "MuJoCo's parser of XML, in a process of its own",
     ("locks.py", "import_module"): "modules of the table of public names, and those that are there",
     ("targets/llvm/fastcall.py", "import_module"): "a constant: NumPy's own module",
     ("targets/llvm/cpu.py", "import_module"): "a constant: NumPy's own module",

@@ -106,7 +106,14 @@ def _xml(given: _Given) -> RobotDescription:
         raise FileError(
             given.file,
             root.line,
-            f"the root element is <{root.tag}>, expected <mujoco> or <robot>.",
+            f"the root element is <{root.tag}>, expected <mujoco> or <robot>"
+            f"{urdf.other_format(root.tag)}.",
+        )
+    if not root.all("worldbody") and not root.all("include"):
+        raise FileError(
+            given.file,
+            root.line,
+            "there is no <worldbody>: the file is a part that others include; load one that does.",
         )
     _used(given.how, (), given.file)  # MuJoCo finds its files by itself
     on_disk = given.packages.folder is not None
@@ -253,9 +260,9 @@ def _estimated(description: RobotDescription, mass: float, packages: Packages) -
 def weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
     """The model with doubts on its masses, where they are to be those of a machine."""
     if description.real:
-        found = implausible_masses(
-            model, {link.name: link.shapes for link in description.links}, estimate
-        )
+        shapes = {link.name: link.shapes for link in description.links}
+        filled = {link.name for link in description.links if link.filled}
+        found = implausible_masses(model, shapes, estimate, filled)
         model = replace(model, notices=(*model.notices, *found)) if found else model
     model = settled(model)
     for doubt in model.notices if warned else ():

@@ -13,6 +13,8 @@ bodies that move.
   it, or a radius far too small; a density above that of any metal, below that of any foam, where
   all shapes are boxes, cylinders, spheres.
 
+A file may itself give links the inertia of their shapes, as MJCF does: nothing of that is doubted.
+
 An estimate fills links evenly, at the one density that gives the stated mass. Collision shapes
 count where a link has any, else the visual ones; what several share counts twice. A link without
 shapes gets no mass. Every inertia of the file is replaced: part measured, part estimated would tell
@@ -23,7 +25,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -74,9 +76,13 @@ class _LinkInertia:
 
 
 def implausible_masses(
-    model: Model, shapes: Mapping[str, tuple[Shape, ...]], only_missing: bool = False
+    model: Model,
+    shapes: Mapping[str, tuple[Shape, ...]],
+    only_missing: bool = False,
+    filled: Collection[str] = (),
 ) -> list[Doubt]:
-    """Doubts on the masses of a model, whose links have `shapes`; model.source is the file."""
+    """Doubts on the masses of a model, whose links have `shapes`; model.source is the file. filled:
+    names of links whose inertia is that of their shapes, about which there is no doubt."""
     missing = _missing(model, shapes)
     found: list[_DoubtsFound] = []
     if missing:
@@ -88,7 +94,8 @@ def implausible_masses(
         found.append(_DoubtsFound(text, [(name, None) for name in missing], NO_MASSES))
     if not only_missing:
         sizes = _sizes(model, shapes)
-        found += [*_placeholders(model, sizes), *_implausible(model, shapes, sizes)]
+        found += _placeholders(model, sizes, filled)
+        found += _implausible(model, shapes, sizes, filled)
     if found and any(shapes.values()) and not only_missing:
         found[-1].text += (
             " (--estimate-inertia MASS, in Python estimate_inertia=, estimates from the shapes in "
@@ -147,11 +154,15 @@ def _links(model: Model) -> Iterator[_LinkInertia]:
                 yield _LinkInertia(part.link, i, mass, tensor, part.inertia)
 
 
-def _placeholders(model: Model, own: Sequence[float]) -> Iterator[_DoubtsFound]:
+def _placeholders(
+    model: Model, own: Sequence[float], filled: Collection[str]
+) -> Iterator[_DoubtsFound]:
     links = list(_links(model))
     whole = sum(link.mass for link in links)
     alike: dict[tuple[float, ...], list[_LinkInertia]] = {}
     for link in links:
+        if link.name in filled:
+            continue
         alike.setdefault((link.mass, *link.tensor.ravel()), []).append(link)
     for group in alike.values():
         if len(group) < 2 or sum(link.mass for link in group) < _COUNTS * whole:
@@ -194,7 +205,10 @@ def _is_plain(link: _LinkInertia) -> bool:
 
 # ------------------------------------------------------------ implausible
 def _implausible(
-    model: Model, shapes: Mapping[str, tuple[Shape, ...]], own: Sequence[float]
+    model: Model,
+    shapes: Mapping[str, tuple[Shape, ...]],
+    own: Sequence[float],
+    filled: Collection[str],
 ) -> Iterator[_DoubtsFound]:
     reach = sum(sorted(own)[-4:])  # the longest bodies make it
     volumes = _volumes(model, shapes)
@@ -203,7 +217,8 @@ def _implausible(
     ends = set(range(len(bodies))) - {body.parent for body in model.bodies}
     reasons: dict[str, list[tuple[Body, str]]] = {}
     for i, (mass, away, gyration) in enumerate(bodies):
-        if mass <= tiny or reach == 0.0:
+        told = all(part.link in filled for part in model.bodies[i].inertias)
+        if mass <= tiny or reach == 0.0 or told:
             continue
         least = (
             reach if i in ends else _FLOOR * reach

@@ -61,7 +61,7 @@ class _UrdfReader(Elements):
         if robot.tag != "robot":
             self.refuse(
                 robot,
-                f"the root element is <{robot.tag}>, expected <robot>{_other_format(robot.tag)}.",
+                f"the root element is <{robot.tag}>, expected <robot>{other_format(robot.tag)}.",
             )
         self.only(robot, "name", "version")
         self.notices += [Notice("passed over", text, self.file) for text in robot.passed_over]
@@ -271,10 +271,13 @@ class _UrdfReader(Elements):
         )
 
 
-def _other_format(tag: str) -> str:
+def other_format(tag: str) -> str:
+    """Words in brackets for a file with a root element of that tag; empty where nobody knows."""
     return {
         "sdf": " (this is SDF)",
         "mujoco": " (this is MJCF)",
+        "mujocoinclude": " (this is a part of an MJCF file, load one that includes it)",
+        "package": " (this names a ROS package, its robots are in other files)",
         "COLLADA": " (this is a mesh)",
     }.get(tag, "")
 

@@ -171,10 +171,11 @@ class Elements:
         """Three numbers, zeros where the attribute is absent."""
         words = element.attributes.get(key, "0 0 0").split()
         if len(words) != 3:
+            text = " ".join(words)
             self.refuse(
                 element,
-                f"{where}: {key}={shown(' '.join(words))} has {len(words)} entries, expected 3 "
-                f"numbers.",
+                f"{where}: {key}={shown(text)} has {len(words)} entries, expected 3 "
+                f"numbers{_unexpanded(text)}.",
             )
         x, y, z = (self.read(element, key, word, where) for word in words)
         return x, y, z
@@ -185,11 +186,11 @@ class Elements:
         value = read_file.number(word)
         problem = None if value is None else read_file.fault(value, infinite)
         if value is None or problem == read_file.NOT_FINITE:
-            hint = f"; it is a xacro expression, {UNEXPANDED}" if "${" in word else ""
             kind = "number" if infinite else "finite number"
             self.refuse(
                 element,
-                f"{where}: {key} of <{element.tag}> is {shown(word)}, expected a {kind}{hint}.",
+                f"{where}: {key} of <{element.tag}> is {shown(word)}, expected a "
+                f"{kind}{_unexpanded(word)}.",
             )
         if problem:
             self.refuse(element, f"{where}: {key} of <{element.tag}> is {value:g}, {problem}.")
@@ -304,6 +305,16 @@ class Elements:
 
     def refuse(self, element: XmlElement, problem: str) -> NoReturn:
         raise FileError(self.file, element.line, problem)
+
+
+def is_unexpanded(value: str) -> bool:
+    """Whether a value is an expression or substitution of xacro."""
+    return "${" in value or "$(" in value
+
+
+def _unexpanded(value: str) -> str:
+    """Advice on a value that only xacro evaluates, else empty."""
+    return f"; it is a xacro expression, {UNEXPANDED}" if is_unexpanded(value) else ""
 
 
 def _contents(element: XmlElement) -> tuple[Any, ...]:

@@ -194,13 +194,15 @@ class Joint(Keeps):
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid part with a frame; `inertia` is given in a frame placed in the link's."""
+    """A rigid part with a frame; `inertia` is given in a frame placed in the link's. filled:
+    whether it is that of shapes that the reader of the file has filled evenly."""
 
     name: str
     inertia: Inertia | None = None
     placement: Placement = Placement()
     line: int | IncludedLine | None = field(default=None, compare=False)
     shapes: tuple[Shape, ...] = ()
+    filled: bool = False
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,10 @@ class LimitRule(NamedTuple):
 
 def _swap_them(lower: float, upper: float) -> str:
     low, high = compared(lower, upper, digits=6)
-    return f"lower limit {low} is above upper {high}; swap them"
+    return (
+        f"lower limit {low} is above upper {high}; swap them, or leave both out where there are "
+        f"none"
+    )
 
 
 SWAPPED = LimitRule(("lower", "upper"), lambda lower, upper: lower > upper, _swap_them)

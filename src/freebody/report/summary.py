@@ -193,7 +193,10 @@ def worst(model: Model, data: xr.Dataset) -> Worst:
     if not given.any():
         why += "; the model gives no effort limits"
     if limited[j]:
-        why = f"{percent(share)} of its effort limit, the largest share of any drive"
+        of_whom = (
+            "any drive" if (limited == given).all() else "the drives whose limit is not in doubt"
+        )
+        why = f"{percent(share)} of its effort limit, the largest share of {of_whom}"
         why += " during the motion"
     text = f"At t = {t[k]:.3g} s {name} needs {value:.4g} {unit}: {why}."
     if value == 0.0:

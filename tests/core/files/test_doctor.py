@@ -414,6 +414,33 @@ def test_a_xacro_that_cannot_be_expanded_is_a_finding(tmp_path):
     assert "no macro 'segment'" in only.reason
 
 
+def test_what_only_xacro_reads_is_told_so(tmp_path):
+    path = tmp_path / "arm.urdf"
+    half = arm().replace('xyz="0 0 0.15"', 'xyz="$(optenv ARM_XYZ 0 0 0.15)"', 1)
+    path.write_text(half, encoding="utf-8")
+    (found,) = fb.doctor(path).of("error")
+    assert found.reason == (
+        "xyz of <origin> is '$(optenv ARM_XYZ 0 0 0.15)', which only xacro reads"
+    )
+    assert found.remedy == "call the file .urdf.xacro, and it is expanded"
+
+
+def test_mirror_images_change_all_words_for_sides(tmp_path):
+    """Legs of two motors each: the outer ones are alike, and so are the inner ones."""
+    legs = {f"{side}{x}": 0.4 + 0.1 * (side[0].upper() == x) for side in ("left", "right")
+            for x in "LR"}  # fmt: skip
+    parts = "".join(
+        link(name, mass, "0.001 0.0011 0.0006") + joint(f"{name}_hip", "link3", name)
+        for name, mass in legs.items()
+    )
+    path = tmp_path / "arm.urdf"
+    path.write_text(arm(more=parts), encoding="utf-8")
+    assert "left and right differ" not in {x.kind for x in fb.doctor(path).findings}
+    path.write_text(arm(more=parts.replace("0.5", "0.6", 1)), encoding="utf-8")
+    (found,) = (x for x in fb.doctor(path).findings if x.kind == "left and right differ")
+    assert found.reason.startswith("links 'leftL' and 'rightR' are left and right")
+
+
 def test_a_file_that_is_only_refused_says_why(tmp_path):
     path = tmp_path / "arm.urdf"
     path.write_text('<robot name="arm"/>', encoding="utf-8")

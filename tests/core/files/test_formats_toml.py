@@ -308,7 +308,7 @@ def test_loops():
         (LINKS + JOINT + "axis = 'z'\nlimits = { lower = 1, upper = 0 }\n",
          "arm.toml:5: joint 'a': lower limit 1 "
          "is above upper 0; "
-         "swap them."),
+         "swap them, or leave both out where there are none."),
         (LINKS + JOINT + "axis = 'z'\nrpy = [0, 0, 0]\nmatrix = [[1, 0, 0], [0, 1, 0], [0, 0, "
                          "2]]\n", "arm.toml:12: "
          "joint 'a': rpy and "

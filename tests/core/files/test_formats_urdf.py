@@ -436,9 +436,13 @@ MASSLESS = (
          "finite number; "
          "it is a xacro expression, which this suffix does not say: call the file "
          ".urdf.xacro, and it is expanded."),
+        (joint('<origin rpy="$(optenv RPY 0 -1.57 0)"/>'),
+         "arm.urdf:5: joint 'elbow': rpy='$(optenv RPY 0 -1.57 0)' has 5 entries, expected 3 "
+         "numbers; it is a xacro expression, which this suffix does not say: call the file "
+         ".urdf.xacro, and it is expanded."),
         (joint('<limit lower="1" upper="-1"/>'),
          "arm.urdf:4: joint 'elbow': lower limit 1 is above upper -1; swap "
-         "them."),
+         "them, or leave both out where there are none."),
         (joint('<limit lower="nan"/>'),
          "arm.urdf:5: joint 'elbow': lower of <limit> is 'nan', expected a number."),
         (joint('<dynamics damping="much"/>'),

@@ -1,5 +1,7 @@
 """MJCF files: the same equations of motion as MuJoCo's own, and what is left out is named."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -131,7 +133,12 @@ def test_gravity_and_what_is_left_out():
         format="mjcf",
     )
     text = " ".join(str(notice) for notice in told.notices)
-    for part in ("tendon 'tendon1'", "a fluid", "gravity compensation of a", "contacts"):
+    for part in (
+        "length of tendons are left out: tendon1",
+        "a fluid",
+        "gravity compensation of a",
+        "contacts",
+    ):
         assert part in text
     assert {"s", "t"} <= set(told.frame_names)
 
@@ -220,6 +227,51 @@ def test_equalities_of_joints():
     assert np.arctan2(T[0, 2], T[0, 0]) == pytest.approx(turned)
 
 
+FINGERS = "".join(
+    f'<body name="b{k}" pos="{k} 0 0"><joint name="j{k}" axis="0 1 0" ref="{10 * k}"/>{BOX}'
+    for k in (1, 2, 3)
+)
+FIXED = """<tendon><fixed name="one"><joint joint="j1" coef="0.4"/><joint joint="j3" coef="-0.8"/>
+</fixed><fixed name="two"><joint joint="j2" coef="5"/></fixed></tendon><equality>{}</equality>"""
+
+
+def test_equalities_of_fixed_tendons():
+    """A fixed tendon adds up joints: where MuJoCo holds its length, its last joint follows."""
+    given = FIXED.format('<tendon tendon1="one" tendon2="two" polycoef="0.1 2 0 0 0"/>')
+    text = mjcf(FINGERS + "</body>" * 3, given)
+    model = fb.load(text=text, format="mjcf")
+    assert model.nv == 2
+    lead = {"j1": 0.3, "j2": -0.2}
+    mimics = [body.joint.mimic for body in model.bodies if body.joint.mimic]  # one for each leader
+    turned = sum(x.ratio * lead[x.joint] + x.offset for x in mimics)
+    theirs = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(theirs)
+    data.qpos[:] = [*lead.values(), turned]
+    mujoco.mj_forward(theirs, data)
+    assert data.efc_pos[:1] == pytest.approx([0.0], abs=1e-14)
+    held = FIXED.format('<tendon tendon1="two"/>')
+    with pytest.raises(fb.FreebodyError, match="'j2' is held in its place"):
+        fb.load(text=mjcf(FINGERS + "</body>" * 3, held), format="mjcf")
+    twice = '<joint joint1="j3" joint2="j1"/>' * 2 + '<joint joint1="j3"/>'
+    with pytest.raises(fb.FreebodyError, match="'j3' is held in its place"):
+        fb.load(text=mjcf(FINGERS + "</body>" * 3, FIXED.format(twice)), format="mjcf")
+
+
+def test_what_is_left_out_of_many_parts_is_told_once():
+    joints = "".join(f'<joint joint="j{k}" coef="1"/>' for k in (1, 2, 3))
+    tendons = "".join(
+        f'<fixed name="t{k}" stiffness="{k}" range="0 1" limited="true">{joints}</fixed>'
+        for k in range(9)
+    )
+    base = f'<body><joint name="float" type="free" armature="0.2"/>{BOX}'
+    text = mjcf(base + FINGERS + "</body>" * 4, f"<tendon>{tendons}</tendon>")
+    told = [x.text for x in fb.load(text=text, format="mjcf").notices if "left out" in x.text]
+    assert len(told) == 3
+    assert told[0] == "warning: armature of free and ball joints is left out: float."
+    assert told[1].endswith("tendons are left out: t0, t1, t2, t3 and 5 more.")
+    assert told[2].endswith("is left out: t1, t2, t3, t4 and 4 more.")
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
@@ -227,7 +279,9 @@ def test_equalities_of_joints():
         ("<mujoco><worldbody><body/></mujoco>", "not well-formed"),
         (mjcf('<body><joint axis="0 0 0"/></body>'), "MuJoCo does not compile it"),
         (mjcf(BOX + "<wrong/>"), "MuJoCo does not compile it"),
+        ("<mujoco><asset/></mujoco>", "a part that others include; load one that does"),
         ("<sdf/>", "the root element is <sdf>, expected <mujoco>"),
+        ("<mujocoinclude/>", "load one that includes it"),
     ],
 )
 def test_refusals(text, told):
@@ -259,3 +313,21 @@ def test_files_with_includes_and_urdf_in_xml(tmp_path):
         fb.load(path, package_path=tmp_path)
     with pytest.raises(fb.FreebodyError, match="<mujocoinclude>"):
         fb.load(tmp_path / "parts.xml")
+
+
+def test_inertias_that_mujoco_works_out_from_geoms_are_not_doubted():
+    """Three equal balls of one chain are no placeholders, the same numbers in <inertial> are."""
+    ball = '<geom type="sphere" size="0.1" mass="2"/>'
+    stated = '<inertial pos="0 0 0" mass="2" diaginertia="0.01 0.01 0.01"/>'
+
+    def doubted(inertia, option="auto"):
+        bodies = "".join(f'<body pos="{k} 0 0"><joint axis="0 1 0"/>{inertia}' for k in (1, 2, 3))
+        compiler = f'<compiler inertiafromgeom="{option}"/>'
+        text = mjcf(bodies + "</body>" * 3).replace("<worldbody>", f"{compiler}<worldbody>")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", fb.MassWarning)
+            doubts = fb.load(text=text, format="mjcf").doubts
+        return [doubt.kind for doubt in doubts if doubt.kind != "missing limits"]
+
+    assert doubted(ball) == doubted(stated + ball, "true") == []
+    assert doubted(stated + ball) == ["implausible inertias"]

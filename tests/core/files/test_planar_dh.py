@@ -181,7 +181,8 @@ def test_refusals_of_words():
         lambda: fb.planar("R", g=[0, 0, -1]),
     )
     refused(
-        "'RR': joint 'joint1': lower limit 1 is above upper -1; swap them.",
+        "'RR': joint 'joint1': lower limit 1 is above upper -1; swap them, or leave "
+        "both out where there are none.",
         lambda: fb.planar("RR", limits=[(1, -1), None]),
     )
     for given in ((1,), (0, 1, 2), 3):
@@ -395,7 +396,9 @@ def test_refusals_of_tables():
     )
     refused("'dh': two links are called 'arm'; rename one.", dh({"name": "arm"}, {"name": "arm"}))
     refused(
-        "'dh': joint 'joint1': lower limit 2 is above upper 1; swap them.", dh({"limits": (2, 1)})
+        "'dh': joint 'joint1': lower limit 2 is above upper 1; swap them, or leave "
+        "both out where there are none.",
+        dh({"limits": (2, 1)}),
     )
     refused(
         "'dh': link 'link1': principal moments 0.1, 0.1, 0.5 kg m² break the triangle inequality "

@@ -179,6 +179,29 @@ def test_generated_mechanisms_in_every_format(seed, tmp_path):
             same_motion(model, *found)
 
 
+def test_moments_that_no_body_has_are_raised_to_what_mujoco_takes(tmp_path):
+    """Those of an Allegro hand: rounded sums of what was raised were refused."""
+    file = tmp_path / "finger.urdf"
+    file.write_text("""<robot name="finger"><link name="base"/><link name="tip"><inertial>
+<mass value="0.0355"/><inertia ixx="2.63979183333e-05" ixy="6.67968e-06" ixz="4.783625e-06"
+iyy="1.34948516667e-05" iyz="9.372e-06" izz="2.63979183333e-05"/></inertial></link>
+<joint name="bend" type="continuous"><parent link="base"/><child link="tip"/></joint></robot>""")
+    model = fb.load(file, physical="ignore")
+    read, lost = after(model, "mjcf", tmp_path)
+    assert said(lost, "no rigid body has")
+    assert read.mass == model.mass
+
+
+@pytest.mark.parametrize("kind", ["sdf", "mjcf"])
+def test_a_link_that_moves_and_is_called_as_the_ground_is_refused(kind):
+    """Two bodies of one name were written, which no reader takes."""
+    hinge = HINGE.format(k=1, axis="z", parent="base")
+    text = ARM.format(links=LINK.format(k=1), joints=hinge).replace("l3", "l1")
+    model = fb.load(text=text.replace("l1", "world"), format="toml")
+    with pytest.raises(fb.FreebodyError, match="'world' is the ground, and no other link"):
+        fb.losses(model, kind)
+
+
 # ---------------------------------------------------------------- closed chains
 @pytest.mark.parametrize(
     ("name", "kind"),

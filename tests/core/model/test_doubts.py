@@ -412,6 +412,15 @@ def test_a_robot_with_placeholder_limits_is_not_judged(
     assert "of its effort limit" not in out
 
 
+def test_the_largest_share_is_of_the_drives_whose_limit_is_not_in_doubt(tmp_path: Path):
+    """The sentence said "of any drive" beside a table with larger shares."""
+    file = tmp_path / "chain.urdf"
+    file.write_text(chain((50, 1.5), (50000, 1.5), (50, 1.5)))
+    text = fb.study(fb.load(file)).worst.text
+    assert "the largest share of the drives whose limit is not in doubt" in text
+    assert "j1 needs" not in text
+
+
 # ------------------------------------------------------------ masses and loads
 def test_a_massless_robot_lifts_nothing_that_is_told():
     model = fb.dh([{"a": 0.4}, {"a": 0.3}, {"a": 0.2}], convention="standard")

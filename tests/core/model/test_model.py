@@ -141,7 +141,9 @@ def test_joints_that_cannot_be():
             changed(1, axis=axis),
         )
     says(
-        "joint 'elbow': lower limit 2 is above upper 1; swap them.", changed(1, limits=Limits(2, 1))
+        "joint 'elbow': lower limit 2 is above upper 1; swap them, or leave both out "
+        "where there are none.",
+        changed(1, limits=Limits(2, 1)),
     )
     says(
         "joint 'elbow': a limit is not a number; correct it.",

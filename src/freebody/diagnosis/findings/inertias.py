@@ -246,24 +246,36 @@ def _turned(facts: RobotFacts) -> Iterator[FoundFault]:
 # ------------------------------------------------------------ left and right
 _SIDES = {"left": "right", "l": "r", "fl": "fr", "rl": "rr", "lf": "rf", "lh": "rh", "hl": "hr",
           "bl": "br", "lb": "rb", "lr": "rr"}  # fmt: skip
+_OTHER_SIDE = _SIDES | {right: left for left, right in _SIDES.items()}
 
 
 def twins(facts: RobotFacts, names: list[str]) -> Iterator[tuple[str, str]]:
-    """Pairs of names that differ in left and right alone."""
+    """Pairs of names that differ in left and right alone, the left one first: in all their words
+    for sides, as mirror images do, else in one."""
     known = set(names)
     for name in names:
         parts = re.split(r"(_|(?<=[a-z])(?=[A-Z])|(?<=\d)|(?=\d))", name)
         parts = [x for x in parts if x]
-        for k, part in enumerate(parts):
-            other = _SIDES.get(part.lower())
-            if other is None:
-                continue
-            spelt = other.upper() if part.isupper() else other
-            spelt = other.capitalize() if part.istitle() and len(part) > 1 else spelt
-            twin = "".join([*parts[:k], spelt, *parts[k + 1 :]])
-            if twin in known and twin != name:
-                yield name, twin
-                break
+        sides = [k for k, part in enumerate(parts) if part.lower() in _OTHER_SIDE]
+        lefts = [k for k in sides if parts[k].lower() in _SIDES]
+        mirrored = _changed(parts, sides)
+        found = [_changed(parts, [k]) for k in lefts]
+        if len(sides) > 1 and mirrored in known:
+            found = [mirrored] if lefts[:1] == sides[:1] else []
+        yield from [(name, twin) for twin in found if twin in known and twin != name][:1]
+
+
+def _changed(parts: list[str], sides: list[int]) -> str:
+    """The name with the words at these places for the other side."""
+    return "".join(_other(part) if k in sides else part for k, part in enumerate(parts))
+
+
+def _other(part: str) -> str:
+    """The word for the other side, in the same case."""
+    other = _OTHER_SIDE[part.lower()]
+    if part.isupper():
+        return other.upper()
+    return other.capitalize() if part.istitle() and len(part) > 1 else other
 
 
 def _twins(facts: RobotFacts) -> Iterator[FoundFault]:

@@ -9,7 +9,7 @@ from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
 from freebody.errors import likely, listed, shown
 from freebody.formats import read_file
 from freebody.formats.urdf import TYPES
-from freebody.formats.urdf_elements import XmlElement
+from freebody.formats.urdf_elements import XmlElement, is_unexpanded
 
 _COUNTS = {
     "inertia": {"ixx": 1, "ixy": 1, "ixz": 1, "iyy": 1, "iyz": 1, "izz": 1},
@@ -61,6 +61,12 @@ def _no_number(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _not_read(element: XmlElement, attribute: str, words: list[str], wrong: str) -> FoundFault:
+    if is_unexpanded(" ".join(words)):
+        return FoundFault(
+            f"{attribute} of <{element.tag}> is {shown(' '.join(words))}, which only xacro reads",
+            element.line,
+            remedy="call the file .urdf.xacro, and it is expanded",
+        )
     mended = [_mended(word) for word in words]
     changes = (
         (AttributeChange(element, attribute, " ".join(mended)),)

@@ -50,6 +50,30 @@ def rows(model, mujoco, kind, count, **columns):
     ]
 
 
+def source_of(path, text, mujoco):
+    """The source, an MjSpec, of a model in a file or else in a text; None of a file whose suffix it
+    does not know, other than .xml."""
+    try:
+        return (
+            mujoco.MjSpec.from_file(path) if path is not None else mujoco.MjSpec.from_string(text)
+        )
+    except ValueError:
+        return None
+
+
+def filled(source, m, mujoco):
+    """Whether the inertia of each body is that of its geoms, by the source of the model; nowhere
+    where there is none."""
+    given = source.bodies if source else []
+    names = [mujoco.mj_id2name(m, mujoco.mjtObj.mjOBJ_BODY, i) or "" for i in range(m.nbody)]
+    if [body.name for body in given] != names:
+        return [False] * m.nbody
+    rule, by = source.compiler.inertiafromgeom, mujoco.mjtInertiaFromGeom
+    if rule != by.mjINERTIAFROMGEOM_AUTO:
+        return [rule == by.mjINERTIAFROMGEOM_TRUE] * m.nbody
+    return [not body.explicitinertial for body in given]
+
+
 def bodies(m, mujoco):
     """Each body's parent, pose in it, and inertia in principal axes."""
     return rows(
@@ -147,7 +171,8 @@ def actuators(m, mujoco):
 
 def tendons(m, mujoco):
     """Each tendon's spring and damper; the two sites between which it runs, none of one that runs
-    otherwise; and whether it has anything more."""
+    otherwise; the joints that a fixed one adds up, with their factors; and whether it has limits of
+    its length, and anything more."""
     found = rows(
         m,
         mujoco,
@@ -158,16 +183,20 @@ def tendons(m, mujoco):
         stiffness=m.tendon_stiffness,
         damping=m.tendon_damping,
         rest=m.tendon_lengthspring,
+        limited=m.tendon_limited,
     )
     # partly in later versions alone
-    keys = ("limited", "actfrclimited", "frictionloss", "armature", "stiffnesspoly", "dampingpoly")
+    keys = ("actfrclimited", "frictionloss", "armature", "stiffnesspoly", "dampingpoly")
     more = [getattr(m, f"tendon_{key}") for key in keys if hasattr(m, f"tendon_{key}")]
-    site = mujoco.mjtWrap.mjWRAP_SITE
+    site, joint = mujoco.mjtWrap.mjWRAP_SITE, mujoco.mjtWrap.mjWRAP_JOINT
     for i, tendon in enumerate(found):
         start, points = tendon.pop("start"), tendon.pop("points")
         through = range(start, start + points)
         straight = points == 2 and all(m.wrap_type[k] == site for k in through)
         tendon["ends"] = [int(m.wrap_objid[k]) for k in through] if straight else []
+        tendon["joints"] = [
+            [int(m.wrap_objid[k]), float(m.wrap_prm[k])] for k in through if m.wrap_type[k] == joint
+        ]
         tendon["more"] = any(bool(x[i].any()) for x in more)
     return found
 
@@ -185,7 +214,11 @@ def answer(path, text):
             model = mujoco.MjModel.from_xml_string(text)
     except Exception as problem:
         return {"problem": str(problem)}
-    return compiled(model, mujoco)
+    found = compiled(model, mujoco)
+    told = filled(source_of(path, text, mujoco), model, mujoco)
+    for body, value in zip(found["bodies"], told, strict=True):
+        body["filled"] = value
+    return found
 
 
 def bound_memory():

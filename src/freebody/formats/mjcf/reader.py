@@ -14,6 +14,7 @@ import numpy as np
 
 from freebody.errors import FileError, listed
 from freebody.formats.mjcf.compilation import BOUNDS, PARTS, compilation
+from freebody.formats.mjcf.couplings import followers, is_coupling
 from freebody.formats.mjcf.equalities import HeldBodies, joined, moved, turned
 from freebody.lazy import cached_property
 from freebody.model.description import (
@@ -34,6 +35,17 @@ from freebody.model.placement import Placement
 from freebody.model.struts import Strut
 
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
+_LAWS = {
+    "damping": ("damping", "more_damping"),
+    "stiffness": ("stiffness", "more_stiffness"),
+    "friction loss": ("friction",),
+    "armature": ("armature",),
+}
+"""Laws that act along joints, and their numbers in a compiled model."""
+_TENDON = (
+    "warning: what tendons do, but for those straight between sites of two bodies with stiffness, "
+    "damping and one springlength alone, is"
+)
 
 
 def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescription:
@@ -59,6 +71,8 @@ class _MjcfReader:
     notices: list[Notice] = field(default_factory=list)
     sites: dict[int, str] = field(default_factory=dict)
     """The frame of each site that has one."""
+    left_out: list[tuple[str, str]] = field(default_factory=list)
+    """Pairs of words for something that is not read, and the name of the part that has it."""
 
     def description(self, name: str) -> RobotDescription:
         for equality in self.given["equalities"]:
@@ -76,8 +90,8 @@ class _MjcfReader:
                 self.sites[k] = self.mount(called, site["body"], at)
         for held in self.held:
             self.loop(held)
-        for tendon in self.given["tendons"]:
-            self.tendon(tendon)
+        for index, tendon in enumerate(self.given["tendons"]):
+            self.tendon(index, tendon)
         self.name_swapped()
         self.name_left_out()
         g = np.array(self.given["gravity"])
@@ -159,7 +173,7 @@ class _MjcfReader:
             if not last:
                 self.links.append(Link(child))
             parent, where, offset = child, Placement(), at
-        self.links.append(Link(name, *self.inertia(given, offset)))
+        self.links.append(Link(name, *self.inertia(given, offset), filled=given["filled"]))
 
     def inertia(
         self, given: dict[str, Any], offset: np.ndarray
@@ -174,14 +188,11 @@ class _MjcfReader:
         given, name = self.given["joints"][index], self.joint_names[index]
         kind = _KINDS[given["type"]]
         if given["type"] in ("free", "ball"):
-            names = ("damping", "stiffness", "friction", "armature")
-            if any(map(given.get, names)) or any(
-                [*given["more_damping"], *given["more_stiffness"]]
-            ):
-                self.note(
-                    f"joint {name!r}: damping, springs, friction loss and armature of a "
-                    f"{given['type']} joint are left out."
-                )
+            self.left_out += [
+                (f"warning: {what} of free and ball joints is", name)
+                for what, keys in _LAWS.items()
+                if any(np.any(given[key]) for key in keys)
+            ]
             passive = self.passive(index) and (kind != "free" or self.is_held(given["body"]))
             return Joint(name, kind, parent, child, where, passive=passive)
         axis, zero = np.array(given["axis"]), given["zero"]
@@ -257,33 +268,19 @@ class _MjcfReader:
     # ------------------------------------------------------------ constraints
     @cached_property
     def mimics(self) -> dict[int, Mimic]:
-        """The joints that equalities make follow another."""
-        found = {}
-        for equality in self.given["equalities"]:
-            if equality["type"] != "joint" or not equality["active"]:
-                continue
-            first, second = equality["first"], equality["second"]
-            if second < 0:
-                self.refuse(
-                    f"joint {self.joint_names[first]!r} is held in its place by an equality, which "
-                    f"freebody does not know; remove it, and the joint."
-                )
-            zero, other = (self.given["joints"][i]["zero"] for i in (first, second))
-            constant, *terms = equality["data"][:5]
-            at_zero = Mimic.of_terms([(self.joint_names[second], tuple(terms))], zero + constant)
-            found[first] = at_zero.seen_at(1.0, -other)
-        return found
+        """The joints that equalities make follow others."""
+        return followers(self.given, self.joint_names, self.refuse)
 
     def equality(self, given: dict[str, Any]) -> None:
         """A loop, from a connect or a weld."""
         kind, called = given["type"], given["name"] or f"loop{len(self.held) + 1}"
-        if kind == "joint":
-            return
         if not given["active"]:
             self.note(f"the equality {called!r} is not active, and is left out.")
             return
+        if is_coupling(given, self.given):
+            return
         if kind not in ("connect", "weld"):
-            self.note(f"the equality {called!r} of {kind}s is left out.")
+            self.note(f"warning: the equality {called!r} of {kind}s is left out.")
             return
         ends = (given["first"], given["second"])
         if given["of_sites"]:
@@ -315,21 +312,20 @@ class _MjcfReader:
         frames = [self.mount(f"{held.name}_{end}", body, place) for end, body, place in ends]
         self.loops.append(Loop(held.name, held.kind, (frames[0], frames[1]), held.axis))
 
-    def tendon(self, given: dict[str, Any]) -> None:
+    def tendon(self, index: int, given: dict[str, Any]) -> None:
         """A strut, from a tendon between sites of two bodies."""
+        name = given["name"] or f"tendon{index + 1}"
+        if given["limited"]:
+            self.left_out.append(("limits of the length of tendons are", name))
         if not (given["stiffness"] or given["damping"] or given["more"]):
             return
-        name = given["name"] or f"tendon{len(self.struts) + 1}"
         (lower, upper), ends = given["rest"], given["ends"]
         bodies = {self.rigid(self.given["sites"][k]["body"]) for k in ends}
         if len(bodies) == 1 and not given["more"]:
             self.note(f"the tendon {name!r} is between parts of one body, and is left out.")
             return
         if not bodies or given["more"] or lower != upper:
-            self.note(
-                f"warning: what the tendon {name!r} does is left out: read is one between sites of "
-                f"two bodies, its stiffness, damping and springlength, one number, alone."
-            )
+            self.left_out.append((_TENDON, name))
             return
         parts = (*self.joints, *self.loops, *self.struts)
         while name in {part.name for part in parts}:
@@ -374,6 +370,9 @@ class _MjcfReader:
                         )
 
     def name_left_out(self) -> None:
+        for what in dict.fromkeys(what for what, _ in self.left_out):
+            names = [name for of, name in self.left_out if of == what]
+            self.note(f"{what} left out: {listed(names, 5)}.")
         for what, count in self.given["left_out"].items():
             if count:
                 self.note(f"warning: {what} acts on the bodies in MuJoCo, and is left out.")

@@ -30,6 +30,8 @@ from freebody.spatial import space
 
 STANDARD_GRAVITY = 9.81
 """m/s² along -z, which readers of formats without gravity take."""
+GROUND = "world"
+"""The ground's name in SDF and MJCF."""
 _SHOWN = 6
 """Names that a sentence holds."""
 _OUTSIDE_XML = re.compile(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
@@ -429,6 +431,16 @@ def checked_names(contents: Contents, format_name: str) -> None:
     names += [part.name for part in (*contents.loops, *contents.struts)]
     for name in (contents.name, *names):
         kept_name(name, format_name)
+
+
+def checked_ground(contents: Contents, format_name: str) -> None:
+    """Refuse a link or frame with the name of the ground that is not the fixed root."""
+    others = contents.links if contents.free else contents.links[1:]
+    if any(link.name == GROUND for link in others):
+        raise FreebodyError(
+            f"save: in {format_name} {GROUND!r} is the ground, and no other link or frame; rename "
+            f"that of {contents.name!r}."
+        )
 
 
 def kept_name(name: str, format_name: str) -> str:

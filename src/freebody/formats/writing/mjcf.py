@@ -7,11 +7,13 @@ import numpy as np
 
 from freebody.errors import FreebodyError, listed
 from freebody.formats.writing.format_contents import (
+    GROUND,
     Contents,
     Holds,
     WrittenJoint,
     WrittenLink,
     WrittenStrut,
+    checked_ground,
     checked_names,
     contents_of,
     lost_names,
@@ -45,7 +47,6 @@ HOLDS = Holds(
     passive=True,
     degree=4,
 )
-_WORLD = "world"
 _LEAST = 2e-15
 """kg and kg m²: what MuJoCo moves is heavier than 1e-15."""
 _ALONG = 0.1
@@ -58,6 +59,7 @@ def written(model: Model) -> tuple[str, list[str]]:
     """The text, and in words what of the model is not in it."""
     contents = contents_of(model, HOLDS)
     checked_names(contents, "MJCF")
+    checked_ground(contents, "MJCF")
     return _Writer(contents, flat=model.dim == 2).written()
 
 
@@ -125,9 +127,9 @@ class _Writer:
             body, R, p = self.end(link.name)
             SubElement(body, "site", {"name": link.name, **_place((R, p))})
             return
-        if not link.parent and link.name == _WORLD and not self.contents.free:
+        if not link.parent and link.name == GROUND and not self.contents.free:
             if link.inertia is not None:
-                self.losses.append(f"the mass of {_WORLD!r}, which is the ground")
+                self.losses.append(f"the mass of {GROUND!r}, which is the ground")
             self.bodies[link.name] = self.world
             return
         outer = self.bodies[link.parent] if link.parent else self.world
@@ -190,10 +192,11 @@ class _Writer:
                 f"the moments of inertia of {name!r}, which no rigid body has: the smaller ones "
                 f"are raised"
             )
+        smaller = np.arange(3) != largest
         if short > 0.0:
-            moments[np.arange(3) != largest] += 0.5 * short
-            # MuJoCo adds the two without regard to rounding
-            moments[largest] = min(moments[largest], moments.sum() - moments[largest])
+            moments[smaller] += 0.5 * short
+        # MuJoCo adds the two without regard to rounding
+        moments[largest] = min(moments[largest], moments[smaller].sum())
         return moments, axes
 
     # ------------------------------------------------------------ joints

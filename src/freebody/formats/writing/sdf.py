@@ -9,12 +9,14 @@ import numpy as np
 
 from freebody.errors import FreebodyError
 from freebody.formats.writing.format_contents import (
+    GROUND,
     STANDARD_GRAVITY,
     Contents,
     Holds,
     WrittenJoint,
     WrittenLink,
     WrittenLoop,
+    checked_ground,
     contents_of,
     fixed_name,
 )
@@ -48,7 +50,6 @@ HOLDS = Holds(
     gravity=True,
     base="load it with base='free'",
 )
-_WORLD = "world"
 _CLOSED = 1e-12
 """Gap, m or as a sine, up to which a loop is closed where the file draws it."""
 
@@ -56,6 +57,7 @@ _CLOSED = 1e-12
 def written(model: Model) -> tuple[str, list[str]]:
     """The text, and in words what of the model is not in it."""
     contents = checked(_with_names_apart(contents_of(model, HOLDS)), "SDF")
+    checked_ground(contents, "SDF")
     root = Element("sdf", {"version": "1.11"})
     outer = root
     if contents.gravity != (0.0, 0.0, -STANDARD_GRAVITY):
@@ -119,11 +121,11 @@ def _with_names_apart(contents: Contents) -> Contents:
 def _links(contents: Contents) -> list[WrittenLink]:
     """The links; not one without mass that is the world itself."""
     root = contents.links[0]
-    if root.name != _WORLD:
+    if root.name != GROUND:
         return list(contents.links)
     if root.inertia is not None or contents.free:
         raise FreebodyError(
-            f"save: in SDF {_WORLD!r} is the ground, and not a link with mass; rename the root "
+            f"save: in SDF {GROUND!r} is the ground, and not a link with mass; rename the root "
             f"link of {contents.name!r}."
         )
     return list(contents.links[1:])
@@ -133,7 +135,7 @@ def _floating(contents: Contents) -> list[str]:
     """The losses of free joints, which SDF says by no joint."""
     found = []
     root = contents.links[0].name
-    alone = root == _WORLD and sum(link.parent == root for link in contents.links) == 1
+    alone = root == GROUND and sum(link.parent == root for link in contents.links) == 1
     for link in contents.links:
         if link.joint is None or link.joint.kind != "free":
             continue
@@ -159,7 +161,7 @@ def _held(robot: Element, contents: Contents, links: list[WrittenLink], taken: s
     if root in links and any(link.joint and link.joint.kind == "free" for link in links):
         name = fixed_name(root.name, taken)
         joint = SubElement(robot, "joint", {"name": name, "type": "fixed"})
-        SubElement(joint, "parent").text = _WORLD
+        SubElement(joint, "parent").text = GROUND
         SubElement(joint, "child").text = root.name
 
 
@@ -175,7 +177,7 @@ def _link(robot: Element, link: WrittenLink) -> None:
     if link.mounted:
         return
     element = SubElement(robot, "link", {"name": link.name})
-    if link.parent and link.parent != _WORLD and not (link.joint and link.joint.kind == "free"):
+    if link.parent and link.parent != GROUND and not (link.joint and link.joint.kind == "free"):
         _pose(element, link.pose, link.parent)
     else:
         _pose(element, link.pose)

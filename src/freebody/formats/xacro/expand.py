@@ -65,7 +65,10 @@ def expanded(
 def without_links(found: Expanded) -> str:
     """The reason why a file without links is no robot: it defines macros, or nothing at all."""
     if not found.macros:
-        return "there are no links in the file's expansion; a robot needs at least one."
+        return (
+            "there are no links in the file's expansion; a robot needs at least one. If it is a "
+            "part that others include, load one that does."
+        )
     return (
         f"the file has no links of its own, it defines macros: {listed(found.macros, 5)}. Load the "
         "file that calls them, often in the same folder."
