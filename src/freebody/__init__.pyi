@@ -6,6 +6,15 @@ from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
 from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
+from freebody.design.catalogue import catalogue as catalogue
+from freebody.design.drive_loads import drive_loads as drive_loads
+from freebody.design.duty_cycle import DutyCycle as DutyCycle
+from freebody.design.duty_cycle import Segment as Segment
+from freebody.design.parts import Bearing as Bearing
+from freebody.design.parts import Gear as Gear
+from freebody.design.parts import Motor as Motor
+from freebody.design.parts import PartCatalogue as PartCatalogue
+from freebody.design.parts import mean_load as mean_load
 from freebody.diagnosis.doctor import doctor as doctor
 from freebody.diagnosis.same_robot import same_robot as same_robot
 from freebody.errors import FileError as FileError

@@ -19,6 +19,7 @@ NOT_OF_STATES = frozenset(
         "check",
         "default_motion",
         "derive",
+        "drive_loads",
         "dwell",
         "equations",
         "exceeded_limits",
