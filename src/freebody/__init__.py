@@ -153,6 +153,7 @@ _PLACES = {
     "freebody.design.catalogue": ("catalogue",),
     "freebody.design.duty_cycle": ("DutyCycle", "Segment"),
     "freebody.design.drive_loads": ("drive_loads",),
+    "freebody.design.size": ("size",),
     "freebody.sweeps.samples": ("samples",),
     "freebody.sweeps.sweep": ("sweep",),
     "freebody.figures.free_body": ("free_body_diagram",),

@@ -40,6 +40,7 @@ NOT_OF_STATES = frozenset(
         "s_curve",
         "save",
         "singularities",
+        "size",
         "singularity_diagram",
         "singularity_loci",
         "smoothed",

@@ -15,6 +15,7 @@ from freebody.design.loads import CycleLoads, DriveJoint, cycle_loads, drive_joi
 from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_torque, uses
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError
+from freebody.lazy import cached_property
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -36,9 +37,9 @@ class DriveLoads(Tabled, ByValue):
     one after another; where a robot rests, one for the whole rest).
     """
 
-    model: Model
-    """The robot with the drives: their masses as loads, their rotors, gears and losses in its
-    joints."""
+    robot: Model
+    """The robot without the drives."""
+    joints: tuple[DriveJoint, ...]
     drives: Mapping[str, tuple[Motor, Gear]]
     data: xr.Dataset
     """Along (sample, joint): torque, speed, power and, where the torque constant is known, current
@@ -50,6 +51,12 @@ class DriveLoads(Tabled, ByValue):
     """Along (limit, joint): the share that is used of each limit, 1 being all of it; NaN where the
     part has no such limit, or nobody asked for it, such as a life."""
     notices: tuple[str, ...] = ()
+
+    @cached_property
+    def model(self) -> Model:
+        """The robot with the drives: their masses as loads, their rotors, gears and, but in closed
+        chains, losses in its joints."""
+        return _fitted(self.robot, self.joints, self.drives)
 
     @property
     def margin(self) -> float:
@@ -66,18 +73,18 @@ class DriveLoads(Tabled, ByValue):
         words = f"{100.0 * float(self.uses.max()):.3g} % of the {limit} of {joint}"
         kept = "every limit given is kept" if self.passed else "not every limit is kept"
         return (
-            f"Drives of {self.model.name!r}, {counted(len(self.drives), 'joint')}: {kept}; {words}"
+            f"Drives of {self.robot.name!r}, {counted(len(self.drives), 'joint')}: {kept}; {words}"
         )
 
     def _table(self) -> TextTable:
         rows = []
         for name, (motor, gear) in self.drives.items():
-            of = self.uses.sel(joint=name).fillna(0.0)
-            k = int(of.argmax())
+            shares = np.nan_to_num(self.uses.sel(joint=name).values)
+            k = int(np.argmax(shares))
             life = float(self.summary["gear_life"].sel(joint=name).min())
-            used = f"{100 * float(of[k]):.3g} %"
+            used = f"{100 * shares[k]:.3g} %"
             lasts = "" if np.isnan(life) else f"{life:.4g} h"
-            rows.append((name, motor.name, gear.name, str(of.limit.values[k]), used, lasts))
+            rows.append((name, motor.name, gear.name, LIMITS[k].name, used, lasts))
         head = ("joint", "motor", "gear", "limit used most", "used", "life of the gear")
         return TextTable(head, rows, self.notices)
 
@@ -158,7 +165,7 @@ def demand_of(
 ) -> Demand:
     """The load of joint k, where the drives have masses (n,) kg."""
     return Demand(
-        loads.shares, loads.torque(k, masses), loads.friction[:, k], loads.speed[:, k],
+        loads.shares, loads.spans, loads.torque(k, masses), loads.friction[:, k], loads.speed[:, k],
         loads.acceleration[:, k], life, holding,
     )  # fmt: skip
 
@@ -194,7 +201,7 @@ def assembled(
     )
     limits = [limit.name for limit in LIMITS]
     return DriveLoads(
-        fitted(model, joints, drives), dict(drives), data, summary,
+        model, tuple(joints), dict(drives), data, summary,
         xr.DataArray(np.stack(used, axis=-1), {"limit": limits, **names}, ("limit", "joint")),
         (*cycle_notices(cycles), *_lossless(model, joints), *_unchecked(drives)),
     )  # fmt: skip
@@ -257,7 +264,7 @@ def _summary(
     }
 
 
-def fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) -> Model:
+def _fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) -> Model:
     """The model with drives: their masses where they ride, rotors, gears and, in open chains,
     losses."""
     found = model.without("rotors")
@@ -265,9 +272,7 @@ def fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) -> 
         motor, gear = drives[joint.name]
         mass = motor.mass + gear.mass
         if joint.frame is not None and mass > 0.0:
-            found = found.with_payload(
-                mass, com=joint.at, frame=joint.frame, name=f"drive of {joint.name}"
-            )
+            found = found.with_payload(mass, com=joint.at, frame=joint.frame, name=joint.load)
         forward, back = (0.0, 0.0) if _keeps_no_losses(model, joint) else gear.efficiencies
         found = found.with_drive(
             joint.name, rotor=motor.inertia + gear.inertia, gear=gear.factor,

@@ -116,7 +116,7 @@ class DutyCycle(Tabled, ByValue):
     Each begins where the one before ends, at rest where that one dwells; FreebodyError otherwise.
     """
 
-    segments: tuple[Segment, ...]
+    segments: Sequence[Segment]
     source: str = ""
     """Words for where the cycle comes from."""
     _aside = ("source",)

@@ -11,11 +11,12 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
-from freebody.design.duty_cycle import DutyCycle
+from freebody.design.duty_cycle import DutyCycle, Segment
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.lazy import Keeps, kept
 from freebody.model.model import Model
 from freebody.motion.friction import friction_torque, motor_springs, without_laws
+from freebody.values import key
 
 
 @dataclass(frozen=True)
@@ -30,24 +31,26 @@ class DriveJoint:
     at: tuple[float, ...]
 
     @property
-    def unit(self) -> str:
-        """The unit of its torque or force."""
-        return "N m" if self.turns else "N"
+    def load(self) -> str:
+        """The name of its drive among the loads of a model."""
+        return f"drive of {self.name}"
 
 
 @dataclass(frozen=True, eq=False)
 class CycleLoads(Keeps):
     """Loads at the samples of all cycles, one after another (T samples, C cycles).
 
-    shares (C, T): of its cycle's time, for which each sample stands. periods (C,): s.
+    shares (C, T): of its cycle's time, for which each sample stands. spans: the samples of each
+    cycle. periods (C,): s.
     transmitted (T, n): the torque of each joint behind its gear, with no rotor, friction of the
     motor's side or mass of a drive. friction (T, n): what that friction takes, at the joint.
-    speed, acceleration (T, n). per_kg (n, T, n): what a kilogram of the drive of each joint (first
-    index) adds to the torque of each (last).
+    speed, acceleration (T, n). per_kg (n, n, T): what a kilogram of the drive of each joint (second
+    index) adds to the torque of each (first).
     """
 
     joints: tuple[DriveJoint, ...]
     shares: Array
+    spans: tuple[slice, ...]
     periods: Array
     transmitted: Array
     friction: Array
@@ -57,10 +60,10 @@ class CycleLoads(Keeps):
 
     def torque(self, k: int, masses: Array) -> Array:
         """The torque (T,) that joint k transmits, where the drives have masses (n,) kg."""
-        heavy = np.flatnonzero(masses * self.burdens[:, k])
-        if not len(heavy):
-            return self.transmitted[:, k]
-        return self.transmitted[:, k] + masses[heavy] @ self.per_kg[heavy, :, k]
+        found = self.transmitted[:, k]
+        for j in np.flatnonzero(masses * self.burdens[:, k]):
+            found = found + masses[j] * self.per_kg[k, j]
+        return found
 
     @property
     def burdens(self) -> Array:
@@ -68,7 +71,7 @@ class CycleLoads(Keeps):
         return kept(self, "_burdens", self._burdens)
 
     def _burdens(self) -> Array:
-        size = np.abs(self.per_kg).max(axis=1)
+        size = np.abs(self.per_kg).max(axis=2).T
         largest = max(float(np.abs(self.transmitted).max()), float(size.max()), 1e-300)
         return size > _NOTHING * largest
 
@@ -123,46 +126,69 @@ def cycle_loads(
     """The loads of a model's joints over duty cycles; the model's own rotors and losses of gears do
     not count."""
     bare = without_laws(model, lambda law: law.losses is not None).without("rotors")
-    columns = [joint.column for joint in joints]
+    models: dict[Any, _Loaded] = {}
     parts: dict[str, list[Array]] = {}
     for cycle in cycles:
         for segment in cycle.segments:
-            for name, value in _of_segment(bare, segment, joints, columns).items():
+            carried = key(segment.payload)
+            if carried not in models:
+                models[carried] = _Loaded.of(segment.carried_by(bare), joints)
+            for name, value in models[carried].loads(segment, joints).items():
                 parts.setdefault(name, []).append(value)
     counts = [sum(len(x.motion.t) + (x.dwell > 0.0) for x in cycle.segments) for cycle in cycles]
     seconds = np.concatenate(parts.pop("seconds"))
-    shares, start = np.zeros((len(cycles), len(seconds))), 0
-    for k, (cycle, count) in enumerate(zip(cycles, counts, strict=True)):
-        shares[k, start : start + count] = seconds[start : start + count] / cycle.duration
-        start += count
-    per_kg = np.concatenate(parts.pop("per_kg"), axis=1)
+    ends = np.cumsum(counts)
+    spans = tuple(slice(int(end - n), int(end)) for end, n in zip(ends, counts, strict=True))
+    shares = np.zeros((len(cycles), len(seconds)))
+    for k, (cycle, span) in enumerate(zip(cycles, spans, strict=True)):
+        shares[k, span] = seconds[span] / cycle.duration
+    per_kg = np.concatenate(parts.pop("per_kg"), axis=2)
     joined = {name: np.concatenate(value) for name, value in parts.items()}
     periods = np.array([cycle.duration for cycle in cycles])
-    return CycleLoads(tuple(joints), shares, periods, per_kg=per_kg, **joined)
+    return CycleLoads(tuple(joints), shares, spans, periods, per_kg=per_kg, **joined)
 
 
-def _of_segment(
-    bare: Model, segment: Any, joints: Sequence[DriveJoint], columns: list[int]
-) -> dict[str, Array]:
-    q, qd, qdd, wrenches, seconds = segment.states()
-    loaded = segment.carried_by(bare)
-    total = inverse_dynamics(loaded, q, qd, qdd, wrenches)
-    own = motor_springs(loaded, q, qd) + friction_torque(loaded.without("struts"), q, qd)
-    per_kg = np.zeros((len(joints), len(q), len(joints)))
-    for k, joint in enumerate(joints):
-        if joint.frame is not None:
-            heavier = loaded.with_payload(
-                1.0, com=joint.at, frame=joint.frame, name=f"drive of {joint.name}"
-            )
-            per_kg[k] = (inverse_dynamics(heavier, q, qd, qdd, wrenches) - total)[:, columns]
-    return {
-        "seconds": seconds,
-        "transmitted": (total - own)[:, columns],
-        "friction": own[:, columns],
-        "speed": qd[:, columns],
-        "acceleration": qdd[:, columns],
-        "per_kg": per_kg,
-    }
+@dataclass(frozen=True, eq=False)
+class _Loaded:
+    """A model with a payload, the same without struts, whose dampers are no friction of drives, and
+    for each joint with a kilogram more where its drive rides."""
+
+    model: Model
+    own: Model
+    heavier: tuple[Model | None, ...]
+
+    @staticmethod
+    def of(model: Model, joints: Sequence[DriveJoint]) -> _Loaded:
+        return _Loaded(
+            model,
+            model.without("struts") if model.struts else model,
+            tuple(
+                None
+                if x.frame is None
+                else model.with_payload(1.0, com=x.at, frame=x.frame, name=x.load)
+                for x in joints
+            ),
+        )
+
+    def loads(self, segment: Segment, joints: Sequence[DriveJoint]) -> dict[str, Array]:
+        """The arrays of `CycleLoads` for one segment."""
+        q, qd, qdd, wrenches, seconds = segment.states()
+        columns = [joint.column for joint in joints]
+        total = inverse_dynamics(self.model, q, qd, qdd, wrenches)
+        friction = motor_springs(self.model, q, qd) + friction_torque(self.own, q, qd)
+        per_kg = np.zeros((len(joints), len(joints), len(q)))
+        for j, heavier in enumerate(self.heavier):
+            if heavier is not None:
+                more = inverse_dynamics(heavier, q, qd, qdd, wrenches) - total
+                per_kg[:, j] = more[:, columns].T
+        return {
+            "seconds": seconds,
+            "transmitted": (total - friction)[:, columns],
+            "friction": friction[:, columns],
+            "speed": qd[:, columns],
+            "acceleration": qdd[:, columns],
+            "per_kg": per_kg,
+        }
 
 
 def order(loads: CycleLoads) -> list[int]:

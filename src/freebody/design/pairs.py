@@ -47,11 +47,13 @@ def _drawn(torque: Array, speed: Array, forward: Array | float, back: Array | fl
 class Demand(Keeps):
     """The load of one joint at all samples, as the masses of the drives that it carries make it.
 
-    shares (C, T): of each cycle's time. torque, friction, speed, acceleration (T,). life: hours
-    that gears have to last. holding: the torque that a brake has to hold, N m or N at the joint.
+    shares (C, T): of each cycle's time, for which samples stand. spans: the samples of each cycle.
+    torque, friction, speed, acceleration (T,). life: hours that gears have to last. holding: the
+    torque that a brake has to hold, N m or N at the joint.
     """
 
     shares: Array
+    spans: Sequence[slice]
     torque: Array
     friction: Array
     speed: Array
@@ -88,7 +90,10 @@ class Demand(Keeps):
                 self.acceleration,
             ]
         )
-        return np.stack([(columns * share) @ columns.T for share in self.shares])
+        return np.stack(
+            [(columns[:, at] * share[at]) @ columns[:, at].T
+             for share, at in zip(self.shares, self.spans, strict=True)]
+        )  # fmt: skip
 
     def mean_torque(self, exponent: float) -> Array:
         """The mean torque (C,) by which a gear of that exponent wears; see `mean_load`."""
@@ -105,10 +110,12 @@ class Demand(Keeps):
 
 
 def _ratio(used: Array, allowed: Array) -> Array:
-    """used/allowed, 0 where nothing is used, infinite where something is and nothing is allowed."""
-    used, allowed = np.broadcast_arrays(used, allowed)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where(used == 0.0, 0.0, used / allowed)
+    """used/allowed, infinite where something is used and nothing is allowed."""
+    with np.errstate(over="ignore"):
+        return used / np.maximum(allowed, _TINY)
+
+
+_TINY = 1e-300
 
 
 class PairTable:
@@ -118,6 +125,7 @@ class PairTable:
     def __init__(self, motors: Sequence[Motor], gears: Sequence[Gear]):
         self.motors, self.gears = tuple(motors), tuple(gears)
         self.max_speed = _column(self.motors, "max_speed")
+        self.continuous = _column(self.motors, "continuous_torque")
         self.brake = _column(self.motors, "brake_torque")
         self.factor = np.array([[gear.factor for gear in self.gears]])
         efficiencies = np.array([gear.efficiencies for gear in self.gears]).reshape(-1, 2)
@@ -179,16 +187,19 @@ class PairTable:
         worst = int(np.argmax(use))
         return float(use[worst]), worst
 
-    def rms(self, demand: Demand) -> Array:
-        """The RMS torques (C, M, G) of all motors."""
+    def mean_squares(self, demand: Demand) -> Array:
+        """The mean squares (C, M, G) of the torques of all motors."""
         N = self.factor[0]
         gear = np.stack([1.0 / (self.forward[0] * N), self.back[0] / N, 1.0 / N])
         G = demand.gram
         a = np.einsum("ig,cij,jg->cg", gear, G[:, :3, :3], gear)
-        b = np.einsum("ig,ci->cg", gear, G[:, :3, 3]) * N
+        b = 2.0 * (G[:, :3, 3] @ gear) * N
         c = G[:, 3, 3][:, None] * N**2
-        square = a[:, None] + self.inertia * (2.0 * b[:, None] + self.inertia * c[:, None])
-        return np.sqrt(np.maximum(square, 0.0))
+        found = self.inertia * c[:, None]
+        found += b[:, None]
+        found *= self.inertia
+        found += a[:, None]
+        return np.maximum(found, 0.0, out=found)
 
 
 _BLOCK = 64
@@ -217,13 +228,12 @@ class DriveLimit:
 
 
 def _continuous(demand: Demand, pairs: PairTable) -> Array:
-    rms = pairs.rms(demand)
+    squares = pairs.mean_squares(demand)
     if not any(motor.continuous_curve for motor in pairs.motors):
-        allowed = np.array([[motor.continuous_torque] for motor in pairs.motors])
-        return _ratio(rms.max(axis=0), allowed)
+        return np.sqrt(squares.max(axis=0)) / pairs.continuous
     speed = demand.mean_speed[:, None] * pairs.factor
     allowed = np.stack([motor.continuous_at(speed) for motor in pairs.motors], axis=1)
-    return _ratio(rms, allowed).max(axis=0)
+    return _ratio(np.sqrt(squares), allowed).max(axis=0)
 
 
 def _gear_mean(demand: Demand, pairs: PairTable) -> Array:

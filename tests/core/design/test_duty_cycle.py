@@ -56,7 +56,7 @@ def test_a_pendulum_by_its_closed_form():
     assert float(of.mean_motor_speed) == pytest.approx(N * 2.0 / 5.0, rel=1e-4)
     mean = np.trapezoid(np.abs(qd * load**3), motion.t) / np.trapezoid(np.abs(qd), motion.t)
     assert float(of.mean_gear_torque) == pytest.approx(mean ** (1 / 3))
-    life = GEAR.life(mean ** (1 / 3), float(of.mean_motor_speed))
+    life = GEAR.life(float(mean ** (1 / 3)), float(of.mean_motor_speed))
     assert float(of.gear_life) == pytest.approx(life)
     share = found.uses.sel(limit="continuous torque").item()
     assert share == pytest.approx(float(of.rms_motor_torque) / 2.0)
@@ -72,7 +72,7 @@ def test_motors_give_what_the_robot_with_its_drives_needs():
     segment = fb.Segment(
         swing(arm), {"mass": 3.0, "com": [0, 0.02, 0.1]}, {"wrist_3_link": wrench}, dwell=0.5
     )
-    found = fb.drive_loads(arm, fb.DutyCycle((segment, swing(arm))), pairs)
+    found = fb.drive_loads(arm, fb.DutyCycle([segment, fb.Segment(swing(arm))]), pairs)
     rates = [np.ptp(segment.motion.qd), len(segment.motion.t)]
     assert rates[0] > 1.0
     assert rates[1] == 401
