@@ -77,16 +77,22 @@ class DriveLoads(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        rows = []
-        for name, (motor, gear) in self.drives.items():
-            shares = np.nan_to_num(self.uses.sel(joint=name).values)
-            k = int(np.argmax(shares))
-            life = float(self.summary["gear_life"].sel(joint=name).min())
-            used = f"{100 * shares[k]:.3g} %"
-            lasts = "" if np.isnan(life) else f"{life:.4g} h"
-            rows.append((name, motor.name, gear.name, LIMITS[k].name, used, lasts))
-        head = ("joint", "motor", "gear", "limit used most", "used", "life of the gear")
-        return TextTable(head, rows, self.notices)
+        return limit_table(self)
+
+
+def limit_table(found: DriveLoads) -> TextTable:
+    """For each joint its motor and gear, the limit that is used most, and how long the gear
+    lives."""
+    rows = []
+    for name, (motor, gear) in found.drives.items():
+        shares = np.nan_to_num(found.uses.sel(joint=name).values)
+        k = int(np.argmax(shares))
+        life = float(found.summary["gear_life"].sel(joint=name).min())
+        used = f"{100 * shares[k]:.3g} %"
+        lasts = "" if np.isnan(life) else f"{life:.4g} h"
+        rows.append((name, motor.name, gear.name, LIMITS[k].name, used, lasts))
+    head = ("joint", "motor", "gear", "limit used most", "used", "life of the gear")
+    return TextTable(head, rows, found.notices)
 
 
 def _worst(used: Any) -> tuple[str, str]:

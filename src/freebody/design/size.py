@@ -132,18 +132,7 @@ class Sizing(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        names = [joint.name for joint in self.joints]
-        rows = [
-            (
-                f"{x.mass:.4g} kg",
-                "" if x.price is None else f"{x.price:.6g}",
-                f"{x.margin:.3g}",
-                f"{x.limit} of {x.joint}",
-                *(f"{x.drives[name][0].name} + {x.drives[name][1].name}" for name in names),
-            )
-            for x in self.choices
-        ]
-        return TextTable(("mass", "price", "margin", "of", *names), rows, self.notices)
+        return choice_table(self)
 
     def drive_loads(self, choice: DriveChoice | None = None) -> DriveLoads:
         """What the motors and gears of a choice, default the lightest, must give; its `model` is
@@ -216,6 +205,22 @@ class Sizing(Tabled, ByValue):
     def loads(self) -> CycleLoads:
         """The loads of the joints before any drive is chosen."""
         return cycle_loads(self.model, self.cycles, self.joints)
+
+
+def choice_table(found: Sizing, most: int | None = None) -> TextTable:
+    """The choices as a table, the lightest first; most: how many of them."""
+    names = [joint.name for joint in found.joints]
+    rows = [
+        (
+            f"{x.mass:.4g} kg",
+            "" if x.price is None else f"{x.price:.6g}",
+            f"{x.margin:.3g}",
+            f"{x.limit} of {x.joint}",
+            *(f"{x.drives[name][0].name} + {x.drives[name][1].name}" for name in names),
+        )
+        for x in found.choices[:most]
+    ]
+    return TextTable(("mass", "price", "margin", "of", *names), rows, found.notices)
 
 
 def size(
