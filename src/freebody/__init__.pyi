@@ -6,6 +6,8 @@ from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
 from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
+from freebody.design.bearings import bearing_loads as bearing_loads
+from freebody.design.bearings import floor_loads as floor_loads
 from freebody.design.catalogue import catalogue as catalogue
 from freebody.design.drive_loads import drive_loads as drive_loads
 from freebody.design.duty_cycle import DutyCycle as DutyCycle

@@ -15,6 +15,7 @@ NOT_OF_STATES = frozenset(
     {
         "arc",
         "base_parameters",
+        "bearing_loads",
         "blend",
         "check",
         "default_motion",
@@ -24,6 +25,7 @@ NOT_OF_STATES = frozenset(
         "equations",
         "exceeded_limits",
         "export_fmu",
+        "floor_loads",
         "formula",
         "inertial_parameters",
         "kernel",

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.design.joint_loads import JOINT_LOADS
 from freebody.model.doubts import EFFORTS, MASSES, attribute, doubts_on
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
@@ -16,7 +17,7 @@ from freebody.outputs.display import TextTable
 from freebody.outputs.number_text import compared
 from freebody.report.results import LimitUse, StaticPose, Worst, percent
 from freebody.report.series import coordinates
-from freebody.report.variables import LOADS, dataset
+from freebody.report.variables import dataset
 from freebody.trees import dynamics
 from freebody.trees.states import integrate, random_state
 
@@ -155,7 +156,7 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
 
 def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name in LOADS:
+    for name in JOINT_LOADS:
         values = data[name].values
         absent = np.isnan(values).all(axis=0)
         peak = (np.where(absent, np.nan, x) for x in _peak(t, np.nan_to_num(values)))
