@@ -111,7 +111,11 @@ AREAS = (
         ("motion", "motion_files", "planned_motions", "tip_motions", "piecewise", "measured",
          "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
     ),
-    Area("design", ("design/*.py",), ("parts", "duty_cycle", "size")),
+    Area(
+        "design",
+        ("design/*.py",),
+        ("parts", "duty_cycle", "size", "size_command", "bearings", "stops"),
+    ),
     Area(
         "simulation",
         ("motion/simulation/*.py",),

@@ -155,6 +155,7 @@ _PLACES = {
     "freebody.design.drive_loads": ("drive_loads",),
     "freebody.design.size": ("size",),
     "freebody.design.bearings": ("bearing_loads", "floor_loads"),
+    "freebody.design.stops": ("emergency_stops",),
     "freebody.sweeps.samples": ("samples",),
     "freebody.sweeps.sweep": ("sweep",),
     "freebody.figures.free_body": ("free_body_diagram",),

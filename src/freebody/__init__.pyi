@@ -18,6 +18,7 @@ from freebody.design.parts import Motor as Motor
 from freebody.design.parts import PartCatalogue as PartCatalogue
 from freebody.design.parts import mean_load as mean_load
 from freebody.design.size import size as size
+from freebody.design.stops import emergency_stops as emergency_stops
 from freebody.diagnosis.doctor import doctor as doctor
 from freebody.diagnosis.same_robot import same_robot as same_robot
 from freebody.errors import FileError as FileError

@@ -22,6 +22,7 @@ NOT_OF_STATES = frozenset(
         "derive",
         "drive_loads",
         "dwell",
+        "emergency_stops",
         "equations",
         "exceeded_limits",
         "export_fmu",

@@ -113,6 +113,9 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "drive_loads": lambda: fb.drive_loads(
             arm, motion, {arm.joint_names[0]: (parts.motors[8], parts.gears[12])}
         ),
+        "emergency_stops": lambda: fb.emergency_stops(
+            arm, motion, {arm.joint_names[0]: (parts.motors[8], parts.gears[12])}
+        ),
         "size": lambda: fb.size(arm, motion, parts, joints=arm.joint_names[:1]),
         "bearing_loads": lambda: fb.bearing_loads(arm, motion),
         "floor_loads": lambda: fb.floor_loads(arm, motion),

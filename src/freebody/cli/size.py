@@ -64,6 +64,10 @@ def size(
             help="What is allowed over what is used, at least.",
         ),
     ] = 1.0,
+    hold: Annotated[
+        bool,
+        typer.Option("--hold", help="Every motor must have a brake that holds its joint."),
+    ] = False,
     rejected: Annotated[
         str | None,
         typer.Option(metavar="JOINT", help="List the pairs that do not suffice there, and why."),
@@ -95,6 +99,7 @@ def size(
             mounts=_mounts(mount),
             life=life,
             margin=margin,
+            hold=hold,
             progress=tell,
         )
     if parts.note:

@@ -255,8 +255,8 @@ def floor_loads(model: Model, cycles: Cycles) -> FloorLoads:
     for strut in model.tree.struts:
         if any(model.tree.frames[name][0] < 0 for name in strut.frames):
             raise FreebodyError(
-                f"floor_loads: strut {strut.name!r} of {model.name!r} ends at the base, and what it "
-                f"exerts there is not counted; take model.without('struts')."
+                f"floor_loads: strut {strut.name!r} of {model.name!r} ends at the base, and what "
+                f"it exerts there is not counted; take model.without('struts')."
             )
     parts = [_on_floor(model, segment) for cycle in done for segment in cycle.segments]
     wrench = np.concatenate(parts)

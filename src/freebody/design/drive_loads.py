@@ -11,7 +11,14 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.design.duty_cycle import Cycles, DutyCycle, duty_cycles
-from freebody.design.loads import CycleLoads, DriveJoint, cycle_loads, drive_joints
+from freebody.design.loads import (
+    CycleLoads,
+    DriveJoint,
+    RestLoads,
+    cycle_loads,
+    drive_joints,
+    rest_loads,
+)
 from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_torque, uses
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError
@@ -108,6 +115,7 @@ def drive_loads(
     *,
     mounts: Mounts = None,
     life: float = 0.0,
+    hold: bool = False,
 ) -> DriveLoads:
     """What motors and gears of a robot must give over duty cycles, and how much of their limits
     that is.
@@ -126,6 +134,8 @@ def drive_loads(
         Default: the link before the joint, at the joint.
     life : h
         How long gears have to last; 0: not asked.
+    hold
+        Whether every motor must have a brake that holds its joint, as for `fb.size`.
 
     Returns
     -------
@@ -145,7 +155,8 @@ def drive_loads(
         refuse_misfit(joint, chosen[joint.name][1])
     loads = cycle_loads(model, done, joints)
     masses = np.array([sum(part.mass for part in chosen[x.name]) for x in joints])
-    demands = [demand_of(loads, k, masses, life) for k in range(len(joints))]
+    rest = rest_loads(model, done, joints) if hold else None
+    demands = [demand_of(loads, k, masses, life, rest) for k in range(len(joints))]
     return assembled(model, done, joints, loads, demands, chosen)
 
 
@@ -167,12 +178,14 @@ def refuse_misfit(joint: DriveJoint, gear: Gear) -> None:
 
 
 def demand_of(
-    loads: CycleLoads, k: int, masses: Array, life: float, holding: float = 0.0
+    loads: CycleLoads, k: int, masses: Array, life: float, rest: RestLoads | None = None
 ) -> Demand:
-    """The load of joint k, where the drives have masses (n,) kg."""
+    """The load of joint k, where the drives have masses (n,) kg; rest: what a brake has to hold,
+    None where none has to."""
+    holding = 0.0 if rest is None else rest.holding(k, masses)
     return Demand(
-        loads.shares, loads.spans, loads.torque(k, masses), loads.friction[:, k], loads.speed[:, k],
-        loads.acceleration[:, k], life, holding,
+        loads.shares, loads.spans, loads.torque(k, masses), loads.friction[:, k],
+        loads.speed[:, k], loads.acceleration[:, k], life, holding,
     )  # fmt: skip
 
 
@@ -191,7 +204,7 @@ def assembled(
     for joint, demand in zip(joints, demands, strict=True):
         motor, gear = drives[joint.name]
         shares = uses(demand, PairTable([motor], [gear]))[:, 0, 0]
-        given = [limit.given(motor, gear) and limit.asked(demand) for limit in LIMITS]
+        given = [limit.asked(demand) and limit.checks(motor, gear) for limit in LIMITS]
         used.append(np.where(given, shares, np.nan))
         series.append(_series(demand, motor, gear))
         found.append(_summary(demand, motor, gear, series[-1], loads.periods))
@@ -209,7 +222,7 @@ def assembled(
     return DriveLoads(
         model, tuple(joints), dict(drives), data, summary,
         xr.DataArray(np.stack(used, axis=-1), {"limit": limits, **names}, ("limit", "joint")),
-        (*cycle_notices(cycles), *_lossless(model, joints), *_unchecked(drives)),
+        (*cycle_notices(cycles), *_lossless(model, joints), *_unchecked(drives, demands)),
     )  # fmt: skip
 
 
@@ -316,13 +329,15 @@ def _lossless(model: Model, joints: Sequence[DriveJoint]) -> tuple[str, ...]:
     )
 
 
-def _unchecked(drives: ChosenDrives) -> tuple[str, ...]:
+def _unchecked(drives: ChosenDrives, demands: Sequence[Demand]) -> tuple[str, ...]:
     """Sentences on limits that parts do not give, which nothing was compared with."""
     found = []
     for limit in LIMITS:
+        if not any(map(limit.asked, demands)):
+            continue
         parts = sorted(
             {(m if limit.part == "motor" else g).name for m, g in drives.values()
-             if not limit.given(m, g)}
+             if not limit.checks(m, g)}
         )  # fmt: skip
         if parts:
             found.append(

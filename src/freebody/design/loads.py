@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.any_chain.dynamics import inverse_dynamics, static_torque
 from freebody.arrays import Array
 from freebody.design.duty_cycle import DutyCycle, Segment
+from freebody.design.postures import heaviest_postures
 from freebody.errors import FreebodyError, UnknownNameError, listed
 from freebody.lazy import Keeps, kept
 from freebody.model.model import Model
@@ -189,6 +190,56 @@ class _Loaded:
             "acceleration": qdd[:, columns],
             "per_kg": per_kg,
         }
+
+    def at_rest(self, q: Array, joints: Sequence[DriveJoint]) -> tuple[Array, Array]:
+        """The arrays of `RestLoads` at postures q (P, nq)."""
+        columns = [joint.column for joint in joints]
+        static = static_torque(self.model, q)
+        per_kg = np.zeros((len(joints), len(joints), len(q)))
+        for j, heavier in enumerate(self.heavier):
+            if heavier is not None:
+                per_kg[:, j] = (static_torque(heavier, q) - static)[:, columns].T
+        return static[:, columns], per_kg
+
+
+@dataclass(frozen=True, eq=False)
+class RestLoads:
+    """Torques that hold a robot still at some postures (P of them), with each payload of its duty
+    cycles: static (P, n), and what a kilogram of the drive of each joint adds, per_kg (n, n, P) as
+    in `CycleLoads`."""
+
+    static: Array
+    per_kg: Array
+
+    def holding(self, k: int, masses: Array) -> float:
+        """The largest torque that holds joint k, where the drives have masses (n,) kg."""
+        return float(np.abs(self.static[:, k] + masses @ self.per_kg[k]).max())
+
+
+_POSTURES = 200
+"""Postures of a motion, evenly taken, at which a robot may have to be held."""
+
+
+def rest_loads(
+    model: Model, cycles: Sequence[DutyCycle], joints: Sequence[DriveJoint]
+) -> RestLoads:
+    """The torques that hold a robot at postures of its motions and, in open chains, at those within
+    its limits where gravity loads each joint most; process forces do not count."""
+    bare = without_laws(model, lambda law: law.losses is not None).without("rotors")
+    postures: dict[Any, tuple[_Loaded, list[Array]]] = {}
+    for segment in (segment for cycle in cycles for segment in cycle.segments):
+        carried = key(segment.payload)
+        if carried not in postures:
+            loaded = segment.carried_by(bare)
+            worst = [] if model.loops else [heaviest_postures(loaded)]
+            postures[carried] = _Loaded.of(loaded, joints), worst
+        at = np.linspace(0, len(segment.motion.t) - 1, _POSTURES).astype(int)
+        postures[carried][1].append(segment.motion.q[np.unique(at)])
+    parts = [loaded.at_rest(np.concatenate(q), joints) for loaded, q in postures.values()]
+    return RestLoads(
+        np.concatenate([part[0] for part in parts]),
+        np.concatenate([part[1] for part in parts], axis=2),
+    )
 
 
 def order(loads: CycleLoads) -> list[int]:

@@ -126,7 +126,8 @@ class PairTable:
         self.motors, self.gears = tuple(motors), tuple(gears)
         self.max_speed = _column(self.motors, "max_speed")
         self.continuous = _column(self.motors, "continuous_torque")
-        self.brake = _column(self.motors, "brake_torque")
+        brakes = [[motor.brake_torque or 0.0] for motor in self.motors]
+        self.brake = np.array(brakes)
         self.factor = np.array([[gear.factor for gear in self.gears]])
         efficiencies = np.array([gear.efficiencies for gear in self.gears]).reshape(-1, 2)
         self.forward, self.back = efficiencies.T[:, None]
@@ -213,7 +214,8 @@ def _column(parts: Sequence[Motor | Gear], name: str) -> Array:
 @dataclass(frozen=True)
 class DriveLimit:
     """A limit of motors or gears: its name, which part has it by which of its numbers, what is used
-    of it in words, the share (M, G) that is used of it, and whether a demand asks for it at all."""
+    of it in words, the share (M, G) that is used of it, whether a demand asks for it at all, and
+    whether parts that do not give it then fail."""
 
     name: str
     part: str
@@ -221,10 +223,15 @@ class DriveLimit:
     words: str
     use: Callable[[Demand, PairTable], Array]
     asked: Callable[[Demand], bool] = lambda demand: True
+    needed: bool = False
 
     def given(self, motor: Motor, gear: Gear) -> bool:
-        """Whether a pair has the limit."""
+        """Whether a pair gives the limit."""
         return getattr(motor if self.part == "motor" else gear, self.number) is not None
+
+    def checks(self, motor: Motor, gear: Gear) -> bool:
+        """Whether the limit is one of the pair: that it gives, or lacks where it is needed."""
+        return self.needed or self.given(motor, gear)
 
 
 def _continuous(demand: Demand, pairs: PairTable) -> Array:
@@ -260,7 +267,7 @@ def gear_lives(demand: Demand, gear: Gear) -> Array:
 
 
 def _brake(demand: Demand, pairs: PairTable) -> Array:
-    return demand.holding / (pairs.brake * pairs.factor)
+    return _ratio(np.array([[demand.holding]]), pairs.brake * pairs.factor)
 
 
 LIMITS: tuple[DriveLimit, ...] = (
@@ -279,7 +286,7 @@ LIMITS: tuple[DriveLimit, ...] = (
     DriveLimit("gear life", "gear", "rated_life", "torque for its life", _gear_life,
           lambda demand: demand.life > 0.0),
     DriveLimit("brake", "motor", "brake_torque", "holding torque", _brake,
-          lambda demand: demand.holding > 0.0),
+          lambda demand: demand.holding > 0.0, needed=True),
 )  # fmt: skip
 """All limits that a pair must keep; a new one is a line here."""
 

@@ -31,7 +31,15 @@ from freebody.design.drive_loads import (
 )
 from freebody.design.duty_cycle import Cycles, DutyCycle, duty_cycles
 from freebody.design.front import front
-from freebody.design.loads import CycleLoads, DriveJoint, cycle_loads, drive_joints, order
+from freebody.design.loads import (
+    CycleLoads,
+    DriveJoint,
+    RestLoads,
+    cycle_loads,
+    drive_joints,
+    order,
+    rest_loads,
+)
 from freebody.design.pairs import LIMITS, Demand, PairTable, uses
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError, UnknownNameError
@@ -119,6 +127,8 @@ class Sizing(Tabled, ByValue):
     """The ratio of what is allowed to what is used that was asked for."""
     life: float
     """h that gears have to last."""
+    hold: bool
+    """Whether every motor must have a brake that holds its joint."""
     notices: tuple[str, ...]
 
     def _title(self) -> str:
@@ -139,7 +149,9 @@ class Sizing(Tabled, ByValue):
         the robot with them."""
         drives = self._chosen(choice).drives
         masses = self._masses(drives)
-        demands = [demand_of(self.loads, k, masses, self.life) for k in range(len(self.joints))]
+        demands = [
+            demand_of(self.loads, k, masses, self.life, self.rest) for k in range(len(self.joints))
+        ]
         return assembled(self.model, self.cycles, self.joints, self.loads, demands, drives)
 
     def pair_uses(
@@ -156,7 +168,7 @@ class Sizing(Tabled, ByValue):
         k = names.index(joint)
         drives = self._carried(carried)
         pairs = _pairs(self.catalogue, self.joints[k])
-        demand = demand_of(self.loads, k, self._masses(drives), self.life)
+        demand = demand_of(self.loads, k, self._masses(drives), self.life, self.rest)
         found = uses(demand, pairs)
         return xarray.DataArray(
             found,
@@ -206,6 +218,11 @@ class Sizing(Tabled, ByValue):
         """The loads of the joints before any drive is chosen."""
         return cycle_loads(self.model, self.cycles, self.joints)
 
+    @cached_property
+    def rest(self) -> RestLoads | None:
+        """The torques that hold the joints, where brakes have to."""
+        return rest_loads(self.model, self.cycles, self.joints) if self.hold else None
+
 
 def choice_table(found: Sizing, most: int | None = None) -> TextTable:
     """The choices as a table, the lightest first; most: how many of them."""
@@ -232,6 +249,7 @@ def size(
     mounts: Mounts = None,
     life: float = 0.0,
     margin: float = 1.0,
+    hold: bool = False,
     progress: Callable[[str, float], None] | None = None,
 ) -> Sizing:
     """Motors and gears for the joints of a robot, such that none in the catalogue is lighter,
@@ -257,6 +275,10 @@ def size(
         How long gears have to last; 0: not asked.
     margin
         The ratio of what is allowed to what is used, at least; 1: limits are used up.
+    hold
+        Whether every motor must have a brake that holds its joint, by itself and without the help
+        of a gear's losses: at the postures of the cycles and, in an open chain, wherever its limits
+        let gravity load the joint most.
     progress
         Called with a text and the fraction done.
 
@@ -284,9 +306,10 @@ def size(
     say = progress or (lambda text, part: None)
     say("loads", 0.0)
     loads = cycle_loads(model, done, driven)
-    search = _Search(loads, catalogue, life, margin, say)
+    rest = rest_loads(model, done, driven) if hold else None
+    search = _Search(loads, rest, catalogue, life, margin, say)
     found = search.whole_front() if len(driven) == 1 else search.best_choices()
-    empty = Sizing(model, done, catalogue, driven, (), margin, life, ())
+    empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
     notices = (*search.failure, *search.remarks, *cycle_notices(done))
     choices = tuple(search.choice(label) for label in found)
     return replace(empty, choices=choices, notices=notices)
@@ -328,12 +351,14 @@ class _Search:
     def __init__(
         self,
         loads: CycleLoads,
+        rest: RestLoads | None,
         catalogue: PartCatalogue,
         life: float,
         margin: float,
         say: Callable[[str, float], None],
     ):
-        self.loads, self.life, self.margin, self.say = loads, life, margin, say
+        self.loads, self.rest, self.life = loads, rest, life
+        self.margin, self.say = margin, say
         self.order = order(loads)
         tables: dict[bool, PairTable] = {}
         for joint in loads.joints:
@@ -369,7 +394,7 @@ class _Search:
         return np.array(sorted(found), dtype=np.intp)
 
     def _demand(self, k: int, masses: Array) -> Demand:
-        return demand_of(self.loads, k, masses, self.life)
+        return demand_of(self.loads, k, masses, self.life, self.rest)
 
     def margins(self, k: int, masses: Array) -> Array:
         """The margin (M, G) of each pair of joint k, at most too large."""

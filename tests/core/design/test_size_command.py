@@ -32,7 +32,9 @@ def in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
 @pytest.mark.usefixtures("numpy_kernels")
 def test_loaded_there_empty_back():
     arm = fb.load("2R")
-    options = f"--motion cycle.toml --life 5000 --rejected {arm.joint_names[0]} --out sized.toml"
+    options = (
+        f"--motion cycle.toml --life 5000 --hold --rejected {arm.joint_names[0]} --out sized.toml"
+    )
     status, said = told(["size", "2R", "--catalogue", "invented", *options.split()])
     assert status == 0, said
     text = " ".join(said.split())
