@@ -115,7 +115,7 @@ def test_a_catalogue_from_a_file(tmp_path: Path):
         found.motor("M2")
     invented = fb.catalogue("invented")
     assert "Invented" in invented.note
-    assert "9 motors, 17 gears, 3 bearings" in repr(invented)
+    assert "11 motors, 19 gears, 3 bearings" in repr(invented)
 
 
 @pytest.mark.parametrize(
@@ -146,6 +146,14 @@ def test_what_a_catalogue_refuses(tmp_path: Path, old: str, new: str, line: int 
         fb.catalogue(file)
     where = f"{file}:{line}:" if line else f"{file}:"
     assert str(caught.value).startswith(where), caught.value
+
+
+def test_the_page_names_every_key():
+    page = (Path(__file__).parents[3] / "docs" / "sizing.md").read_text(encoding="utf-8")
+    for kind in (fb.Motor, fb.Gear, fb.Bearing):
+        for number in kind.NUMBERS:
+            assert f"`{number.name}`" in page
+            assert number.what in page
 
 
 def test_parts_that_nobody_builds():
