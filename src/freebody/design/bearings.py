@@ -31,7 +31,7 @@ _CARRIED = ("radial_force", "axial_force", "tilting_moment")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BearingLoads(Tabled, ByValue):
-    """What the bearings of joints that turn carry over duty cycles.
+    """Loads of the bearings of joints that turn, over duty cycles.
 
     Dimensions: `cycle`, `joint`, `sample` (of all cycles, one after another; where a robot rests,
     one for the whole rest).
@@ -77,7 +77,7 @@ class BearingLoads(Tabled, ByValue):
 def bearing_loads(
     model: Model, cycles: Cycles, bearings: Mapping[str, Bearing] | None = None
 ) -> BearingLoads:
-    """What the bearings of a robot's joints carry over duty cycles, and how long given ones live.
+    """The loads of the bearings of a robot's joints over duty cycles, and how long given ones live.
 
     Parameters
     ----------

@@ -38,7 +38,7 @@ Mounts = Mapping[str, str | None] | None
 
 @dataclass(frozen=True, eq=False, repr=False)
 class DriveLoads(Tabled, ByValue):
-    """What motors and gears must give over duty cycles.
+    """The torques, speeds, powers and lives of motors and gears over duty cycles.
 
     Dimensions: `cycle`, `joint` (those that were given a drive), `limit`, `sample` (of all cycles,
     one after another; where a robot rests, one for the whole rest).
@@ -117,8 +117,8 @@ def drive_loads(
     life: float = 0.0,
     hold: bool = False,
 ) -> DriveLoads:
-    """What motors and gears of a robot must give over duty cycles, and how much of their limits
-    that is.
+    """The torques, speeds and powers that motors and gears of a robot must give over duty cycles,
+    and how much of their limits that is.
 
     Parameters
     ----------

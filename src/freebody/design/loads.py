@@ -78,7 +78,7 @@ class CycleLoads(Keeps):
 
 
 _NOTHING = 1e-12
-"""Of the largest torque: what a kilogram adds by rounding alone."""
+"""Share of the largest torque that a kilogram may add by rounding alone."""
 
 
 def drive_joints(

@@ -249,7 +249,7 @@ def _gear_mean(demand: Demand, pairs: PairTable) -> Array:
 
 
 def _gear_life(demand: Demand, pairs: PairTable) -> Array:
-    """By how much the mean torque is above that at which the gear lasts as long as it has to."""
+    """The mean torque over that at which the gear lasts as long as it has to."""
     found = []
     for gear, p in zip(pairs.gears, pairs.exponents, strict=True):
         lives = gear_lives(demand, gear)

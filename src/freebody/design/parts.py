@@ -55,7 +55,7 @@ class PartNumber:
 
 @dataclass(frozen=True, eq=False)
 class DataSheet(ByValue):
-    """What motors, gears and bearings have in common: a name, and numbers that are checked."""
+    """A name and checked numbers, which motors, gears and bearings have in common."""
 
     name: str
     NUMBERS: ClassVar[tuple[PartNumber, ...]] = ()
@@ -111,7 +111,7 @@ class Motor(DataSheet):
     """
 
     inertia: float
-    """Of the rotor, with its brake and encoder, kg m²."""
+    """The rotor's, with brake and encoder, kg m²."""
     continuous_torque: float
     peak_torque: float
     max_speed: float
@@ -205,7 +205,7 @@ class Gear(DataSheet):
     """While the joint drives; default: by the same loss, 2 - 1/efficiency."""
     price: float | None = None
     peak_torque: float | None = None
-    """That it bears at each start and stop."""
+    """The torque that it bears at each start and stop."""
     average_torque: float | None = None
     momentary_torque: float | None = None
     max_speed: float | None = None
@@ -423,7 +423,7 @@ class PartCatalogue(Tabled, ByValue):
     gears: tuple[Gear, ...] = ()
     bearings: tuple[Bearing, ...] = ()
     note: str = ""
-    """What the catalogue says of itself, such as where its numbers are from."""
+    """The catalogue's words about itself, such as where its numbers are from."""
     source: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:

@@ -68,9 +68,9 @@ class DriveChoice(Tabled, ByValue):
 
     drives: ChosenDrives
     mass: float
-    """Of all motors and gears, kg."""
+    """Mass of all motors and gears, kg."""
     price: float | None
-    """Of all of them; None where the catalogue has not all prices."""
+    """Price of all of them; None where the catalogue has not all prices."""
     margin: float
     """The smallest ratio of what is allowed to what is used."""
     joint: str
@@ -145,8 +145,8 @@ class Sizing(Tabled, ByValue):
         return choice_table(self)
 
     def drive_loads(self, choice: DriveChoice | None = None) -> DriveLoads:
-        """What the motors and gears of a choice, default the lightest, must give; its `model` is
-        the robot with them."""
+        """The loads of the motors and gears of a choice, default the lightest; its `model` is the
+        robot with them."""
         drives = self._chosen(choice).drives
         masses = self._masses(drives)
         demands = [
@@ -307,7 +307,7 @@ def size(
     say("loads", 0.0)
     loads = cycle_loads(model, done, driven)
     rest = rest_loads(model, done, driven) if hold else None
-    search = _Search(loads, rest, catalogue, life, margin, say)
+    search = _SizingSearch(loads, rest, catalogue, life, margin, say)
     found = search.whole_front() if len(driven) == 1 else search.best_choices()
     empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
     notices = (*search.failure, *search.remarks, *cycle_notices(done))
@@ -320,7 +320,7 @@ def _pairs(catalogue: PartCatalogue, joint: DriveJoint) -> PairTable:
 
 
 @dataclass(frozen=True, eq=False)
-class _Partial:
+class _PartialChoice:
     """A choice for some joints: pairs (motor, gear) of those chosen, masses (n,) of all drives."""
 
     picks: dict[int, tuple[int, int]]
@@ -331,11 +331,11 @@ class _Partial:
 
     def with_pair(
         self, k: int, pair: tuple[int, int], mass: float, price: float, margin: float
-    ) -> _Partial:
+    ) -> _PartialChoice:
         """This choice with a pair for joint k."""
         masses = self.masses.copy()
         masses[k] = mass
-        return _Partial(
+        return _PartialChoice(
             {**self.picks, k: pair},
             masses,
             self.mass + mass,
@@ -344,7 +344,7 @@ class _Partial:
         )
 
 
-class _Search:
+class _SizingSearch:
     """The search over one catalogue; each joint has its pairs and the samples that were the worst
     of some."""
 
@@ -402,7 +402,7 @@ class _Search:
         peak = pairs.peak_use(demand, self.worst[k], self.allowed[k])
         return 1.0 / np.maximum(uses(demand, pairs, peak).max(axis=0), _LEAST)
 
-    def _is_true(self, k: int, partial: _Partial) -> bool:
+    def _is_true(self, k: int, partial: _PartialChoice) -> bool:
         """Whether the samples known to be the worst are that of the pair of joint k; else they
         are from now on."""
         demand, pairs, (m, g) = self._demand(k, partial.masses), self.pairs[k], partial.picks[k]
@@ -417,9 +417,9 @@ class _Search:
         return False
 
     # ------------------------------------------------------------ one joint
-    def whole_front(self) -> list[_Partial]:
+    def whole_front(self) -> list[_PartialChoice]:
         """All pairs of the only joint of which no other is better in everything."""
-        start = _Partial({}, np.zeros(1), 0.0, 0.0, np.inf)
+        start = _PartialChoice({}, np.zeros(1), 0.0, 0.0, np.inf)
         while True:
             margins = self.margins(0, start.masses)
             good = np.argwhere(margins >= self.margin)
@@ -435,9 +435,9 @@ class _Search:
                 return found
 
     # ------------------------------------------------------------ several joints
-    def best_choices(self) -> list[_Partial]:
+    def best_choices(self) -> list[_PartialChoice]:
         """The best choices that were found, looked at everywhere."""
-        found = [_Partial({}, np.zeros(len(self.order)), 0.0, 0.0, np.inf)]
+        found = [_PartialChoice({}, np.zeros(len(self.order)), 0.0, 0.0, np.inf)]
         for done, k in enumerate(self.order):
             self.say(f"drives of {self.loads.joints[k].name}", done / len(self.order))
             found, before = self._kept(k, found), found
@@ -448,7 +448,7 @@ class _Search:
         best = front(*(np.array([getattr(x, aim) for x in found]) for aim in _AIMS))
         return [found[k] for k in best]
 
-    def _worst_use(self, partial: _Partial) -> tuple[float, int, int]:
+    def _worst_use(self, partial: _PartialChoice) -> tuple[float, int, int]:
         """(the largest share, its joint, its limit), at all samples."""
         found = (0.0, 0, 0)
         for k, (m, g) in partial.picks.items():
@@ -459,7 +459,7 @@ class _Search:
             found = max(found, (float(shares.max()), k, int(shares.argmax())))
         return found
 
-    def _kept(self, k: int, partials: Sequence[_Partial]) -> list[_Partial]:
+    def _kept(self, k: int, partials: Sequence[_PartialChoice]) -> list[_PartialChoice]:
         """The best ways to go on at joint k, one for each aim, looked at everywhere."""
         margins = [self.margins(k, partial.masses) for partial in partials]
         while True:
@@ -474,16 +474,16 @@ class _Search:
                 np.minimum(margin, 1.0 / np.maximum(peak, _LEAST), out=margin)
 
     def _aimed(
-        self, k: int, partials: Sequence[_Partial], margins: Sequence[Array]
-    ) -> list[_Partial]:
+        self, k: int, partials: Sequence[_PartialChoice], margins: Sequence[Array]
+    ) -> list[_PartialChoice]:
         """The best way to go on at joint k for each aim: a mixture of mass and price with at least
         some margin, and the largest margin."""
         pairs, price = self.pairs[k], self.price[k]
         scales = np.array([_typical(pairs.mass), _typical(price)])
-        best: dict[tuple[float, int], tuple[float, _Partial, int, Array]] = {}
+        best: dict[tuple[float, int], tuple[float, _PartialChoice, int, Array]] = {}
 
         def offer(
-            aim: tuple[float, int], cost: float, partial: _Partial, at: int, x: Array
+            aim: tuple[float, int], cost: float, partial: _PartialChoice, at: int, x: Array
         ) -> None:
             if aim not in best or cost < best[aim][0]:
                 best[aim] = cost, partial, at, x
@@ -512,7 +512,7 @@ class _Search:
             found[tuple(sorted(one.picks.items()))] = one
         return list(found.values())
 
-    def _extended(self, partial: _Partial, k: int, at: Any, margins: Array) -> _Partial:
+    def _extended(self, partial: _PartialChoice, k: int, at: Any, margins: Array) -> _PartialChoice:
         m, g = (int(x) for x in at)
         return partial.with_pair(
             k,
@@ -522,11 +522,11 @@ class _Search:
             float(margins[m, g]),
         )
 
-    def _fail(self, k: int, partial: _Partial, margins: Array) -> None:
+    def _fail(self, k: int, partial: _PartialChoice, margins: Array) -> None:
         """Tell that nothing suffices for joint k, and what comes nearest."""
         m, g = np.unravel_index(int(margins.argmax()), margins.shape)
         near = self._extended(partial, k, (m, g), margins)
-        only = _Partial({k: near.picks[k]}, near.masses, 0.0, 0.0, 0.0)
+        only = _PartialChoice({k: near.picks[k]}, near.masses, 0.0, 0.0, 0.0)
         share, _, limit = self._worst_use(only)
         pairs = self.pairs[k]
         asked = "" if self.margin == 1.0 else f", with a margin of {self.margin:g}"
@@ -537,7 +537,7 @@ class _Search:
             f"{LIMITS[limit].name}.",
         )
 
-    def choice(self, partial: _Partial) -> DriveChoice:
+    def choice(self, partial: _PartialChoice) -> DriveChoice:
         """The choice as it is told."""
         share, joint, limit = self._worst_use(partial)
         drives: dict[str, tuple[Motor, Gear]] = {}

@@ -29,7 +29,7 @@ class EmergencyStops(Tabled, ByValue):
     """How joints come to rest by their brakes, at the worst instant of duty cycles."""
 
     loads: DriveLoads
-    """Of the drives; its uses tell how much of their brakes holding takes."""
+    """Loads of the drives; its uses tell how much of their brakes holding takes."""
     data: xr.Dataset
     """Along (sample, joint): `time` (s) and `way` (rad, m) until the joint stands, infinite where
     its brake does not stop it, and the largest torque behind the gear meanwhile."""

@@ -161,7 +161,7 @@ def candidates(found: Any, joint: str, drives: Drives) -> list[Candidate]:
 
 
 def test_heavier_drives_further_out_need_more_further_in():
-    """On the ground, drives load nothing, so the robot needs no more than lighter ones."""
+    """Drives on the ground load nothing, so the robot needs no more than lighter ones."""
     arm = fb.load("ur5e").without("friction")
     duty, catalogue = cycles(arm, 1), parts(16, 8)
     riding = fb.size(arm, duty, catalogue)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -45,26 +46,33 @@ def test_a_stop_without_gravity_by_hand():
 @pytest.mark.parametrize("load", [-60.0, -20.0, 0.0, 30.0, 200.0])
 @pytest.mark.parametrize("back", [0.5, 0.9])
 def test_stops_step_by_step(load: float, back: float):
-    """Rotor and link with a gear between them, integrated in small steps."""
-    from freebody.design.stops import braked
-
-    gear = fb.Gear("G", efficiency=0.7, back_efficiency=back, inertia=1e-4, mass=0.0, ratio=50.0)
+    """Rotor and slide with a screw between them, on a slope, integrated in small steps."""
+    lead = 2.0 * math.pi / 50.0
+    screw = fb.Gear("S", efficiency=0.7, back_efficiency=back, inertia=1e-4, mass=0.0, lead=lead)
     M, J, v, x, t = 1.2, 3e-4 * 2500.0, 2.0, 0.0, 0.0
     h, most = 1e-5, 0.0
-    while v > 0.0 and t < 3.0:
+    while v > 0.0:
         brake = 75.0 if t >= 0.05 else 0.0
-        # the gear transmits against the motion what makes both slow down alike
+        # what the gear transmits makes both slow down alike; losses are of the one that is driven
         k = back if M * brake / J >= load else 1.0 / 0.7
         a = (brake + k * load) / (J + k * M)
         most = max(most, abs(M * a - load))
         v, x, t = v - h * a, x + h * (v - 0.5 * h * a), t + h
-    got = braked(np.array([2.0]), np.array([M]), np.array([load]), MOTOR, gear)
-    assert v <= 0.0
-    assert got[0][0] == pytest.approx(t, rel=2e-3)
-    assert got[1][0] == pytest.approx(x, rel=2e-3)
-    assert got[2][0] == pytest.approx(most, rel=1e-6)
-    falling = braked(np.array([1.0]), np.array([M]), np.array([-200.0]), MOTOR, gear)
-    assert math.isinf(falling[0][0])
+    got = stop(load, 2.0, screw)
+    assert float(got.time) == pytest.approx(t, rel=2e-3)
+    assert float(got.way) == pytest.approx(x, rel=2e-3)
+    assert float(got.gear_torque) == pytest.approx(most, rel=1e-6)
+    assert math.isinf(stop(-200.0, 1.0, screw).time)
+
+
+def stop(load: float, speed: float, screw: fb.Gear) -> Any:
+    """The stop of 1.2 kg on a slide at a speed, against a constant load."""
+    slide = fb.planar("P").bind(m1=1.2, lc1=0.0, I1=0.0).replace(gravity=(-load / 1.2, 0.0))
+    t = np.linspace(0.0, 0.1, 5)
+    qd = np.full((5, 1), speed)
+    motion = fb.Motion.of(slide, t, speed * t[:, None], qd, 0.0 * qd)
+    (joint,) = slide.joint_names
+    return fb.emergency_stops(slide, motion, {joint: (MOTOR, screw)}).summary.sel(joint=joint)
 
 
 def test_brakes_hold_at_the_worst_posture():
