@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.any_chain.dynamics import joint_wrenches
 from freebody.arrays import Array
-from freebody.design.drive_loads import cycle_notices
+from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
 from freebody.design.joint_loads import joint_loads
 from freebody.design.parts import Bearing, mean_load
@@ -148,7 +148,9 @@ def _assembled(
         },
         {"joint": names},
     )
-    return BearingLoads(model, given, data, summary, cycle_notices(cycles))
+    return BearingLoads(
+        model, given, data, summary, (*doubt_notices(model), *cycle_notices(cycles))
+    )
 
 
 _UNITS = {

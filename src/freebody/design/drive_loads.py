@@ -23,6 +23,7 @@ from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_t
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
+from freebody.model.doubts import DYNAMIC, doubts_used
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -124,7 +125,8 @@ def drive_loads(
     ----------
     model
         The robot without these drives: their masses, rotors and losses are added. Rotors and losses
-        of gears that it has itself do not count; its friction does, on the motors' side.
+        of gears that these joints have in its file do not count; friction does, on the motors'
+        side.
     cycles
         A DutyCycle or a Motion, or a list of those that the robot has to be able to do alike.
     drives : {joint: (Motor, Gear)}
@@ -219,10 +221,11 @@ def assembled(
         {key: (("cycle", "joint"), x, _attributes(key)) for key, x in by_cycle.items()}, names
     )
     limits = [limit.name for limit in LIMITS]
+    told = (*doubt_notices(model), *cycle_notices(cycles), *_lossless(model, joints))
     return DriveLoads(
         model, tuple(joints), dict(drives), data, summary,
         xr.DataArray(np.stack(used, axis=-1), {"limit": limits, **names}, ("limit", "joint")),
-        (*cycle_notices(cycles), *_lossless(model, joints), *_unchecked(drives, demands)),
+        (*told, *_unchecked(drives, demands)),
     )  # fmt: skip
 
 
@@ -286,7 +289,7 @@ def _summary(
 def _fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) -> Model:
     """The model with drives: their masses where they ride, rotors, gears and, in open chains,
     losses."""
-    found = model.without("rotors")
+    found = model
     for joint in joints:
         motor, gear = drives[joint.name]
         mass = motor.mass + gear.mass
@@ -304,6 +307,11 @@ def _keeps_no_losses(model: Model, joint: DriveJoint) -> bool:
     """Whether a model cannot have the losses of a joint's gear: see `model.losses`."""
     followed = {body.joint.mimic.joint for body in model.bodies if body.joint.mimic}
     return bool(model.loops) or joint.name in followed
+
+
+def doubt_notices(model: Model) -> tuple[str, ...]:
+    """Sentences on what is doubtful about the robot's masses and friction."""
+    return tuple(map(str, doubts_used(model, *DYNAMIC)))
 
 
 def cycle_notices(cycles: Sequence[DutyCycle]) -> tuple[str, ...]:

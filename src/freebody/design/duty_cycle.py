@@ -74,8 +74,15 @@ class Segment(ByValue):
         if self.payload is None:
             return model
         if isinstance(self.payload, Mapping):
-            return model.with_payload(**self.payload)
-        return model.with_payload(self.payload)
+            loaded = model.with_payload(**self.payload)
+        else:
+            loaded = model.with_payload(self.payload)
+        if loaded.family:
+            raise FreebodyError(
+                "Segment: payload has arrays of numbers; give one payload, and a segment or a duty "
+                "cycle for each other one."
+            )
+        return loaded
 
     def states(self) -> tuple[Array, Array, Array, Any, Array]:
         """(q, qd, qdd, wrenches, seconds) at the samples, and once more where the robot rests:
@@ -262,11 +269,13 @@ def _wrenches(table: TomlTable, model: Model) -> dict[str, Array] | None:
     dim = model.dim
     for one in table.tables("wrench"):
         one = one.called(f"{table.where}, wrench").only("frame", "force", "moment")
+        frame = one.text("frame")
+        if frame not in model.frame_names:
+            one.unknown("frame", frame, model.frame_names, "frame")
         zero = (0.0,) * (3 if dim == 3 else 1)
-        moment = one.vector("moment", len(zero), default=zero)
-        found[one.text("frame")] = np.array(
-            (*one.vector("force", dim, default=(0.0,) * dim), *moment)
-        )
+        force = one.vector("force", dim, default=(0.0,) * dim)
+        wrench = np.array((*force, *one.vector("moment", len(zero), default=zero)))
+        found[frame] = found.get(frame, 0.0) + wrench
     return found or None
 
 

@@ -124,9 +124,9 @@ def drive_joints(
 def cycle_loads(
     model: Model, cycles: Sequence[DutyCycle], joints: Sequence[DriveJoint]
 ) -> CycleLoads:
-    """The loads of a model's joints over duty cycles; the model's own rotors and losses of gears do
-    not count."""
-    bare = without_laws(model, lambda law: law.losses is not None).without("rotors")
+    """The loads of a model's joints over duty cycles; rotors and losses of gears that
+    they have do not count."""
+    bare = _bare(model, joints)
     models: dict[Any, _Loaded] = {}
     parts: dict[str, list[Array]] = {}
     for cycle in cycles:
@@ -147,6 +147,14 @@ def cycle_loads(
     joined = {name: np.concatenate(value) for name, value in parts.items()}
     periods = np.array([cycle.duration for cycle in cycles])
     return CycleLoads(tuple(joints), shares, spans, periods, per_kg=per_kg, **joined)
+
+
+def _bare(model: Model, joints: Sequence[DriveJoint]) -> Model:
+    """The model without losses of gears, and without rotors in some joints."""
+    found = without_laws(model, lambda law: law.losses is not None)
+    for joint in joints:
+        found = found.with_drive(joint.name, rotor=0.0)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,7 +233,7 @@ def rest_loads(
 ) -> RestLoads:
     """The torques that hold a robot at postures of its motions and, in open chains, at those within
     its limits where gravity loads each joint most; process forces do not count."""
-    bare = without_laws(model, lambda law: law.losses is not None).without("rotors")
+    bare = _bare(model, joints)
     postures: dict[Any, tuple[_Loaded, list[Array]]] = {}
     for segment in (segment for cycle in cycles for segment in cycle.segments):
         carried = key(segment.payload)

@@ -27,6 +27,7 @@ from freebody.design.drive_loads import (
     assembled,
     cycle_notices,
     demand_of,
+    doubt_notices,
     refuse_no_gear,
 )
 from freebody.design.duty_cycle import Cycles, DutyCycle, duty_cycles
@@ -261,7 +262,8 @@ def size(
     Parameters
     ----------
     model
-        The robot without these drives: its own rotors and losses of gears do not count.
+        The robot without these drives: rotors and losses of gears that these joints have in its
+        file do not count.
     cycles
         A DutyCycle or a Motion, or a list of those that the robot has to be able to do alike.
     catalogue
@@ -310,7 +312,7 @@ def size(
     search = _SizingSearch(loads, rest, catalogue, life, margin, say)
     found = search.whole_front() if len(driven) == 1 else search.best_choices()
     empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
-    notices = (*search.failure, *search.remarks, *cycle_notices(done))
+    notices = (*search.failure, *search.remarks, *doubt_notices(model), *cycle_notices(done))
     choices = tuple(search.choice(label) for label in found)
     return replace(empty, choices=choices, notices=notices)
 

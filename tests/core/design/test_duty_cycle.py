@@ -190,6 +190,7 @@ def test_a_cycle_from_a_file(tmp_path: Path):
         ('[1.1, "30 deg"]', "[1.1, 0.7]", "segment 2 begins with 0.7"),
         ("times = [0, 1]", "times = [0]", "times has 1 entries, expected 2"),
         ("force", "forces", "no key 'forces'"),
+        (f'frame = "{arm.tip}"', 'frame = "hand"', "no frame 'hand'"),
         ('motion = "there.csv"', "", "give the file of a motion"),
     ):
         assert old in text
@@ -211,5 +212,7 @@ def test_what_is_refused():
         fb.drive_loads(
             arm, fb.Segment(motion, wrenches=np.zeros((7, 3))), {"joint1": (MOTOR, GEAR)}
         )
+    with pytest.raises(fb.FreebodyError, match="payload has arrays of numbers"):
+        fb.drive_loads(arm, fb.Segment(motion, {"mass": [1.0, 2.0]}), {"joint1": (MOTOR, GEAR)})
     with pytest.raises(fb.KindError, match="a DutyCycle, a Motion"):
         fb.drive_loads(arm, "cycle.toml", {"joint1": (MOTOR, GEAR)})  # type: ignore[arg-type]
