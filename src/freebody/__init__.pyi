@@ -8,15 +8,15 @@ from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
 from freebody.design.bearings import bearing_loads as bearing_loads
 from freebody.design.bearings import floor_loads as floor_loads
+from freebody.design.catalogue import PartCatalogue as PartCatalogue
 from freebody.design.catalogue import catalogue as catalogue
+from freebody.design.data_sheets import mean_load as mean_load
 from freebody.design.drive_loads import drive_loads as drive_loads
 from freebody.design.duty_cycle import DutyCycle as DutyCycle
 from freebody.design.duty_cycle import Segment as Segment
 from freebody.design.parts import Bearing as Bearing
 from freebody.design.parts import Gear as Gear
 from freebody.design.parts import Motor as Motor
-from freebody.design.parts import PartCatalogue as PartCatalogue
-from freebody.design.parts import mean_load as mean_load
 from freebody.design.size import size as size
 from freebody.design.stops import emergency_stops as emergency_stops
 from freebody.diagnosis.doctor import doctor as doctor

@@ -11,10 +11,11 @@ import numpy as np
 
 from freebody.any_chain.dynamics import joint_wrenches
 from freebody.arrays import Array
+from freebody.design.data_sheets import mean_load
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
 from freebody.design.joint_loads import joint_loads
-from freebody.design.parts import Bearing, mean_load
+from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted

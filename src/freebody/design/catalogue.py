@@ -4,20 +4,93 @@ and its line."""
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
+from dataclasses import MISSING, dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from freebody.design.parts import Bearing, Gear, Motor, PartCatalogue, PartType
-from freebody.errors import FreebodyError
+from freebody.design.parts import Bearing, Gear, Motor
+from freebody.errors import FreebodyError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
+from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.values import ByValue
 
 INVENTED = "invented"
 """The name of the catalogue that comes with freebody."""
 
+PartType = TypeVar("PartType", Motor, Gear, Bearing)
 _TEXTS: dict[type, tuple[str, ...]] = {Motor: (), Gear: ("kind",), Bearing: ("kind",)}
 """Keys whose values are words, by the kind of part."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PartCatalogue(Tabled, ByValue):
+    """Motors, gears and bearings to choose from, each kind by name, in the order of its file."""
+
+    motors: tuple[Motor, ...] = ()
+    gears: tuple[Gear, ...] = ()
+    bearings: tuple[Bearing, ...] = ()
+    note: str = ""
+    """The catalogue's words about itself, such as where its numbers are from."""
+    source: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        for parts, kind in ((self.motors, Motor), (self.gears, Gear), (self.bearings, Bearing)):
+            seen = set[str]()
+            for part in parts:
+                if not isinstance(part, kind):
+                    raise FreebodyError(
+                        f"Catalogue: {shown(part)} stands among {kind.WHAT}s; give "
+                        f"fb.{kind.__name__}(...)."
+                    )
+                if part.name in seen:
+                    raise part.refusal("there are two of this name; call one otherwise")
+                seen.add(part.name)
+        known = {motor.name for motor in self.motors}
+        for gear in self.gears:
+            for name in gear.fits:
+                if self.motors and name not in known:
+                    raise UnknownNameError("motor", name, f"fits of gear {gear.name!r}", known)
+        super().__post_init__()
+
+    def motor(self, name: str) -> Motor:
+        """The motor of that name."""
+        return _named(self.motors, "motor", name, self)
+
+    def gear(self, name: str) -> Gear:
+        """The gear of that name."""
+        return _named(self.gears, "gear", name, self)
+
+    def bearing(self, name: str) -> Bearing:
+        """The bearing of that name."""
+        return _named(self.bearings, "bearing", name, self)
+
+    def _title(self) -> str:
+        counts = (
+            counted(len(parts), what)
+            for parts, what in (
+                (self.motors, "motor"), (self.gears, "gear"), (self.bearings, "bearing")
+            )
+        )  # fmt: skip
+        return f"Catalogue: {', '.join(counts)}. {self.note}"
+
+    def _table(self) -> TextTable:
+        rows = [
+            ("motor", m.name, f"{m.continuous_torque:.4g} N m", f"{m.mass:.4g} kg")
+            for m in self.motors
+        ]
+        rows += [("gear", g.name, f"{g.factor:.4g}", f"{g.mass:.4g} kg") for g in self.gears]
+        rows += [("bearing", b.name, f"{b.dynamic_load:.4g} N", "") for b in self.bearings]
+        return TextTable(("part", "name", "torque, ratio, load", "mass"), rows, [self.note])
+
+
+def _named(parts: Sequence[PartType], what: str, name: str, owner: PartCatalogue) -> PartType:
+    found: Mapping[str, PartType] = {part.name: part for part in parts}
+    if name not in found:
+        raise UnknownNameError(what, name, owner.source or "the catalogue", found)
+    return found[name]
 
 
 def catalogue(path: str | os.PathLike[str]) -> PartCatalogue:
@@ -88,8 +161,6 @@ def _part(table: TomlTable, kind: type[PartType]) -> PartType:
 
 
 def _has_default(entry: Any) -> bool:
-    from dataclasses import MISSING
-
     return entry.default is not MISSING
 
 

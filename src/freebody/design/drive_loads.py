@@ -150,7 +150,7 @@ def drive_loads(
 
     Source: Harmonic Drive AG, Engineering Data, 1019659 11/2014, section 4.1; ISO 281.
     """
-    chosen = _checked(drives)
+    chosen, life = _checked(drives), checked_life("drive_loads", life)
     done = duty_cycles("drive_loads", model, cycles)
     joints = drive_joints("drive_loads", model, tuple(chosen), mounts)
     for joint in joints:
@@ -170,6 +170,14 @@ def _checked(drives: Any) -> dict[str, tuple[Motor, Gear]]:
         if not (good and isinstance(pair[0], Motor) and isinstance(pair[1], Gear)):
             raise KindError("drive_loads", f"drives[{name!r}]", pair, "a pair (fb.Motor, fb.Gear)")
     return {name: (motor, gear) for name, (motor, gear) in drives.items()}
+
+
+def checked_life(function: str, life: float) -> float:
+    """The hours that gears have to last, else FreebodyError."""
+    hours = float(life)
+    if not 0.0 <= hours < np.inf:
+        raise FreebodyError(f"{function}: life is {hours:g} h, expected 0 or more.")
+    return hours
 
 
 def refuse_misfit(joint: DriveJoint, gear: Gear) -> None:

@@ -1,4 +1,4 @@
-"""Records of what a designer buys: motors, gears, bearings, and the catalogue that lists them.
+"""Records of what a designer buys: motors, gears and bearings.
 
 Their numbers are those that makers' data sheets print, each a row of a table that the reader of
 files, the checks and the documentation follow.
@@ -7,98 +7,14 @@ files, the checks and the documentation follow.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import Any, ClassVar, Literal, TypeVar, get_args
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError, shown
-from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.values import ByValue
-
-Curve = tuple[tuple[float, float], ...]
-"""Points (speed in rad/s, torque in N m) of a limit that falls with the speed, straight between."""
-
-
-@dataclass(frozen=True)
-class PartNumber:
-    """One number of a part: its name, its unit, its meaning, what it must be, and whether every
-    part has it."""
-
-    name: str
-    unit: str
-    what: str
-    bound: Literal["above 0", "0 or more", "above 0, up to 1"] = "above 0"
-    needed: bool = False
-
-    @property
-    def kind(self) -> str:
-        """The kind of its unit, by which files may give others."""
-        return "speed" if self.unit == "rad/s" else "number"
-
-    def fault(self, value: float) -> str | None:
-        """Why no part has this number, or None."""
-        good = {
-            "above 0": value > 0.0,
-            "0 or more": value >= 0.0,
-            "above 0, up to 1": 0.0 < value <= 1.0,
-        }[self.bound]
-        if good and math.isfinite(value):
-            return None
-        return (
-            f"{self.name} is {value:g} {self.unit}".rstrip() + f", expected a number {self.bound}"
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class DataSheet(ByValue):
-    """A name and checked numbers, which motors, gears and bearings have in common."""
-
-    name: str
-    NUMBERS: ClassVar[tuple[PartNumber, ...]] = ()
-    CURVES: ClassVar[tuple[str, ...]] = ()
-    WHAT: ClassVar[str] = ""
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.strip():
-            raise self.refusal(f"its name is {shown(self.name)}, expected text")
-        for number in self.NUMBERS:
-            self._take(number)
-        for curve in self.CURVES:
-            object.__setattr__(self, curve, self._curve(curve))
-        super().__post_init__()
-
-    def _take(self, number: PartNumber) -> None:
-        value = getattr(self, number.name)
-        if value is None and not number.needed:
-            return
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
-            raise self.refusal(f"{number.name} is {shown(value)}, expected a number")
-        if fault := number.fault(float(value)):
-            raise self.refusal(fault)
-        object.__setattr__(self, number.name, float(value))
-
-    def _curve(self, name: str) -> Curve:
-        try:
-            points = tuple((float(speed), float(torque)) for speed, torque in getattr(self, name))
-        except (TypeError, ValueError):
-            raise self.refusal(f"{name} must be pairs (speed, torque)") from None
-        if not all(math.isfinite(x) and x >= 0.0 for point in points for x in point):
-            raise self.refusal(f"{name} has a speed or torque that is negative or not finite")
-        for (slow, high), (fast, low) in pairwise(points):
-            if not (slow < fast and low <= high):
-                raise self.refusal(
-                    f"{name} goes from {high:g} N m at {slow:g} rad/s to {low:g} N m at {fast:g} "
-                    f"rad/s; speeds must grow and torques must not"
-                )
-        return points
-
-    def refusal(self, problem: str) -> FreebodyError:
-        """The error of a number that no such part has."""
-        return FreebodyError(f"{self.WHAT} {self.name!r}: {problem}.")
+from freebody.design.data_sheets import Curve, DataSheet, PartNumber, mean_load, sure
+from freebody.errors import shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,12 +186,12 @@ class Gear(DataSheet):
     @property
     def factor(self) -> float:
         """Motor speed over joint speed: the ratio, of a screw in rad/m."""
-        return 2.0 * math.pi / self.lead if self.lead is not None else _sure(self.ratio)
+        return 2.0 * math.pi / self.lead if self.lead is not None else sure(self.ratio)
 
     @property
     def efficiencies(self) -> tuple[float, float]:
         """(efficiency while the motor drives, efficiency while the joint drives)."""
-        return self.efficiency, _sure(self.back_efficiency)
+        return self.efficiency, sure(self.back_efficiency)
 
     def mean_torque(self, torque: Any, speed: Any, time: Any) -> float:
         """The torque that would wear the gear as its torques (k,) N m do at speeds (k,) rad/s
@@ -290,32 +206,11 @@ class Gear(DataSheet):
             return math.nan
         if mean_torque == 0.0 or mean_speed == 0.0:
             return math.inf
-        load = (_sure(self.rated_torque) / mean_torque) ** _sure(self.life_exponent)
-        return self.rated_life * _sure(self.rated_speed) / mean_speed * load
-
-
-def _sure(number: float | None) -> float:
-    """A number that every checked part of its kind has."""
-    assert number is not None
-    return number
+        load = (sure(self.rated_torque) / mean_torque) ** sure(self.life_exponent)
+        return self.rated_life * sure(self.rated_speed) / mean_speed * load
 
 
 _RATED = ("rated_torque", "rated_speed", "rated_life")
-
-
-def mean_load(load: Any, speed: Any, time: Any, exponent: float) -> float:
-    """The constant load that wears a part as loads (k,) do at speeds (k,) during times (k,):
-    (Σ |n| t |F|^p / Σ |n| t)^(1/p); 0 where nothing turns.
-
-    Palmgren's and Miner's sum; ISO 281; of strain wave gears with p = 3 Harmonic Drive AG,
-    1019659 11/2014, equation 18.2; of cycloidal ones with p = 10/3 Nabtesco, RV series.
-    """
-    F, n, t = (np.abs(np.asarray(x, dtype=float)) for x in (load, speed, time))
-    turned = float(np.sum(n * t))
-    largest = float(F.max(initial=0.0))
-    if turned == 0.0 or largest == 0.0:
-        return 0.0
-    return largest * float(np.sum(n * t * (F / largest) ** exponent) / turned) ** (1.0 / exponent)
 
 
 BearingKind = Literal["crossed roller", "radial"]
@@ -388,9 +283,9 @@ class Bearing(DataSheet):
                     "a single radial bearing carries no tilting moment; give the forces of each "
                     "of two, or a crossed roller bearing"
                 )
-            x, y, e = _sure(self.x), _sure(self.y), _sure(self.e)
+            x, y, e = sure(self.x), sure(self.y), sure(self.e)
             return np.where(Fa <= e * Fr, Fr, x * Fr + y * Fa)
-        across = Fr + 2.0 * M / _sure(self.pitch_diameter)
+        across = Fr + 2.0 * M / sure(self.pitch_diameter)
         light = Fa <= 1.5 * across
         return np.where(light, across + 0.45 * Fa, 0.67 * (across + Fa))
 
@@ -400,7 +295,7 @@ class Bearing(DataSheet):
         if self.kind != "crossed roller":
             raise self.refusal("static equivalent loads are told of crossed roller bearings alone")
         Fr, Fa, M = (np.abs(np.asarray(x, dtype=float)) for x in (radial, axial, moment))
-        return Fr + 2.0 * M / _sure(self.pitch_diameter) + 0.44 * Fa
+        return Fr + 2.0 * M / sure(self.pitch_diameter) + 0.44 * Fa
 
     def life(self, equivalent_load: float, mean_speed: float) -> float:
         """The life in h that 90 % of bearings reach under an equivalent load (N) at a mean speed
@@ -409,75 +304,4 @@ class Bearing(DataSheet):
             return math.inf
         rpm = mean_speed * 30.0 / math.pi
         ratio = self.dynamic_load / (self.load_factor * equivalent_load)
-        return 1e6 / (60.0 * rpm) * ratio ** _sure(self.life_exponent)
-
-
-PartType = TypeVar("PartType", Motor, Gear, Bearing)
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class PartCatalogue(Tabled, ByValue):
-    """Motors, gears and bearings to choose from, each kind by name, in the order of its file."""
-
-    motors: tuple[Motor, ...] = ()
-    gears: tuple[Gear, ...] = ()
-    bearings: tuple[Bearing, ...] = ()
-    note: str = ""
-    """The catalogue's words about itself, such as where its numbers are from."""
-    source: str = field(default="", compare=False)
-
-    def __post_init__(self) -> None:
-        for parts, kind in ((self.motors, Motor), (self.gears, Gear), (self.bearings, Bearing)):
-            seen = set[str]()
-            for part in parts:
-                if not isinstance(part, kind):
-                    raise FreebodyError(
-                        f"Catalogue: {shown(part)} stands among {kind.WHAT}s; give "
-                        f"fb.{kind.__name__}(...)."
-                    )
-                if part.name in seen:
-                    raise part.refusal("there are two of this name; call one otherwise")
-                seen.add(part.name)
-        known = {motor.name for motor in self.motors}
-        for gear in self.gears:
-            for name in gear.fits:
-                if self.motors and name not in known:
-                    raise UnknownNameError("motor", name, f"fits of gear {gear.name!r}", known)
-        super().__post_init__()
-
-    def motor(self, name: str) -> Motor:
-        """The motor of that name."""
-        return _named(self.motors, "motor", name, self)
-
-    def gear(self, name: str) -> Gear:
-        """The gear of that name."""
-        return _named(self.gears, "gear", name, self)
-
-    def bearing(self, name: str) -> Bearing:
-        """The bearing of that name."""
-        return _named(self.bearings, "bearing", name, self)
-
-    def _title(self) -> str:
-        counts = (
-            counted(len(parts), what)
-            for parts, what in (
-                (self.motors, "motor"), (self.gears, "gear"), (self.bearings, "bearing")
-            )
-        )  # fmt: skip
-        return f"Catalogue: {', '.join(counts)}. {self.note}"
-
-    def _table(self) -> TextTable:
-        rows = [
-            ("motor", m.name, f"{m.continuous_torque:.4g} N m", f"{m.mass:.4g} kg")
-            for m in self.motors
-        ]
-        rows += [("gear", g.name, f"{g.factor:.4g}", f"{g.mass:.4g} kg") for g in self.gears]
-        rows += [("bearing", b.name, f"{b.dynamic_load:.4g} N", "") for b in self.bearings]
-        return TextTable(("part", "name", "torque, ratio, load", "mass"), rows, [self.note])
-
-
-def _named(parts: Sequence[PartType], what: str, name: str, owner: PartCatalogue) -> PartType:
-    found: Mapping[str, PartType] = {part.name: part for part in parts}
-    if name not in found:
-        raise UnknownNameError(what, name, owner.source or "the catalogue", found)
-    return found[name]
+        return 1e6 / (60.0 * rpm) * ratio ** sure(self.life_exponent)

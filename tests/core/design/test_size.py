@@ -208,3 +208,5 @@ def test_gears_that_fit_some_motors_and_screws():
     with pytest.raises(fb.FreebodyError, match="has no motor; add"):
         fb.size(slide, motion, fb.PartCatalogue((), (turning,)))
     assert not math.isnan(choice.margin)
+    with pytest.raises(fb.FreebodyError, match="life is -1 h, expected 0 or more"):
+        fb.size(slide, motion, fb.PartCatalogue((motor,), (screw,)), life=-1.0)
