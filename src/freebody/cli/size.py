@@ -159,5 +159,8 @@ def _print(found: Sizing) -> None:
         out.print("The lightest:")
         terminal.table(replace(limit_table(loads), notes=()))
         notices = (*notices, *loads.notices)
+    else:
+        terminal.warn(notices[0])
+        notices = notices[1:]
     for notice in dict.fromkeys(notices):
-        terminal.warn(notice)
+        out.print(notice, markup=False, highlight=False)

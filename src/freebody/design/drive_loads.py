@@ -23,7 +23,7 @@ from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_t
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
-from freebody.model.doubts import DYNAMIC, doubts_used
+from freebody.model.doubts import FRICTION, INERTIAL, doubts_used
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.values import ByValue
@@ -319,7 +319,7 @@ def _keeps_no_losses(model: Model, joint: DriveJoint) -> bool:
 
 def doubt_notices(model: Model) -> tuple[str, ...]:
     """Sentences on what is doubtful about the robot's masses and friction."""
-    return tuple(map(str, doubts_used(model, *DYNAMIC)))
+    return tuple(map(str, doubts_used(model, *INERTIAL, FRICTION)))
 
 
 def cycle_notices(cycles: Sequence[DutyCycle]) -> tuple[str, ...]:
