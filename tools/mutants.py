@@ -113,6 +113,11 @@ AREAS = (
          "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
     ),
     Area(
+        "design",
+        ("design/*.py",),
+        ("parts", "duty_cycle", "size", "size_command", "bearings", "stops"),
+    ),
+    Area(
         "simulation",
         ("motion/simulation/*.py",),
         ("simulate", "simulate_many", "simulate_torques", "simulate_wrenches", "joint_contacts",

@@ -58,6 +58,7 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
     motion = fb.default_motion(arm, samples=21)
     corner = fb.forward_kinematics(arm, Q)[:3, 3]
     kernel = fb.kernel(two, "inverse_dynamics")
+    parts = fb.catalogue("invented")
     return {
         "inertia_from": lambda: fb.inertia_from(1.0, (0, 0, 0), np.eye(3), (0, 0, 0)),
         "integrated_inertia": lambda: fb.integrated_inertia(lambda x: (x, 0.0, 0.0), [(0, 1)]),
@@ -107,6 +108,17 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
             Path("way.csv").write_text("joint1,joint2\n0,0\n1,1\n"),
             fb.read_waypoints(two, "way.csv"),
         ),
+        "catalogue": lambda: fb.catalogue("invented"),
+        "mean_load": lambda: fb.mean_load([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], 3.0),
+        "drive_loads": lambda: fb.drive_loads(
+            arm, motion, {arm.joint_names[0]: (parts.motors[8], parts.gears[12])}
+        ),
+        "emergency_stops": lambda: fb.emergency_stops(
+            arm, motion, {arm.joint_names[0]: (parts.motors[8], parts.gears[12])}
+        ),
+        "size": lambda: fb.size(arm, motion, parts, joints=arm.joint_names[:1]),
+        "bearing_loads": lambda: fb.bearing_loads(arm, motion),
+        "floor_loads": lambda: fb.floor_loads(arm, motion),
         "quintic": lambda: fb.quintic(arm, [Q, MOVED], **LIMITS),
         "trapezoid": lambda: fb.trapezoid(arm, [Q, MOVED], **LIMITS),
         "s_curve": lambda: fb.s_curve(arm, [Q, MOVED], jerk=9.0, **LIMITS),

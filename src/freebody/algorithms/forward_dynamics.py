@@ -45,7 +45,7 @@ def forward_dynamics(
 
 
 @dataclass(frozen=True)
-class _Gear:
+class _LossyGear:
     """A joint that loses a part of what it transmits. k: its coordinate. given: the motor's torque
     less friction."""
 
@@ -101,19 +101,19 @@ def under_losses(
     return LossyMotion(qdd, {g.k: x for g, x in zip(gears, sent, strict=True)})
 
 
-def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_Gear]:
+def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_LossyGear]:
     """The joints that lose a part of what they transmit."""
     found = []
     for body in tree.bodies:
         if body.drive is not None and body.drive.lossy:
             k = body.coordinates.v[0]
             given = tau[k] - body.drive.at_motor.torque(q, qd)
-            found.append(_Gear(k, body.drive, given, body.drive.inertia))
+            found.append(_LossyGear(k, body.drive, given, body.drive.inertia))
     return found
 
 
 def _accelerations(
-    tree: Tree, M: Matrix, forces: Vector, gears: Sequence[_Gear], parts: Sequence[Scalar]
+    tree: Tree, M: Matrix, forces: Vector, gears: Sequence[_LossyGear], parts: Sequence[Scalar]
 ) -> Vector:
     """q̈ where these parts are lost."""
     rows, right = [list(row) for row in M], list(forces)

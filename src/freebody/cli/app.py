@@ -23,6 +23,7 @@ from freebody.cli import (
     plan,
     show,
     simulate,
+    size,
     study,
     sweep,
     terminal,
@@ -49,6 +50,7 @@ def _command(function: Callable[..., None], example: str, **more: Any) -> None:
 for _function, _example in (
     (study.study, study.EXAMPLE),
     (plan.plan, plan.EXAMPLE),
+    (size.size, size.EXAMPLE),
     (simulate.simulate, simulate.EXAMPLE),
     (sweep.sweep, sweep.EXAMPLE),
     (show.show, show.EXAMPLE),

@@ -36,6 +36,7 @@ UNITS: dict[str, dict[str, float]] = {
     "number": {},
     "angle": {"rad": 1.0, "deg": math.pi / 180},
     "rate": {"rad/s": 1.0, "deg/s": math.pi / 180},
+    "speed": {"rad/s": 1.0, "deg/s": math.pi / 180, "rpm": math.pi / 30},
 }
 """Units that a number may have when it is written as text, in SI units."""
 _REQUIRED = object()
@@ -68,7 +69,7 @@ def in_units(text: str, kind: str) -> float | None:
         return None
     if match[2] and match[2].startswith("deg"):
         return math.radians(float(match[1]))
-    return float(match[1])
+    return float(match[1]) * UNITS[kind].get(match[2] or "", 1.0)
 
 
 def is_name(text: str) -> bool:
@@ -230,7 +231,7 @@ class TomlTable:
 
     def read_number(self, value: Any, kind: str, at: KeyPath, infinite: bool = False) -> float:
         """The number that a TOML value stands for."""
-        units = " or ".join(f'"30 {unit}"' for unit in UNITS[kind] if unit.startswith("deg"))
+        units = " or ".join(f'"30 {unit}"' for unit in UNITS[kind] if unit[:3] in ("deg", "rpm"))
         expected = f"a number{f', or text such as {units}' if units else ''}"
         if isinstance(value, str):
             number = in_units(value, kind)

@@ -26,7 +26,7 @@ _STORE = 4  # LLVM's time grows with the square of the stores in a function
 
 
 @dataclass
-class Segment:
+class StepSegment:
     """Nodes to compute in order; slots to load before and to store after."""
 
     nodes: list[int]
@@ -51,7 +51,7 @@ class SegmentedProgram:
     cuts.
     """
 
-    steps: tuple[Segment | SinCos, ...]
+    steps: tuple[StepSegment | SinCos, ...]
     slots: int
     results: dict[int, int]
     """Node of a result -> slot; equal entries of an output share one."""
@@ -129,7 +129,7 @@ def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
         {index: number for number, indices in enumerate(arriving) for index in indices},
         sampled + len(results),
     )
-    done: list[Segment | SinCos] = []
+    done: list[StepSegment | SinCos] = []
     for number, nodes in enumerate(steps):
         if nodes and program.op[nodes[0]] in _TRIG:
             done.append(_sin_cos(program, number, nodes, slots))
@@ -140,7 +140,7 @@ def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
             }
             for index in stored[number]:
                 stores[index] = [*stores.get(index, ()), results[index]]
-            done.append(Segment(nodes, loads, stores))
+            done.append(StepSegment(nodes, loads, stores))
         slots.release(number)
     return SegmentedProgram(tuple(done), slots.count, results)
 

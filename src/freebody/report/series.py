@@ -14,14 +14,13 @@ import numpy as np
 from freebody.algorithms.kinematics import joint_poses, world_poses
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
 from freebody.arrays import Array
+from freebody.design.joint_loads import joint_loads
 from freebody.figures.skeleton import mass_and_centre
 from freebody.loops import forces as closed
 from freebody.loops.forces import drive_torques
-from freebody.model.bodies import Body
 from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
-from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Tree
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, with_drive
@@ -35,8 +34,8 @@ from freebody.motion.smooth_friction import (
     without_friction,
 )
 from freebody.report import jacobians
-from freebody.report.variables import LOADS, dataset
-from freebody.spatial import add, of_dimension, times
+from freebody.report.variables import dataset
+from freebody.spatial import add, times
 from freebody.trees import dynamics, kinematics
 
 if TYPE_CHECKING:
@@ -135,7 +134,7 @@ def _reactions(model: Model, motion: Motion) -> _ArraysByName:
     parts = world[..., :d], world[..., d:], child[..., :d], child[..., d:]
     names = "force", "moment", "force_child", "moment_child"
     found = {f"reaction_{name}": part for name, part in zip(names, parts, strict=True)}
-    return found | bearing_loads(model, *parts[2:])
+    return found | joint_loads(model, *parts[2:])
 
 
 def _bodies(model: Model, motion: Motion) -> _ArraysByName:
@@ -220,51 +219,3 @@ def _powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, An
     power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
     friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
     return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}
-
-
-def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
-    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
-    joints, 3 or 1)."""
-    found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
-    for k, body in enumerate(model.bodies):
-        if body.kind.needs_axis:
-            for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
-                found[name][:, k] = value
-    return found
-
-
-def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
-    """The loads of a joint with an axis, whose drive is what the reactions do along its motion;
-    force (T, dim), moment (T, 3 or 1)."""
-    joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
-    parts: dict[str, Array] = {}
-    turning, sliding = motion is None or motion.turns, motion is None or motion.slides
-    if len(joint.axis) == dim:
-        axial, parts["radial_force"] = _split(force, joint.axis)
-        if not sliding or (turning and motion is not None):
-            parts["axial_force"] = axial
-    else:
-        parts["radial_force"] = _size(force)
-    if dim == 3:
-        about, parts["tilting_moment"] = _split(moment, joint.axis)
-        if not turning:
-            parts["guide_moment"] = about
-    elif not turning:
-        parts["tilting_moment"] = np.abs(moment[:, 0])
-    if motion is not None:
-        numbers = tuple(map(VALUES.quantity, joint.numbers))
-        ((primitive, axis),) = body.kind.primitives(of_dimension(dim), joint.axis, numbers)
-        ((w, v),) = primitive.columns(of_dimension(dim), axis)
-        parts["drive_load"] = moment @ np.asarray(w) + force @ np.asarray(v)
-    return parts
-
-
-def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
-    """Component along the axis, with its sign, and the size of what is across it."""
-    n = np.asarray(axis)
-    along = vectors @ n
-    return along, _size(vectors - along[:, None] * n)
-
-
-def _size(vectors: Array) -> Array:
-    return np.linalg.norm(vectors, axis=-1)

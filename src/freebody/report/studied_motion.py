@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
+from freebody.design.joint_loads import joint_loads
 from freebody.errors import KindError
 from freebody.model.model import Model
 from freebody.motion.default_motion import default_motion
@@ -21,7 +22,7 @@ from freebody.motion.files.motion_tables import MotionTable, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Flags, angular, ranges, with_drive
 from freebody.report.results import percent
-from freebody.report.series import bearing_loads, torque_parts
+from freebody.report.series import torque_parts
 from freebody.report.time_scaling import at_pace, effort_limits, pace
 from freebody.trees.position_rates import Index
 
@@ -185,7 +186,7 @@ class _Loads:
         power = np.where(with_drive(model), tau * qd, 0.0)
         wrenches = joint_wrenches(model, q, qd, qdd, reference="child")
         force, moment = wrenches[..., : model.dim], wrenches[..., model.dim :]
-        bearings = bearing_loads(model, force, moment).values()
+        bearings = joint_loads(model, force, moment).values()
         found = [tau, power, power.sum(axis=-1, keepdims=True)]
         found += [np.linalg.norm(x, axis=-1) for x in (force, moment)]
         found += [np.nan_to_num(x) for x in bearings]

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.design.joint_loads import JOINT_LOADS
+from freebody.design.postures import heaviest_postures
 from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
 from freebody.model.doubts import attribute, doubts_on
 from freebody.model.model import Model
@@ -17,9 +19,8 @@ from freebody.outputs.display import TextTable
 from freebody.outputs.number_text import compared
 from freebody.report.results import LimitUse, StaticPose, Worst, percent
 from freebody.report.series import coordinates
-from freebody.report.variables import LOADS, dataset
+from freebody.report.variables import dataset
 from freebody.trees import dynamics
-from freebody.trees.positions import integrate, random_state
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -156,7 +157,7 @@ def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Ar
 
 def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
     found: dict[str, Any] = {}
-    for name in LOADS:
+    for name in JOINT_LOADS:
         values = data[name].values
         absent = np.isnan(values).all(axis=0)
         peak = (np.where(absent, np.nan, x) for x in _peak(t, np.nan_to_num(values)))
@@ -244,20 +245,10 @@ def limit_notices(model: Model, found: xr.Dataset, uses: Iterable[LimitUse]) -> 
     return sentences
 
 
-SAMPLES = 4096
-_ROUNDS, _TRIES = 24, 128
-
-
 def worst_poses(model: Model) -> tuple[StaticPose, ...]:
-    """For each coordinate the pose, within the limits, of the largest gravity torque found.
-
-    4096 random poses (the same every time); the best of each coordinate is then improved by random
-    steps of shrinking size. Coordinates that gravity never loads are left out.
-    """
-    q, _, _ = random_state(model, seed=0, batch=SAMPLES)
-    load = np.abs(dynamics.gravity_torque(model, q))
-    best = q[np.argmax(load, axis=0)]  # (nv, nq): a pose for each coordinate
-    best = _improved(model, best)
+    """For each coordinate the pose, within the limits, of the largest gravity torque found, see
+    `heaviest_postures`; coordinates that gravity never loads are left out."""
+    best = heaviest_postures(model)
     torques = np.diagonal(dynamics.gravity_torque(model, best))
     allowed, turns = ranges(model), angular(model)
     floor = 1e-9 * max(float(np.abs(torques).max(initial=0.0)), 1e-12)
@@ -267,29 +258,3 @@ def worst_poses(model: Model) -> tuple[StaticPose, ...]:
         for k, (name, torque) in enumerate(zip(model.velocity_names, torques, strict=True))
         if abs(torque) > floor
     )
-
-
-def _improved(model: Model, poses: Array) -> Array:
-    """Poses (nv, nq), each moved towards a larger gravity torque of its own coordinate."""
-    rng = np.random.default_rng(0)
-    allowed = ranges(model)
-    each = np.arange(model.nv)
-    for k in range(_ROUNDS):
-        step = 0.5 * 0.75**k * np.minimum(allowed.width, np.pi)
-        steps = rng.normal(size=(model.nv, _TRIES, model.nv)) * step
-        steps[:, 0] = 0.0
-        tried = clipped(model, integrate(model, np.repeat(poses[:, None], _TRIES, axis=1), steps))
-        load = np.abs(dynamics.gravity_torque(model, tried)[each, :, each])
-        poses = tried[each, np.argmax(load, axis=1)]
-    return poses
-
-
-def clipped(model: Model, q: Array) -> Array:
-    """q brought within the limits."""
-    from freebody.motion.ranges import position_columns
-
-    allowed = ranges(model)
-    iq, iv = position_columns(model)
-    q = q.copy()
-    q[..., iq] = np.clip(q[..., iq], allowed.lower[iv], allowed.upper[iv])
-    return q

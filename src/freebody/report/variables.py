@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebody.design.joint_loads import JOINT_LOADS
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -26,22 +28,6 @@ class Variable:
 
 
 _EFFORT, _SPEED, _POSITION = "N m|N", "rad/s|m/s", "rad|m"
-_BEARING = {
-    "axial_force": ("N", "force along the axis of a revolute joint, on the child"),
-    "radial_force": ("N", "force across the axis of the joint"),
-    "tilting_moment": ("N m", "moment across the axis of the joint, about its origin"),
-    "guide_moment": ("N m", "moment about the axis of a prismatic joint, carried by its guide"),
-    "drive_load": (
-        _EFFORT,
-        "moment about the axis of a revolute joint (of a helical one plus pitch times the force "
-        "along it), force along the axis of a prismatic one: what the drive supplies, less what "
-        "friction, spring and rotor take",
-    ),
-}
-LOADS = tuple(_BEARING)
-"""Variables of what a bearing or guide and its drive carry; of joints without one axis, and where a
-plane has no such load, NaN."""
-
 PARTS = {
     "tau_inertial": "inertia",
     "tau_coriolis": "Coriolis",
@@ -77,7 +63,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "reaction_moment": ("N m", "reaction moment on the child at its joint, world axes"),
         "reaction_moment_child": ("N m", "reaction moment on the child at its joint, child's axes"),
     },
-    "time joint": _BEARING,
+    "time joint": JOINT_LOADS,
     "time body axis": {
         "body_origin": ("m", "origin of the body's joint"),
         "body_com": ("m", "centre of mass of the body (its origin if massless)"),
@@ -127,10 +113,10 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "worst_gravity_fraction": ("1", "gravity load in the worst pose over the effort limit"),
     },
     "joint": {
-        **{f"peak_{name}": (unit, f"largest {what}") for name, (unit, what) in _BEARING.items()},
+        **{f"peak_{name}": (unit, f"largest {what}") for name, (unit, what) in JOINT_LOADS.items()},
         **{
             f"peak_{name}_time": ("s", f"when it is largest: {what}")
-            for name, (_, what) in _BEARING.items()
+            for name, (_, what) in JOINT_LOADS.items()
         },
         "peak_force": ("N", "largest reaction force of the parent on the child, its magnitude"),
         "peak_force_time": ("s", "when the reaction force is largest"),

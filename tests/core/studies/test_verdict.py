@@ -12,7 +12,7 @@ import pytest
 
 import freebody as fb
 from freebody import Motion
-from freebody.report.series import bearing_loads
+from freebody.design.joint_loads import joint_loads
 from freebody.report.summary import parted
 from freebody.report.time_scaling import at_pace, pace
 from support.command import run
@@ -262,7 +262,7 @@ def test_a_bearing_is_told_from_its_drive():
         )
         model = fb.load("mast.urdf")
         wrench = fb.joint_wrenches(model, *np.zeros((3, 1, 1)), reference="child")
-        data = bearing_loads(model, wrench[..., :3], wrench[..., 3:])
+        data = joint_loads(model, wrench[..., :3], wrench[..., 3:])
         for name in ("axial_force", "radial_force", "tilting_moment", "guide_moment", "drive_load"):
             want = loads.get(name, np.nan)
             np.testing.assert_allclose(

@@ -12,7 +12,7 @@ from math import nan
 
 from freebody.program.passes import hoist, schedule
 from freebody.program.program import Program
-from freebody.program.segments import Segment, SegmentedProgram, SinCos, segment
+from freebody.program.segments import SegmentedProgram, SinCos, StepSegment, segment
 from freebody.targets.llvm.instructions import (
     CHOICE,
     COMPARISONS,
@@ -110,7 +110,7 @@ def _pieces(
     table = instructions(lanes)
     parts = []
     for number, those in enumerate(_joined(layout.steps)):
-        if isinstance(those, Segment):
+        if isinstance(those, StepSegment):
             pieces.append(f"@{before}segment{number}")
             parts.append(_arithmetic(pieces[-1], program, those, lanes, table))
         else:
@@ -119,26 +119,26 @@ def _pieces(
     return pieces, [*parts, functions(program, lanes, fma), declarations(lanes)]
 
 
-def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
+def _joined(steps: Sequence[StepSegment | SinCos]) -> Iterator[StepSegment | list[SinCos]]:
     """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a
     time."""
     some: list[SinCos] = []
     for step in steps:  # the last is a segment
         if some and (
-            isinstance(step, Segment)
+            isinstance(step, StepSegment)
             or len(some) == TOGETHER
             or any(step.argument in (x.sine, x.cosine) for x in some)
         ):
             yield some
             some = []
-        if isinstance(step, Segment):
+        if isinstance(step, StepSegment):
             yield step
         else:
             some.append(step)
 
 
 def _arithmetic(
-    title: str, program: Program, step: Segment, lanes: Lanes, table: Mapping[str, str]
+    title: str, program: Program, step: StepSegment, lanes: Lanes, table: Mapping[str, str]
 ) -> str:
     """Loads, instructions and stores of a segment, the loads at first use."""
     v, align, sampled = lanes.v, lanes.size, program.sampled_size

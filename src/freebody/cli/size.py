@@ -1,0 +1,166 @@
+"""The command `freebody size`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from freebody.cli import options, terminal
+from freebody.outputs.display import TextTable
+
+if TYPE_CHECKING:
+    from freebody.design.duty_cycle import DutyCycle
+    from freebody.design.size import Sizing
+    from freebody.model.model import Model
+
+EXAMPLE = "Example: freebody size scara --catalogue invented --margin 1.2"
+_MOST = 12
+
+
+@options.reading(*options.CASE)
+def size(
+    context: typer.Context,
+    robot: options.GivenRobot,
+    catalogue: Annotated[
+        str,
+        typer.Option(
+            metavar="FILE",
+            help="Motors and gears, TOML; or invented, a small catalogue for trying this out that "
+            "no maker sells.",
+        ),
+    ],
+    motion: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="What the robot has to do: a duty cycle (.toml) or a motion (.csv); several, if "
+            "it has to be able to do each. Default: a motion within the limits.",
+        ),
+    ] = None,
+    joint: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help="A joint to choose for. Default: all that are driven."),
+    ] = None,
+    mount: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=FRAME",
+            help="The frame on which a joint's drive rides, or ground. Default: the link before "
+            "the joint.",
+        ),
+    ] = None,
+    life: Annotated[
+        float,
+        typer.Option(metavar="HOURS", parser=options.number, help="How long gears have to last."),
+    ] = 0.0,
+    margin: Annotated[
+        float,
+        typer.Option(
+            metavar="RATIO",
+            parser=options.number,
+            help="What is allowed over what is used, at least.",
+        ),
+    ] = 1.0,
+    hold: Annotated[
+        bool,
+        typer.Option("--hold", help="Every motor must have a brake that holds its joint."),
+    ] = False,
+    rejected: Annotated[
+        str | None,
+        typer.Option(metavar="JOINT", help="List the pairs that do not suffice there, and why."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="File for the robot with the lightest choice, such as arm.toml."
+        ),
+    ] = None,
+) -> None:
+    """Choose motors and gears for what a robot has to do: all choices of which no other is lighter,
+    cheaper and safer at once.
+
+    Exit status 0: there are choices. 1: for some joint nothing in the catalogue suffices. 2:
+    something cannot be read or written.
+    """
+    from freebody.design.catalogue import catalogue as read
+    from freebody.design.size import size as chosen
+
+    with terminal.progress("reading") as tell:
+        model = robot.load()
+        parts = read(catalogue)
+        found = chosen(
+            model,
+            [_cycle(model, file) for file in motion or ()] or _default(model),
+            parts,
+            joints=joint,
+            mounts=_mounts(mount),
+            life=life,
+            margin=margin,
+            hold=hold,
+            progress=tell,
+        )
+    if parts.note:
+        terminal.out().print(parts.note, markup=False, highlight=False)
+    _print(found)
+    if rejected is not None:
+        rows = [
+            (x.motor, x.gear, x.limit, "" if x.share == float("inf") else f"{100 * x.share:.4g} %")
+            for x in found.rejected(rejected)
+        ]
+        terminal.table(TextTable(("motor", "gear", "limit", "used"), rows))
+    if out is not None and found.choices:
+        from freebody.formats.saving import save
+
+        save(found.drive_loads().model, out)
+        terminal.out().print(f"written: {out}", soft_wrap=True, markup=False, highlight=False)
+    terminal.out().print(f"again:  {options.again(context)}", soft_wrap=True, highlight=False)
+    if not found.choices:
+        raise typer.Exit(1)
+
+
+def _cycle(model: Model, file: Path) -> DutyCycle:
+    from freebody.design.duty_cycle import DutyCycle, Segment
+    from freebody.motion.files.csv_files import read_motion
+
+    if file.suffix.lower() == ".toml":
+        return DutyCycle.read(model, file)
+    return DutyCycle([Segment(read_motion(model, file))], source=file.name)
+
+
+def _default(model: Model) -> DutyCycle:
+    from freebody.design.duty_cycle import DutyCycle, Segment
+    from freebody.motion.default_motion import default_motion
+
+    motion = default_motion(model)
+    return DutyCycle([Segment(motion)], source=motion.source)
+
+
+def _mounts(given: list[str] | None) -> dict[str, str | None]:
+    pairs = options.pairs("--mount", given, "joint3=base")
+    return {joint: None if frame == "ground" else frame for joint, frame in pairs.items()}
+
+
+def _print(found: Sizing) -> None:
+    from freebody.design.drive_loads import limit_table
+    from freebody.design.size import choice_table
+
+    out = terminal.out()
+    for cycle in found.cycles:
+        out.print(f"{cycle!r}"[1:-1], markup=False, highlight=False)
+    notices = found.notices
+    if found.choices:
+        loads = found.drive_loads()
+        terminal.table(replace(choice_table(found, _MOST), notes=()))
+        if len(found.choices) > _MOST:
+            out.print(f"… and {len(found.choices) - _MOST} more, heavier.")
+        out.print("The lightest:")
+        terminal.table(replace(limit_table(loads), notes=()))
+        notices = (*notices, *loads.notices)
+    else:
+        terminal.warn(notices[0])
+        notices = notices[1:]
+    for notice in dict.fromkeys(notices):
+        out.print(notice, markup=False, highlight=False)

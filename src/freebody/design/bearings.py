@@ -1,0 +1,295 @@
+"""`bearing_loads`: what the bearings of joints carry over duty cycles, and how long given ones
+live; `floor_loads`: what a robot asks of its foundation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from freebody.any_chain.dynamics import joint_wrenches
+from freebody.arrays import Array
+from freebody.by_value import ByValue
+from freebody.design.data_sheets import mean_load
+from freebody.design.drive_loads import cycle_notices, doubt_notices
+from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
+from freebody.design.joint_loads import joint_loads
+from freebody.design.parts import Bearing
+from freebody.errors import FreebodyError, KindError, UnknownNameError
+from freebody.model.model import Model
+from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.spatial import of_dimension
+from freebody.trees.kinematics import forward_kinematics
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_OF_BEARINGS = ("equivalent_load", "bearing_life", "static_safety", "moment_share")
+_CARRIED = ("radial_force", "axial_force", "tilting_moment")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BearingLoads(Tabled, ByValue):
+    """Loads of the bearings of joints that turn, over duty cycles.
+
+    Dimensions: `cycle`, `joint`, `sample` (of all cycles, one after another; where a robot rests,
+    one for the whole rest).
+    """
+
+    model: Model
+    bearings: Mapping[str, Bearing]
+    data: xr.Dataset
+    """Along (sample, joint): radial force, axial force (with its sign) and tilting moment about the
+    joint's origin, the rate of the joint, and of a given bearing its equivalent load; `seconds`
+    that each sample stands for."""
+    summary: xr.Dataset
+    """Along (cycle, joint): peaks; and of given bearings the equivalent load, by which they wear as
+    by all that they carry, their life (h), and C₀ over the largest static equivalent load."""
+    notices: tuple[str, ...] = ()
+
+    def _title(self) -> str:
+        joints = counted(self.data.sizes["joint"], "joint")
+        lives = self.summary["bearing_life"]
+        shortest = "" if lives.isnull().all() else f"; the shortest life {float(lives.min()):.4g} h"
+        return f"Bearings of {self.model.name!r}: {joints}{shortest}"
+
+    def _table(self) -> TextTable:
+        rows, worst = [], self.summary.max("cycle")
+        for name in map(str, worst.joint.values):
+            of, lives = worst.sel(joint=name), self.summary["bearing_life"].sel(joint=name)
+            given = name in self.bearings
+            rows.append(
+                (
+                    name,
+                    f"{of.peak_radial_force:.4g} N",
+                    f"{of.peak_axial_force:.4g} N",
+                    f"{of.peak_tilting_moment:.4g} N m",
+                    self.bearings[name].name if given else "",
+                    f"{of.equivalent_load:.4g} N" if given else "",
+                    f"{float(lives.min()):.4g} h" if given else "",
+                )
+            )
+        head = ("joint", "radial", "axial", "tilting", "bearing", "equivalent", "life")
+        return TextTable(head, rows, self.notices)
+
+
+def bearing_loads(
+    model: Model, cycles: Cycles, bearings: Mapping[str, Bearing] | None = None
+) -> BearingLoads:
+    """The loads of the bearings of a robot's joints over duty cycles, and how long given ones live.
+
+    Parameters
+    ----------
+    model
+        The robot with its drives, such as `drive_loads(...).model`.
+    cycles
+        A DutyCycle or a Motion, or a list of those.
+    bearings : {joint: Bearing}, optional
+        Of joints that turn; each carries all of its joint, its centre at the joint's origin.
+
+    Returns
+    -------
+    BearingLoads
+        Of every joint that turns about one axis. Equivalent loads are taken at each sample, with
+        the factors of that moment, and averaged as bearings wear (Palmgren and Miner; ISO 281).
+
+    Raises
+    ------
+    FreebodyError, KindError, UnknownNameError
+    """
+    done = duty_cycles("bearing_loads", model, cycles)
+    kinds = [body.kind.motion for body in model.bodies]
+    turning = [k for k, motion in enumerate(kinds) if motion is not None and motion.turns]
+    names = [model.bodies[k].joint.name for k in turning]
+    given = dict(bearings or {})
+    for name, bearing in given.items():
+        if not isinstance(bearing, Bearing):
+            raise KindError("bearing_loads", f"bearings[{name!r}]", bearing, "an fb.Bearing")
+        if name not in names:
+            raise UnknownNameError("joint that turns about one axis", name, model.name, names)
+    if not turning:
+        raise FreebodyError(f"bearing_loads: no joint of {model.name!r} turns about one axis.")
+    return _assembled(model, done, turning, names, given)
+
+
+def _assembled(
+    model: Model,
+    cycles: Sequence[DutyCycle],
+    turning: list[int],
+    names: list[str],
+    given: dict[str, Bearing],
+) -> BearingLoads:
+    import xarray
+
+    series: dict[str, list[Array]] = {}
+    found: dict[str, list[list[float]]] = {}
+    for cycle in cycles:
+        parts = [_carried(model, segment, turning) for segment in cycle.segments]
+        whole = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        whole["equivalent_load"] = np.full(whole["rate"].shape, np.nan)
+        worn = [_wear(whole, j, given.get(x), cycle.duration) for j, x in enumerate(names)]
+        for name in worn[0]:
+            found.setdefault(name, []).append([one[name] for one in worn])
+        for name, value in whole.items():
+            series.setdefault(name, []).append(value)
+    seconds = np.concatenate(series.pop("seconds"))
+    data = xarray.Dataset(
+        {
+            name: (("sample", "joint"), np.concatenate(x), {"units": _UNITS[name]})
+            for name, x in series.items()
+        },
+        {"joint": names, "seconds": ("sample", seconds, {"units": "s"})},
+    )
+    summary = xarray.Dataset(
+        {
+            name: (("cycle", "joint"), np.array(x), {"units": _UNITS[name]})
+            for name, x in found.items()
+        },
+        {"joint": names},
+    )
+    return BearingLoads(
+        model, given, data, summary, (*doubt_notices(model), *cycle_notices(cycles))
+    )
+
+
+_UNITS = {
+    "radial_force": "N", "axial_force": "N", "tilting_moment": "N m", "rate": "rad/s",
+    "equivalent_load": "N", "bearing_life": "h", "static_safety": "1", "peak_radial_force": "N",
+    "peak_axial_force": "N", "peak_tilting_moment": "N m", "moment_share": "1",
+}  # fmt: skip
+
+
+def _carried(model: Model, segment: Segment, turning: list[int]) -> dict[str, Array]:
+    """Loads and rates (T, joints) of the joints, and seconds (T,)."""
+    q, qd, qdd, wrenches, seconds = segment.states()
+    loaded, d = segment.carried_by(model), model.dim
+    reactions = joint_wrenches(loaded, q, qd, qdd, wrenches, reference="child")
+    reactions = reactions[:, : len(model.bodies)]  # those of loops stand behind
+    loads = joint_loads(loaded, reactions[..., :d], reactions[..., d:])
+    found = {name: np.nan_to_num(loads[name][:, turning]) for name in _CARRIED}
+    rates = [np.asarray(model.coordinates[k].rates(tuple(qd.T))[0], dtype=float) for k in turning]
+    return {**found, "rate": np.stack(rates, axis=-1), "seconds": seconds}
+
+
+def _wear(
+    loads: dict[str, Array], j: int, bearing: Bearing | None, period: float
+) -> dict[str, float]:
+    """Peaks of one joint in one cycle, and how its bearing wears; writes its equivalent load."""
+    radial, axial, moment = (loads[name][:, j] for name in _CARRIED)
+    found = {f"peak_{name}": float(np.abs(loads[name][:, j]).max()) for name in _CARRIED}
+    if bearing is None:
+        return {**found, **dict.fromkeys(_OF_BEARINGS, np.nan)}
+    rate, seconds = np.abs(loads["rate"][:, j]), loads["seconds"]
+    equivalent = bearing.equivalent_load(radial, axial, moment)
+    loads["equivalent_load"][:, j] = equivalent
+    mean = mean_load(equivalent, rate, seconds, bearing.life_exponent or 3.0)
+    life = bearing.life(mean, float(rate @ seconds) / period)
+    static = bearing.static_load
+    safety = np.nan
+    if static is not None and bearing.kind == "crossed roller":
+        most = bearing.static_equivalent_load(radial, axial, moment).max()
+        safety = static / max(float(most), 1e-300)
+    limit = bearing.moment_limit
+    share = np.nan if limit is None else found["peak_tilting_moment"] / limit
+    return {
+        **found, "equivalent_load": mean, "bearing_life": life, "static_safety": safety,
+        "moment_share": share,
+    }  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FloorLoads(Tabled, ByValue):
+    """Forces and moments that a robot exerts on its foundation, at the origin of its base, world
+    axes, over duty cycles."""
+
+    model: Model
+    wrench: Array
+    """(T, 6), in the plane (T, 3): force (N), then moment (N m), at the samples of all cycles, one
+    after another."""
+    greatest: Array
+    """(6, 6), in the plane (3, 3): for each component the wrench at the sample where that one is
+    greatest in magnitude."""
+
+    def _title(self) -> str:
+        d = self.model.dim
+        force = np.linalg.norm(self.wrench[:, :d], axis=1).max()
+        moment = np.linalg.norm(self.wrench[:, d:], axis=1).max()
+        return f"Floor of {self.model.name!r}: at most {force:.4g} N and {moment:.4g} N m"
+
+    def _table(self) -> TextTable:
+        names = ("fx", "fy", "fz", "mx", "my", "mz") if self.model.dim == 3 else ("fx", "fy", "m")
+        units = [f"{name} (N{' m' if name[0] == 'm' else ''})" for name in names]
+        rows = [
+            (name, *(f"{x:.4g}" for x in row))
+            for name, row in zip(names, self.greatest, strict=True)
+        ]
+        return TextTable(("greatest", *units), rows)
+
+
+def floor_loads(model: Model, cycles: Cycles) -> FloorLoads:
+    """Forces and moments that a robot exerts on its foundation over duty cycles: each component at
+    its greatest, with the others of that instant; the weight of its base included.
+
+    Parameters
+    ----------
+    model
+        The robot with its drives, on a fixed base.
+    cycles
+        A DutyCycle or a Motion, or a list of those.
+
+    Returns
+    -------
+    FloorLoads
+        At the origin of the base, world axes.
+
+    Raises
+    ------
+    FreebodyError
+        A base that is free or carries a strut, a closed chain.
+    """
+    done = duty_cycles("floor_loads", model, cycles)
+    if any(b.parent < 0 and b.kind.frees(model.dim) for b in model.bodies):
+        raise FreebodyError(
+            f"floor_loads: the base of {model.name!r} is free and stands on nothing."
+        )
+    model.require_tree("floor_loads", "fb.reactions of the joints and loops that end at the base")
+    for strut in model.tree.struts:
+        if any(model.tree.frames[name][0] < 0 for name in strut.frames):
+            raise FreebodyError(
+                f"floor_loads: strut {strut.name!r} of {model.name!r} ends at the base, and what "
+                f"it exerts there is not counted; take model.without('struts')."
+            )
+    parts = [_on_floor(model, segment) for cycle in done for segment in cycle.segments]
+    wrench = np.concatenate(parts)
+    return FloorLoads(model, wrench, wrench[np.abs(wrench).argmax(axis=0)])
+
+
+def _on_floor(model: Model, segment: Segment) -> Array:
+    """Wrenches (T, 6 or 3): the opposite of what the base exerts on the first bodies, and the
+    weight of the base."""
+    q, qd, qdd, wrenches, _ = segment.states()
+    loaded, d = segment.carried_by(model), model.dim
+    reactions = joint_wrenches(loaded, q, qd, qdd, wrenches)
+    total = np.zeros((len(q), reactions.shape[-1]))
+    for k, body in enumerate(model.bodies):
+        if body.parent < 0:
+            force, moment = -reactions[:, k, :d], -reactions[:, k, d:]
+            at = forward_kinematics(loaded, q, body.name)[:, :d, d]
+            total[:, :d] += force
+            total[:, d:] += moment + _moment(at, force)
+    gravity = np.asarray(model.gravity, dtype=float)
+    for mass in loaded.tree.base:
+        weight = np.broadcast_to(float(mass.m) * gravity, (len(q), d))
+        total[:, :d] += weight
+        total[:, d:] += _moment(
+            np.broadcast_to(np.asarray(mass.c, dtype=float), (len(q), d)), weight
+        )
+    return total
+
+
+def _moment(at: Array, force: Array) -> Array:
+    """Moments (T, 3 or 1) of forces (T, dim) at points (T, dim)."""
+    found = of_dimension(at.shape[1]).moment(tuple(at.T), tuple(force.T))
+    return np.stack([np.asarray(x) for x in found], axis=-1)

@@ -1,0 +1,74 @@
+"""Loads of a joint's bearing, guide and drive: reactions split along and across its axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.model.bodies import Body
+from freebody.model.model import Model
+from freebody.model.quantity_reader import VALUES
+from freebody.spatial import of_dimension
+
+JOINT_LOADS = {
+    "axial_force": ("N", "force along the axis of a revolute joint, on the child"),
+    "radial_force": ("N", "force across the axis of the joint"),
+    "tilting_moment": ("N m", "moment across the axis of the joint, about its origin"),
+    "guide_moment": ("N m", "moment about the axis of a prismatic joint, carried by its guide"),
+    "drive_load": (
+        "N m|N",
+        "moment about the axis of a revolute joint (of a helical one plus pitch times the force "
+        "along it), force along the axis of a prismatic one: what the drive supplies, less what "
+        "friction, spring and rotor take",
+    ),
+}
+"""Unit and meaning of what a bearing or guide and its drive carry; of joints without one axis, and
+where a plane has no such load, NaN."""
+
+
+def joint_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
+    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
+    joints, 3 or 1)."""
+    found = {name: np.full(force.shape[:2], np.nan) for name in JOINT_LOADS}
+    for k, body in enumerate(model.bodies):
+        if body.kind.needs_axis:
+            for name, value in _along_axis(body, force[:, k], moment[:, k]).items():
+                found[name][:, k] = value
+    return found
+
+
+def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
+    """The loads of a joint with an axis, whose drive is what the reactions do along its motion;
+    force (T, dim), moment (T, 3 or 1)."""
+    joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
+    parts: dict[str, Array] = {}
+    turning, sliding = motion is None or motion.turns, motion is None or motion.slides
+    if len(joint.axis) == dim:
+        axial, parts["radial_force"] = _split(force, joint.axis)
+        if not sliding or (turning and motion is not None):
+            parts["axial_force"] = axial
+    else:
+        parts["radial_force"] = _size(force)
+    if dim == 3:
+        about, parts["tilting_moment"] = _split(moment, joint.axis)
+        if not turning:
+            parts["guide_moment"] = about
+    elif not turning:
+        parts["tilting_moment"] = np.abs(moment[:, 0])
+    if motion is not None:
+        numbers = tuple(map(VALUES.quantity, joint.numbers))
+        ((primitive, axis),) = body.kind.primitives(of_dimension(dim), joint.axis, numbers)
+        ((w, v),) = primitive.columns(of_dimension(dim), axis)
+        parts["drive_load"] = moment @ np.asarray(w) + force @ np.asarray(v)
+    return parts
+
+
+def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
+    """Component along the axis, with its sign, and the size of what is across it."""
+    n = np.asarray(axis)
+    along = vectors @ n
+    return along, _size(vectors - along[:, None] * n)
+
+
+def _size(vectors: Array) -> Array:
+    return np.linalg.norm(vectors, axis=-1)

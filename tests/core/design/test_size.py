@@ -1,0 +1,212 @@
+"""Sizing: the front is exact for one joint, as good as many random choices for all, and every
+choice keeps every limit; what is rejected says why."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+
+import freebody as fb
+
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
+LIFE = 6000.0
+Drives = dict[str, tuple[fb.Motor, fb.Gear]]
+Candidate = tuple[float, fb.Motor, fb.Gear]
+
+
+def price(*chosen: fb.Motor | fb.Gear) -> float:
+    return sum(part.price or 0.0 for part in chosen)
+
+
+def parts(motors: int, gears: int, seed: int = 0) -> fb.PartCatalogue:
+    """Motors and gears of many sizes, heavier and dearer with their torque."""
+    rng = np.random.default_rng(seed)
+    some_motors, some_gears = [], []
+    for k in range(motors):
+        torque, speed = 0.05 * 10 ** (2.3 * rng.random()), rng.uniform(250.0, 630.0)
+        peak = torque * rng.uniform(2.5, 3.5)
+        some_motors.append(
+            fb.Motor(
+                f"M{k}", inertia=1e-4 * torque**1.3 * rng.uniform(1.0, 5.0),
+                continuous_torque=torque, peak_torque=peak, max_speed=speed,
+                mass=0.3 + torque * rng.uniform(0.6, 1.3),
+                price=80.0 + torque * rng.uniform(50, 130),
+                peak_curve=((0.0, peak), (0.6 * speed, peak), (speed, 0.4 * peak)),
+                continuous_curve=((0.0, torque), (speed, 0.8 * torque)) if k % 3 == 0 else (),
+            )
+        )  # fmt: skip
+    for k in range(gears):
+        rated = 5.0 * 10 ** (2.0 * rng.random())
+        some_gears.append(
+            fb.Gear(
+                f"G{k}", efficiency=rng.uniform(0.65, 0.9), inertia=1e-6 * rated,
+                mass=0.1 + rated / 60.0, ratio=float(rng.choice([50, 80, 100, 120, 160])),
+                price=200.0 + rated * rng.uniform(1.4, 2.8), peak_torque=2.2 * rated,
+                average_torque=1.3 * rated, rated_torque=rated, rated_speed=209.0,
+                rated_life=7000.0, max_speed=680.0, average_speed=370.0,
+                kind=("strain wave", "cycloidal")[k % 2],
+            )
+        )  # fmt: skip
+    return fb.PartCatalogue(tuple(some_motors), tuple(some_gears))
+
+
+def cycles(arm: fb.Model, count: int, samples: int = 120) -> list[fb.Segment]:
+    """Loops through random postures, each second one loaded."""
+    rng, found = np.random.default_rng(5), []
+    for k in range(count):
+        q = rng.uniform(-1.2, 1.2, (3, arm.nq))
+        motion = fb.quintic(arm, [*q, q[0]], acceleration=rng.uniform(2.0, 4.0))
+        t = np.linspace(motion.t[0], motion.t[-1], samples)
+        motion = fb.Motion.of(arm, t, *motion.at(t))
+        found.append(fb.Segment(motion, payload=4.0 * (k % 2) or None, dwell=0.2 * k))
+    return found
+
+
+def test_the_front_of_one_joint_is_exact():
+    """Every pair by itself, by another function: what the front has, and nothing better."""
+    arm = fb.load("2R")
+    duty, catalogue = cycles(arm, 2), parts(9, 5, seed=3)
+    joint = arm.joint_names[1]
+    found = fb.size(arm, duty, catalogue, joints=[joint], life=LIFE, margin=1.1)
+    every = {}
+    for motor, gear in product(catalogue.motors, catalogue.gears):
+        margin = fb.drive_loads(arm, duty, {joint: (motor, gear)}, life=LIFE).margin
+        every[motor.name, gear.name] = (motor.mass + gear.mass, price(motor, gear), margin)
+    good = {name: x for name, x in every.items() if x[2] >= 1.1}
+    assert 5 < len(good) < len(every)
+    best = {
+        name
+        for name, x in good.items()
+        if not any(y[0] <= x[0] and y[1] <= x[1] and y[2] >= x[2] and y != x for y in good.values())
+    }
+    chosen = {tuple(part.name for part in x.drives[joint]): x for x in found.choices}
+    assert chosen.keys() == best
+    for name, choice in chosen.items():
+        assert (choice.mass, choice.price, choice.margin) == pytest.approx(every[name])
+    rejected = {(x.motor, x.gear): x for x in found.rejected(joint)}
+    assert rejected.keys() == every.keys() - good.keys()
+    for name, one in rejected.items():
+        assert 1.0 / one.share == pytest.approx(every[name][2])
+        assert one.limit in one.text
+    uses = found.pair_uses(joint)
+    assert uses.max("limit").sel(motor="M3", gear="G2").item() == pytest.approx(
+        1.0 / every["M3", "G2"][2]
+    )
+
+
+def test_choices_keep_every_limit_and_their_model_is_the_robot():
+    arm = fb.load("ur5e").without("friction")
+    duty, catalogue = cycles(arm, 2), parts(20, 8)
+    found = fb.size(arm, duty, catalogue, life=LIFE)
+    assert len(found.choices) > 5
+    for choice in found.choices[::9]:
+        loads = found.drive_loads(choice)
+        assert loads.margin == pytest.approx(choice.margin)
+        assert loads.passed
+        assert loads.uses.max() == loads.uses.sel(joint=choice.joint, limit=choice.limit)
+        carried = choice.mass - sum(x.mass for x in choice.drives["shoulder_pan_joint"])
+        assert loads.model.mass == pytest.approx(arm.mass + carried)
+    lightest = found.choices[0]
+    assert "the lightest" in repr(found)
+    motion = duty[0].motion
+    tau = fb.inverse_dynamics(found.drive_loads().model, motion.q, motion.qd, motion.qdd)
+    N = np.array([gear.factor for _, gear in lightest.drives.values()])
+    got = found.drive_loads().data["motor_torque"].values[: len(tau)] * N
+    assert np.abs(got - tau).max() < 1e-11 * np.abs(tau).max()
+
+
+@pytest.mark.parametrize("count", [10, pytest.param(10_000, marks=pytest.mark.long)])
+def test_no_random_choice_is_better(count: int):
+    """Random choices, joint by joint from the tip among what suffices there: none is lighter,
+    cheaper and safer than a choice that was found, none lighter or cheaper than the lightest and
+    the cheapest."""
+    arm = fb.load("ur5e").without("friction")
+    duty, catalogue = cycles(arm, 1), parts(16, 8)
+    found = fb.size(arm, duty, catalogue, life=LIFE)
+    mine = np.array([[x.mass, x.price, -x.margin] for x in found.choices])
+    rng, others = np.random.default_rng(1), []
+    pools: dict[tuple[str, ...], list[Candidate]] = {}
+    for _ in range(count):
+        drives: Drives = {}
+        margins: list[float] = []
+        for joint in reversed(arm.joint_names):
+            carried = (joint, *(part.name for pair in drives.values() for part in pair))
+            if carried not in pools:
+                pools[carried] = candidates(found, joint, drives)
+            pool = pools[carried]
+            margin, motor, gear = pool[min(int(rng.exponential(3.0)), len(pool) - 1)]
+            drives[joint] = motor, gear
+            margins.append(margin)
+        mass = sum(part.mass for pair in drives.values() for part in pair)
+        others.append([mass, sum(price(*pair) for pair in drives.values()), -min(margins)])
+    random = np.array(others)
+    assert not (random[:, None] <= mine - 1e-9).all(axis=-1).any()
+    assert (mine.min(axis=0)[:2] <= random.min(axis=0)[:2] + 1e-9).all()
+
+
+def candidates(found: Any, joint: str, drives: Drives) -> list[Candidate]:
+    """The pairs that suffice for a joint that carries drives, the lightest first: evenly drawn ones
+    are far from the best."""
+    uses = found.pair_uses(joint, drives).max("limit")
+    pairs = [
+        (1.0 / float(uses[m, g]), found.catalogue.motors[m], found.catalogue.gears[g])
+        for m, g in np.argwhere(uses.values <= 1.0)
+    ]
+    return sorted(pairs, key=lambda x: x[1].mass + x[2].mass)
+
+
+def test_heavier_drives_further_out_need_more_further_in():
+    """Drives on the ground load nothing, so the robot needs no more than lighter ones."""
+    arm = fb.load("ur5e").without("friction")
+    duty, catalogue = cycles(arm, 1), parts(16, 8)
+    riding = fb.size(arm, duty, catalogue)
+    on_ground = fb.size(arm, duty, catalogue, mounts=dict.fromkeys(arm.joint_names))
+    assert on_ground.choices[0].mass < riding.choices[0].mass
+    greedy = [fb.size(arm, duty, catalogue, joints=[name]).choices[0] for name in arm.joint_names]
+    assert on_ground.choices[0].mass == pytest.approx(sum(x.mass for x in greedy))
+    assert on_ground.drive_loads().model.mass == pytest.approx(arm.mass)
+
+
+def test_a_catalogue_that_does_not_suffice_says_for_what():
+    arm = fb.load("ur5e").without("friction")
+    duty, whole = cycles(arm, 1), parts(16, 8)
+    weak = fb.PartCatalogue(
+        tuple(sorted(whole.motors, key=lambda m: m.peak_torque)[:3]), whole.gears
+    )
+    found = fb.size(arm, duty, weak)
+    assert found.choices == ()
+    assert "No motor with a gear of the catalogue suffices for joint" in found.notices[0]
+    assert "% of its" in found.notices[0]
+    with pytest.raises(fb.FreebodyError, match="there is no choice"):
+        found.drive_loads()
+    assert found.rejected("shoulder_lift_joint")
+
+
+def test_gears_that_fit_some_motors_and_screws():
+    slide = fb.load("cart_pole")
+    motor = fb.Motor("M", 1e-5, 1.0, 3.0, 400.0, 1.0)
+    other = fb.Motor("N", 1e-5, 0.5, 1.0, 400.0, 0.5)
+    screw = fb.Gear("S", efficiency=0.9, inertia=1e-6, mass=1.0, lead=0.01, fits=("M",))
+    turning = fb.Gear("T", efficiency=0.9, inertia=1e-6, mass=1.0, ratio=10.0)
+    joint = slide.driven_names[0]
+    q = np.zeros((2, slide.nq))
+    q[1, 0] = 0.3
+    motion = fb.quintic(slide, [q[0], q[1]], acceleration=1.0)
+    found = fb.size(slide, motion, fb.PartCatalogue((motor, other), (screw, turning)))
+    (choice,) = found.choices
+    assert [part.name for part in choice.drives[joint]] == ["M", "S"]
+    assert choice.price is None
+    assert "Prices do not count" in found.notices[0]
+    assert "S is not made for N." in [x.text for x in found.rejected(joint)]
+    with pytest.raises(fb.FreebodyError, match=f"no gear of the catalogue suits joint '{joint}'"):
+        fb.size(slide, motion, fb.PartCatalogue((motor,), (turning,)))
+    with pytest.raises(fb.FreebodyError, match="has no motor; add"):
+        fb.size(slide, motion, fb.PartCatalogue((), (turning,)))
+    assert not math.isnan(choice.margin)
+    with pytest.raises(fb.FreebodyError, match="life is -1 h, expected 0 or more"):
+        fb.size(slide, motion, fb.PartCatalogue((motor,), (screw,)), life=-1.0)
