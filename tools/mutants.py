@@ -103,7 +103,8 @@ AREAS = (
         "inverse and reach",
         ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
         ("inverse_kinematics", "inverse_velocity", "singularities", "descent_kernel", "branches",
-         "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams"),
+         "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams",
+         "compliance"),
     ),
     Area(
         "motions",

@@ -120,6 +120,8 @@ _PLACES = {
     "freebody.reach.dexterity": ("dexterity",),
     "freebody.reach.ellipsoids": ("ellipsoids",),
     "freebody.reach.payload_map": ("payload_map",),
+    "freebody.reach.deflection": ("deflection",),
+    "freebody.reach.natural_frequencies": ("natural_frequencies",),
     "freebody.reach.workspace": ("workspace",),
     "freebody.ways_out.kernel": ("kernel", "formula"),
     "freebody.ways_out.exports": ("export", "source"),

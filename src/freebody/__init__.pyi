@@ -74,8 +74,10 @@ from freebody.motion.planning.tip_motions import arc as arc
 from freebody.motion.planning.tip_motions import blend as blend
 from freebody.motion.planning.tip_motions import line as line
 from freebody.motion.simulation.simulate import simulate as simulate
+from freebody.reach.deflection import deflection as deflection
 from freebody.reach.dexterity import dexterity as dexterity
 from freebody.reach.ellipsoids import ellipsoids as ellipsoids
+from freebody.reach.natural_frequencies import natural_frequencies as natural_frequencies
 from freebody.reach.payload_map import payload_map as payload_map
 from freebody.reach.workspace import workspace as workspace
 from freebody.report.study import Study as Study

@@ -75,6 +75,7 @@ NAMED = {
     "reactions": {"qdd": "qdd"},
     "free_body_diagram": {"qd": "qd", "qdd": "qdd"},
     "kinematic_diagram": {"q": "q"},
+    **{name: {"stiffness": "gain"} for name in ("deflection", "natural_frequencies")},
 }
 """Arguments beyond those without default."""
 

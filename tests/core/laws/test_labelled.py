@@ -45,6 +45,10 @@ BY_NAME = {
 }  # fmt: skip
 """Arguments whose entries have names, and which."""
 
+OF_JOINTS = {("deflection", "stiffness"), ("natural_frequencies", "stiffness")}
+"""Functions and arguments of one number for each rate, of a name that means rows elsewhere; the
+others of a mapping are found."""
+
 BY_POSITION = {
     "rotation": {"angles": [0.1, 0.2, 0.3]},
     "quat_wxyz": {"R": np.eye(3)},
@@ -177,7 +181,8 @@ def test_names_in_another_order_are_put_in_order_and_wrong_ones_refused(function
         ):
             continue
         for arm in (model("3R"), model("four_bar")):
-            names = list(names_of(arm, BY_NAME[argument]))
+            kind = "rates" if (function, argument) in OF_JOINTS else BY_NAME[argument]
+            names = list(names_of(arm, kind))
             plain = np.linspace(0.1, 0.2, len(names))
             if arm.loops and BY_NAME[argument] in ("positions", "rates"):
                 values = state(arm, 1)
@@ -208,6 +213,7 @@ def _try(
         some = container is mapping and (
             argument in ("rates", "accelerations") or (function, argument) == ("assemble", "q")
         )  # the others are found
+        some = some or (container in (mapping, dataset) and (function, argument) in OF_JOINTS)
         for labels in (wrong, names[1:])[: 1 if some else 2]:
             with pytest.raises(fb.FreebodyError):
                 call(function, arm, {argument: container(plain[: len(labels)], labels)})
