@@ -127,9 +127,11 @@ AREAS = (
     ),
     Area(
         "studies and sweeps",
-        ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py", "beside.py"),
-        ("verdict", "study", "report_page", "report_equations", "numbers_in_print", "outputs",
-         "display", "cli", "terminal", "completion", "sweeps", "sweep_stores", "page_sizes"),
+        ("capacity/*.py", "report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py",
+         "beside.py"),
+        ("verdict", "payload", "load_case", "study", "report_page", "report_equations",
+         "numbers_in_print", "outputs", "display", "cli", "terminal", "completion", "sweeps",
+         "sweep_stores", "page_sizes"),
     ),
     Area(
         "figures",

@@ -160,6 +160,8 @@ _PLACES = {
     "freebody.figures.map_diagram": ("map_diagram",),
     "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
+    "freebody.capacity.payload": ("payload",),
+    "freebody.capacity.load_diagram": ("load_diagram",),
 }
 _QUICK = tuple(
     f"freebody.{name}"

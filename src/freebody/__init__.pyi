@@ -6,6 +6,8 @@ from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
 from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
+from freebody.capacity.load_diagram import load_diagram as load_diagram
+from freebody.capacity.payload import payload as payload
 from freebody.diagnosis.doctor import doctor as doctor
 from freebody.diagnosis.same_robot import same_robot as same_robot
 from freebody.errors import FileError as FileError

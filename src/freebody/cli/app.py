@@ -20,6 +20,7 @@ from freebody.cli import (
     export,
     fbd,
     models,
+    payload,
     plan,
     show,
     simulate,
@@ -49,6 +50,7 @@ def _command(function: Callable[..., None], example: str, **more: Any) -> None:
 for _function, _example in (
     (study.study, study.EXAMPLE),
     (plan.plan, plan.EXAMPLE),
+    (payload.payload, payload.EXAMPLE),
     (simulate.simulate, simulate.EXAMPLE),
     (sweep.sweep, sweep.EXAMPLE),
     (show.show, show.EXAMPLE),

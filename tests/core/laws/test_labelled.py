@@ -41,7 +41,7 @@ BY_NAME = {
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows", "restitution": "rates", "forces": "rates",
     "waypoints": "positions", "wrenches": "wrench", "wrench_tables": "wrench",
-    "point": "point", "about": "point",
+    "point": "point", "about": "point", "motion": "positions",
 }  # fmt: skip
 """Arguments whose entries have names, and which."""
 
@@ -65,6 +65,8 @@ BY_POSITION = {
     "workspace": {"points": [0.3, 0.2], "orientation": np.eye(2)},
     "map_diagram": {"points": np.ones((3, 2)), "values": np.ones((3, 2))},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
+    "payload": {"com": [0.1, 0.2], "box": [0.1, 0.2], "cylinder": [0.1, 0.2]},
+    "load_diagram": {"offsets": [0.0, 0.1]},
     "line": {"target": [0.3, 0.2]},
     "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},
     "blend": {"targets": [[0.3, 0.2], [0.1, 0.2]]},
@@ -83,6 +85,10 @@ OTHERS = {
         for name in ("quintic", "trapezoid", "s_curve", "spline")
     },
     **{name: {"model": fb.load("2R")} for name in ("workspace", "map_diagram")},
+    **{
+        name: {"model": fb.load("2R"), "motion": [0.3, 1.0], "effort": [90.0, 90.0]}
+        for name in ("payload", "load_diagram")
+    },
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
     **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
     "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},

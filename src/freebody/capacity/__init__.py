@@ -1,0 +1,1 @@
+"""What a robot carries: the largest payload along motions and over postures, and load diagrams."""
