@@ -61,15 +61,15 @@ class LoadDiagram(Tabled, ByValue):
 
     @property
     def svg(self) -> str:
-        """The diagram: mass over offset in mm, the payload, and a curve for each drive that limits
-        near it."""
+        """The diagram: mass over offset in mm, a curve for each drive that limits somewhere, or
+        nearly; what lies below all of them is carried."""
         mass = self.mass
-        known = mass[np.isfinite(mass)]
-        top = _HIGH * float(known.max(initial=0.0)) or 1.0
-        curves = {"payload": np.minimum(mass, top)}
-        for name, own in zip(self.joint_names, self.by_joint.T, strict=True):
-            if (own < top).any():
-                curves[name] = np.minimum(own, top)
+        top = _HIGH * float(mass[np.isfinite(mass)].max(initial=0.0))
+        curves = {
+            name: np.where(own <= top, own, np.nan)
+            for name, own in zip(self.joint_names, self.by_joint.T, strict=True)
+            if (own <= top).sum() > 1
+        } or {"no drive limits": np.full(len(mass), np.nan)}
         title = f"Largest payload over its offset along {self.along} of {self.frame}"
         across = "offset in mm"
         size = (460.0, 300.0)

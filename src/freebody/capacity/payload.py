@@ -60,12 +60,12 @@ _FEW = 8
 _BLOCK = 65536
 """Samples at once."""
 
-States = tuple[Array, Array, Array]
+_MotionStates = tuple[Array, Array, Array]
 """Positions, rates and accelerations of samples."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Payload(Tabled, ByValue):
+class LargestPayload(Tabled, ByValue):
     """The largest payload along each motion, or at each posture (...), besides what the robot
     carries already.
 
@@ -171,7 +171,7 @@ def payload(
     frame: str | None = None,
     wrenches: FrameWrenchTable = None,
     effort: JointVector | None = None,
-) -> Payload:
+) -> LargestPayload:
     """The largest payload that a robot carries along a motion, or holds at postures, besides what
     it carries already.
 
@@ -194,7 +194,7 @@ def payload(
 
     Returns
     -------
-    Payload
+    LargestPayload
         With `.card` in a line. Torques are looked at at the samples of a motion, on both sides of
         jumps of its accelerations and, of open chains, closely beside the instant that limits. What
         gears lose is in them. Speeds limit no mass: those beyond their limits are named.
@@ -237,7 +237,7 @@ def payload(
     joint = np.argmin(np.where(over, -1.0, mass), axis=-1)
     least = np.asarray(mass.min(axis=-1))
     free = np.isinf(least)
-    return Payload(
+    return LargestPayload(
         least,
         mass,
         np.where(free, -1, joint).astype(int),
@@ -262,7 +262,7 @@ class _Case:
     effort: Array
     wrenches: Mapping[str, Array] | None
 
-    def masses(self, states: States) -> tuple[Array, np.ndarray]:
+    def masses(self, states: _MotionStates) -> tuple[Array, np.ndarray]:
         """(masses (..., nv) at which each drive reaches its limit, 0 of one that is overloaded
         without, infinite where a mass changes nothing; whether it is overloaded)."""
         shape, n = states[0].shape[:-1], self.model.nv
@@ -350,11 +350,11 @@ def _along(case: _Case, motions: Sequence[Motion]) -> tuple[Array, np.ndarray, A
     return np.minimum(mass, near), over | worse, np.where(near < mass, when, time)
 
 
-Samples = tuple[Array, States]
+_TimedStates = tuple[Array, _MotionStates]
 """Times and states of samples."""
 
 
-def _least(case: _Case, samples: Sequence[Samples]) -> tuple[Array, np.ndarray, Array]:
+def _least(case: _Case, samples: Sequence[_TimedStates]) -> tuple[Array, np.ndarray, Array]:
     """The least masses among samples of each motion, whether a drive is overloaded in one, and the
     times of the least."""
     q, qd, qdd = (np.concatenate(parts) for parts in zip(*(x[1] for x in samples), strict=True))
@@ -371,7 +371,7 @@ def _least(case: _Case, samples: Sequence[Samples]) -> tuple[Array, np.ndarray, 
     return np.array(mass), np.array(over), np.array(time)
 
 
-def _samples(motion: Motion) -> Samples:
+def _samples(motion: Motion) -> _TimedStates:
     """The samples of a motion, and both sides of each jump of its accelerations: of all breaks of
     its pieces where these are few, which takes less than to find the jumps."""
     if motion.pieces is None:
@@ -385,7 +385,7 @@ def _samples(motion: Motion) -> Samples:
     return np.concatenate([motion.t, jumps, jumps]), (states[0], states[1], states[2])
 
 
-def _beside(motion: Motion, time: float) -> Samples:
+def _beside(motion: Motion, time: float) -> _TimedStates:
     """Instants between the samples on either side of one."""
     k = int(np.argmin(np.abs(motion.t - time)))
     ends = motion.t[max(k - 1, 0)], motion.t[min(k + 1, len(motion.t) - 1)]
