@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.cli.options import GivenRobot
 from support.command import error, run
 
 
@@ -27,29 +26,34 @@ from support.command import error, run
         ("2R", "30 deg", [-0.5, -np.sqrt(0.75)]),
     ],
 )
-def test_gravity_as_the_turned_base_feels_it(name, mounting, down):
+def test_gravity_as_the_turned_base_feels_it(name, mounting, down, tmp_path):
     """The angles are those of URDF: of the base against the floor, roll first."""
-    model = GivenRobot(name, {"mounting": mounting}).load()
+    file = tmp_path / "arm.toml"
+    assert run(["convert", name, str(file), "--mounting", mounting]) == 0
+    model = fb.load(file)
     assert model.gravity == pytest.approx(9.81 * np.array(down), abs=1e-12)
 
 
-def test_the_case_is_the_models():
-    how = {"gravity": "0, -1.6", "payload": "2@0.1,0"}
+def test_the_case_is_the_models(tmp_path):
+    file = tmp_path / "arm.toml"
+    case = ["--gravity", "0, -1.6", "--payload", "2@0.1,0"]
+    assert run(["convert", "2R", str(file), *case]) == 0
     changed = fb.load("2R").with_payload(2.0, com=[0.1, 0.0]).replace(gravity=[0.0, -1.6])
-    assert GivenRobot("2R", how).load() == changed
-    wrenches = GivenRobot("2R", {"wrench": ["tip:1,2,3", "link1: 0, -5, 0"]}).wrenches(changed)
-    assert wrenches == {"tip": [1.0, 2.0, 3.0], "link1": [0.0, -5.0, 0.0]}
+    assert fb.load(file) == changed
 
 
 def test_a_wrench_moves_the_robot(tmp_path: Path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    asked = ["simulate", "2R", "--time", "0.5", "--gravity", "0,0", "--wrench", "tip:0,-5,1"]
+    asked = ["simulate", "2R", "--time", "0.5", "--gravity", "0,0", "--wrench", "tip:0,-5,1",
+             "--wrench", "link2: 1, 0, 0"]  # fmt: skip
     assert run(asked) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "Wrenches: force (0, -5) N and moment (1) N m at tip, exerted on the robot" in said
+    assert "Wrenches: force (0, -5) N and moment (1) N m at tip; force (1, 0) N" in said
     found = fb.read_motion(fb.load("2R"), tmp_path / "motion.csv").q
     model, t = fb.load("2R").replace(gravity=[0.0, 0.0]), np.linspace(0.0, 0.5, 401)
-    exact = fb.simulate(model, [0, 0], [0, 0], t, wrenches={"tip": [0.0, -5.0, 1.0]})
+    exact = fb.simulate(
+        model, [0, 0], [0, 0], t, wrenches={"tip": [0.0, -5.0, 1.0], "link2": [1.0, 0.0, 0.0]}
+    )
     assert found == pytest.approx(exact["q"].values, abs=1e-6)
     way = ["plan", "2R", "0,0;1,1", "--by", "time-optimal", "--torque", "200"]
     motions = []

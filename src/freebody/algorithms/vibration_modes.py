@@ -17,8 +17,7 @@ SWEEPS = (0, 0, 1, 3, 4, 4, 4, 5)
 """Rotations for each two coordinates, by their number; beyond, matrices are not worth a
 straight-line program."""
 _RIGHT = 1e-12
-"""What is left off the diagonal, relative to the two entries on it, of a matrix that is
-diagonal."""
+"""Entry off the diagonal, relative to the two on it, of a matrix that is diagonal."""
 _NOISE = 1e-15
 """An entry, relative to the largest, that is nothing but rounding."""
 _GONE = 1e-24

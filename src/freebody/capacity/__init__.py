@@ -1,1 +1,2 @@
-"""What a robot carries: the largest payload along motions and over postures, and load diagrams."""
+"""Loads that a robot carries: the largest payload along motions and over postures; load
+diagrams."""

@@ -22,6 +22,7 @@ from freebody.labels import refuse_labelled
 from freebody.model.doubts import (
     DYNAMIC,
     EFFORTS,
+    INERTIAL,
     Doubt,
     attribute,
     barring,
@@ -99,8 +100,8 @@ class LargestPayload(Tabled, ByValue):
 
     @property
     def card(self) -> str:
-        """In one line: how much, what limits it, and how much faster without it; of several motions
-        or postures the least."""
+        """One line: how much is carried, what limits it, and how much faster without it; of several
+        motions or postures the least."""
         if not self.mass.size:
             return "nothing is carried anywhere: there are no postures"
         if found := barring(self.doubts):
@@ -249,7 +250,11 @@ def payload(
         faster,
         model.velocity_names,
         name,
-        doubts_on(model, *DYNAMIC, *([EFFORTS] if effort is None else ())),
+        doubts_on(
+            model,
+            *(INERTIAL if motions is None else DYNAMIC),
+            *([EFFORTS] if effort is None else ()),
+        ),
     )
 
 

@@ -137,7 +137,7 @@ def torques(
 
 
 def pull_torque(model: Model, q: Array, wrenches: Mapping[str, Array]) -> Array:
-    """What balances wrenches on a robot (..., nv), its loops cut: -Jᵀ w."""
+    """Torques that balance wrenches on a robot (..., nv), its loops cut: -Jᵀ w."""
     pulled = [
         np.einsum("...ij,i->...j", kinematics.jacobian(model.opened, q, frame), w)
         for frame, w in wrenches.items()
