@@ -104,7 +104,8 @@ AREAS = (
         "inverse and reach",
         ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
         ("inverse_kinematics", "inverse_velocity", "singularities", "descent_kernel", "branches",
-         "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams"),
+         "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams",
+         "compliance"),
     ),
     Area(
         "motions",
@@ -132,9 +133,11 @@ AREAS = (
     ),
     Area(
         "studies and sweeps",
-        ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py", "beside.py"),
-        ("verdict", "study", "report_page", "report_equations", "numbers_in_print", "outputs",
-         "display", "cli", "terminal", "completion", "sweeps", "sweep_stores", "page_sizes"),
+        ("capacity/*.py", "report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py",
+         "beside.py"),
+        ("verdict", "payload", "load_case", "study", "report_page", "report_equations",
+         "numbers_in_print", "outputs", "display", "cli", "terminal", "completion", "sweeps",
+         "sweep_stores", "page_sizes"),
     ),
     Area(
         "figures",

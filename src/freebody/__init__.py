@@ -120,6 +120,8 @@ _PLACES = {
     "freebody.reach.dexterity": ("dexterity",),
     "freebody.reach.ellipsoids": ("ellipsoids",),
     "freebody.reach.payload_map": ("payload_map",),
+    "freebody.reach.deflection": ("deflection",),
+    "freebody.reach.natural_frequencies": ("natural_frequencies",),
     "freebody.reach.workspace": ("workspace",),
     "freebody.ways_out.kernel": ("kernel", "formula"),
     "freebody.ways_out.exports": ("export", "source"),
@@ -166,6 +168,8 @@ _PLACES = {
     "freebody.figures.map_diagram": ("map_diagram",),
     "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
+    "freebody.capacity.payload": ("payload",),
+    "freebody.capacity.load_diagram": ("load_diagram",),
 }
 _QUICK = tuple(
     f"freebody.{name}"

@@ -6,6 +6,8 @@ from freebody.any_chain.dynamics import inverse_dynamics as inverse_dynamics
 from freebody.any_chain.dynamics import joint_wrenches as joint_wrenches
 from freebody.any_chain.dynamics import static_torque as static_torque
 from freebody.any_chain.reactions import reactions as reactions
+from freebody.capacity.load_diagram import load_diagram as load_diagram
+from freebody.capacity.payload import payload as payload
 from freebody.design.bearings import bearing_loads as bearing_loads
 from freebody.design.bearings import floor_loads as floor_loads
 from freebody.design.catalogue import PartCatalogue as PartCatalogue
@@ -87,8 +89,10 @@ from freebody.motion.planning.tip_motions import arc as arc
 from freebody.motion.planning.tip_motions import blend as blend
 from freebody.motion.planning.tip_motions import line as line
 from freebody.motion.simulation.simulate import simulate as simulate
+from freebody.reach.deflection import deflection as deflection
 from freebody.reach.dexterity import dexterity as dexterity
 from freebody.reach.ellipsoids import ellipsoids as ellipsoids
+from freebody.reach.natural_frequencies import natural_frequencies as natural_frequencies
 from freebody.reach.payload_map import payload_map as payload_map
 from freebody.reach.workspace import workspace as workspace
 from freebody.report.study import Study as Study

@@ -186,11 +186,12 @@ class Worked:
 @dataclass(frozen=True)
 class MethodOption:
     """An option that one method has: its name, its choices, the default first, and what it chooses,
-    in words."""
+    in words; flag: its name on the command line, where that is another."""
 
     name: str
     choices: tuple[str, ...]
     words: str
+    flag: str = ""
 
 
 @dataclass(frozen=True)

@@ -34,7 +34,9 @@ NOT_OF_STATES = frozenset(
         "loop_equations",
         "losses",
         "notes_figure",
+        "load_diagram",
         "parameters",
+        "payload",
         "quantities",
         "quintic",
         "read_motion",
@@ -80,6 +82,7 @@ NAMED = {
     "reactions": {"qdd": "qdd"},
     "free_body_diagram": {"qd": "qd", "qdd": "qdd"},
     "kinematic_diagram": {"q": "q"},
+    **{name: {"stiffness": "gain"} for name in ("deflection", "natural_frequencies")},
 }
 """Arguments beyond those without default."""
 

@@ -95,6 +95,8 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "loop_equations": lambda: fb.loop_equations(fb.load("five_bar")),
         "derive": lambda: fb.derive(two).html(),
         "check": lambda: fb.check(two, "M11 = 1"),
+        "payload": lambda: fb.payload(arm, [motion, motion]),
+        "load_diagram": lambda: fb.load_diagram(arm, Q, offsets=[0.0, 0.1]).svg,
         "quantities": lambda: fb.quantities(shoulder),
         "relation": lambda: fb.relation(fb.quantities(shoulder), "tau = H11"),
         "sampled_trajectory": lambda: fb.sampled_trajectory(np.arange(8.0), np.ones((8, 2))),

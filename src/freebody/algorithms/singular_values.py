@@ -61,8 +61,8 @@ def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
     for i, j in combinations(range(len(found)), 2):
         (a, first), (b, second) = found[i], found[j]
         swapped = less(first, second)
-        found[i] = _chosen(swapped, b, a), maximum(first, second)
-        found[j] = _chosen(swapped, a, b), minimum(first, second)
+        found[i] = either(swapped, b, a), maximum(first, second)
+        found[j] = either(swapped, a, b), minimum(first, second)
     ways, sizes = zip(*found, strict=True)
     return vectors_and_values(ways, sizes), sure
 
@@ -71,11 +71,11 @@ def vectors_and_values(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
     """Unit vectors and their singular values, the largest first, such that of each vector the first
     entry that is more than half as large as the largest is positive, and values that are lost are
     0."""
-    turned = tuple(scale(_sign(way), way) for way in ways)
+    turned = tuple(scale(sense(way), way) for way in ways)
     return turned, tuple(where(less(LOST * sizes[0], x), x, 0.0) for x in sizes)
 
 
-def _sign(way: Vector) -> Scalar:
+def sense(way: Vector) -> Scalar:
     """1 or -1: the sign of the entry that tells."""
     half: Scalar = 0.0
     for x in way:
@@ -86,14 +86,15 @@ def _sign(way: Vector) -> Scalar:
     return where(less(leading, 0.0), -1.0, 1.0)
 
 
-def _chosen(condition: Scalar, a: Vector, b: Vector) -> Vector:
+def either(condition: Scalar, a: Vector, b: Vector) -> Vector:
+    """The first of two vectors where the condition is 1, else the second."""
     return tuple(where(condition, x, y) for x, y in zip(a, b, strict=True))
 
 
 def _turned(A: Matrix, carried: Matrix, sweeps: int) -> list[tuple[Vector, Vector]]:
     """Rows after rotations of each two of them, each with what was carried along with it."""
     rows = list(zip(A, carried, strict=True))
-    for i, j in sweeps * _pairs(len(rows)):
+    for i, j in sweeps * pairs(len(rows)):
         (a, along_a), (b, along_b) = rows[i], rows[j]
         c, s = _rotation(a, b)
         rows[i] = _sum(c, a, s, b), _sum(c, along_a, s, along_b)
@@ -122,7 +123,7 @@ def _sum(c: Scalar, a: Vector, s: Scalar, b: Vector) -> Vector:
     return tuple(c * x + s * y for x, y in zip(a, b, strict=True))
 
 
-def _pairs(n: int) -> list[tuple[int, int]]:
+def pairs(n: int) -> list[tuple[int, int]]:
     """All pairs of n numbers, those without a common one next to one another, so that a processor
     turns several at once."""
     places = list(range(n + n % 2))

@@ -12,7 +12,11 @@ from freebody.cli import options, terminal
 EXAMPLE = "Example: freebody convert ur5e ur5e.urdf"
 
 
-@options.reading(*options.CASE)
+@options.reading(
+    *options.CASE,
+    wrench="a robot's file holds no wrenches.",
+    speed="a robot's file holds no motion.",
+)
 def convert(
     robot: options.GivenRobot,
     out: Annotated[

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 
 EXAMPLE = "Example: freebody diff ur5e ur5e"
 
@@ -20,7 +20,7 @@ def diff(
         float,
         typer.Option(
             metavar="SHARE",
-            parser=options.number,
+            parser=numbers.number,
             help="Differences that are none: relative, rad, and in lengths a share of the longest "
             "chain.",
         ),

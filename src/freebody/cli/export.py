@@ -70,7 +70,10 @@ RowsOption = Annotated[
 ]
 
 
-@options.reading("tip", "base", "convention", "parameters")
+@options.reading(
+    *("tip", "base", "convention", "parameters", *options.MODEL_CASE),
+    speed="the exported function is given rates and accelerations; there is no motion.",
+)
 def export(
     robot: options.GivenRobot,
     quantities: QuantitiesArgument,

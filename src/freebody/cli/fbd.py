@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 from freebody.outputs.display import TextTable
 from freebody.outputs.files import stem
 
@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 EXAMPLE = 'Example: freebody fbd 2R --q "0.5, 60 deg" --body link2 --out link2.svg'
 
 
-@options.reading("tip", "base", "convention", "parameters")
+@options.reading(
+    *("tip", "base", "convention", "parameters", *options.MODEL_CASE, "wrench"),
+    speed="a free-body diagram is of one instant; give --qd and --qdd.",
+)
 def fbd(
     robot: options.GivenRobot,
     q: Annotated[
@@ -64,14 +67,16 @@ def fbd(
         from freebody.loops.assembly import assemble
 
         given = {
-            name: None if text is None else options.values(f"--{name}", text)
+            name: None if text is None else numbers.values(f"--{name}", text)
             for name, text in (("qd", qd), ("qdd", qdd))
         }
-        positions = None if q is None else options.values("--q", q)
+        positions = None if q is None else numbers.values("--q", q)
         if model.loops and positions is not None:
             positions = assemble(model, positions).tolist()
         chosen = {"labels": labels, "show": show or (), "notation": notation}
-        figure = free_body_diagram(model, positions, body, **given, **chosen)
+        figure = free_body_diagram(
+            model, positions, body, wrenches=robot.wrenches(model), **given, **chosen
+        )
         path = figure.save(out or Path(f"{stem(model.name)}-fbd.svg"))
     if q is None or model.loops:
         shown = ", ".join(f"{round(x, 9) + 0.0:.3g}" for x in figure.q)  # without rounding's rest

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import re
 import shlex
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -13,8 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from freebody.cli import terminal
-from freebody.errors import FreebodyError, shown
+from freebody.cli import numbers, terminal
+from freebody.cli.load_case import LOAD_CASE, MODEL_CASE, changed, speed, wrenches
+from freebody.errors import FreebodyError
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
@@ -41,32 +40,6 @@ FrameOption = Annotated[
 ]
 LabelsOption = Literal["names", "values", "both"]
 """Labels beside arrows, angles and lengths."""
-
-
-def number(text: str | float) -> float:
-    """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
-    from freebody.formats import read_file
-
-    value = read_file.number(text) if isinstance(text, str) else text
-    if value is None or read_file.fault(value):
-        raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
-    return value
-
-
-def values(what: str, text: str) -> list[float]:
-    """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
-    from freebody.formats import read_file
-
-    found = []
-    for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
-        value = read_file.number(piece.removesuffix("deg"))
-        if value is None or read_file.fault(value):
-            raise FreebodyError(
-                f"{what} {shown(text)}: {shown(piece)} is not a number that can be used; "
-                f'write for example {what} "0.5, 30 deg".'
-            )
-        found.append(math.radians(value) if piece.endswith("deg") else value)
-    return found
 
 
 NotationOption = Annotated[
@@ -129,7 +102,7 @@ _READING: dict[str, tuple[Any, Any]] = {
             float,
             typer.Option(
                 metavar="RAD",
-                parser=number,
+                parser=numbers.number,
                 help="Angles of a URDF this close (rad) to a multiple of a right angle are read as "
                 "that multiple.",
             ),
@@ -182,26 +155,13 @@ _READING: dict[str, tuple[Any, Any]] = {
         ],
         None,
     ),
-    "payload": (
-        Annotated[
-            str | None,
-            typer.Option(
-                metavar="MASS[@x,y,z][,box=a,b,c|cylinder=r,h|inertia=xx,yy,zz,xy,xz,yz]",
-                help="A load at the tip, in its axes, kg and m: where its centre of mass is "
-                "(default: at the origin), and its shape: the sides of a box, radius and height "
-                "along z of a cylinder, or its inertia about its centre of mass (kg m²). Without a "
-                "shape it is a point.",
-            ),
-        ],
-        None,
-    ),
     "estimate_inertia": (
         Annotated[
             float | None,
             typer.Option(
                 "--estimate-inertia",
                 metavar="KG",
-                parser=number,
+                parser=numbers.number,
                 help="The robot's whole mass: inertias of a URDF are estimated from its shapes "
                 "instead of read.",
             ),
@@ -224,8 +184,9 @@ FILE = (
     "parameters",
 )
 """Options of most commands."""
-CASE = (*FILE, "payload")
-"""Options of commands that move the robot."""
+CASE = (*FILE, *MODEL_CASE)
+"""Options of commands that compute with the robot in its load case."""
+_READING |= {name: (option.annotation, None) for name, option in LOAD_CASE.items()}
 
 
 @dataclass(frozen=True)
@@ -238,7 +199,7 @@ class GivenRobot:
     @property
     def arguments(self) -> dict[str, Any]:
         """How the file is to be read, as arguments of `fb.load`."""
-        how = {k: x for k, x in self.how.items() if k not in ("parameters", "payload")}
+        how = {k: x for k, x in self.how.items() if k != "parameters" and k not in LOAD_CASE}
         how["xacro"] = pairs("--xacro", how.get("xacro"), "length:=0.5", ":=")
         for name in ("package_path", "xacro_environment"):
             how[name] = how.get(name) or ()
@@ -250,20 +211,28 @@ class GivenRobot:
         from freebody.formats.toml_table import in_units
         from freebody.model.description import CHANGED, Notice
 
-        how, payload = self.arguments, self.how.get("payload")
+        how = self.arguments
         given = pairs("--parameter", self.how.get("parameters"), "l1=0.5")
         for name, text in given.items():
             value = in_units(text, "angle")
             given[name] = text if value is None else repr(value)
         with terminal.warnings_as_lines():
             model = load(self.name, **how)
-        if payload is not None:
-            model = model.with_payload(**_payload(payload))
-        if not given:
-            return model
-        told = ", ".join(f"{name} = {text}" for name, text in given.items())
-        notice = Notice(CHANGED, f"given by --parameter in the place of the file's: {told}.")
-        return replace(model.bind(given), notices=(*model.notices, notice))
+        model = changed(model, self.how)
+        if given:
+            told = ", ".join(f"{name} = {text}" for name, text in given.items())
+            notice = Notice(CHANGED, f"given by --parameter in the place of the file's: {told}.")
+            model = replace(model.bind(given), notices=(*model.notices, notice))
+        return model
+
+    def wrenches(self, model: Model) -> dict[str, list[float]] | None:
+        """The wrenches on the robot by frame; None without one."""
+        return wrenches(model, self.how.get("wrench"))
+
+    @property
+    def speed(self) -> float:
+        """How many times as fast a motion is run."""
+        return speed(self.how.get("speed"))
 
 
 _ROBOTS: dict[Any, Any] = {
@@ -276,53 +245,16 @@ _ROBOTS: dict[Any, Any] = {
 }  # fmt: skip
 """Arguments of the command line by what a command's function takes: one robot, or several."""
 
-_PAYLOAD = re.compile(
-    r"(?P<mass>[^@,=]+)(@(?P<com>[^@=]+?))?(,\s*(?P<shape>box|cylinder|inertia)\s*=(?P<sizes>[^@=]+))?"
-)
-_ENTRIES = (0, 3, 4, 1, 5, 2)
-"""Indices among xx, yy, zz, xy, xz, yz of a tensor's entries in stored order."""
-
-
-def _payload(text: str) -> dict[str, Any]:
-    """The meaning of --payload, as arguments of `Model.with_payload`."""
-    from freebody.formats import read_file
-
-    def numbers(part: str | None) -> list[float] | None:
-        if part is None:
-            return None
-        found = [read_file.number(piece.strip()) for piece in part.split(",")]
-        usable = [x for x in found if x is not None and not read_file.fault(x)]
-        return usable if len(usable) == len(found) else []
-
-    match = _PAYLOAD.fullmatch(text.strip())
-    parts = {name: numbers(match[name]) for name in ("mass", "com", "sizes")} if match else {}
-    if match is None or [] in parts.values():
-        raise FreebodyError(
-            f"--payload {shown(text)}: write MASS (kg), then perhaps @x,y,z (m), then perhaps "
-            f",box=a,b,c or ,cylinder=r,h (m) or ,inertia=xx,yy,zz,xy,xz,yz (kg m²), such as "
-            f"3@0,0,0.1,box=0.1,0.1,0.2."
-        )
-    (mass,) = parts["mass"] or (0.0,)
-    given: dict[str, Any] = {"mass": mass, "com": parts["com"]}
-    sizes = parts["sizes"]
-    if sizes and match["shape"] == "inertia":
-        if len(sizes) not in (1, 6):
-            raise FreebodyError(
-                f"--payload {shown(text)}: inertia has {len(sizes)} entries, expected "
-                f"xx,yy,zz,xy,xz,yz, or in the plane one."
-            )
-        sizes = [sizes[k] for k in _ENTRIES] if len(sizes) == 6 else sizes[0]
-    return {**given, match["shape"]: sizes} if sizes is not None else given
-
 
 def again(context: typer.Context) -> str:
     """The command line that runs a command again, for a shell."""
     return shlex.join(["freebody", *context.find_root().obj])
 
 
-def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def reading(*names: str, **refused: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """A command with these options behind its own; its function finds them, with the names of the
-    robots, in its arguments that are a `GivenRobot` or a list of such."""
+    robots, in its arguments that are a `GivenRobot` or a list of such. refused: options of the load
+    case that the command cannot use, and why."""
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
         own = signature(command, eval_str=True)
@@ -330,6 +262,15 @@ def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]
             Parameter(name, Parameter.KEYWORD_ONLY, annotation=kind, default=default)
             for name, (kind, default) in _READING.items()
             if name in names
+        ]
+        options += [
+            Parameter(
+                name,
+                Parameter.KEYWORD_ONLY,
+                annotation=Annotated[list[str] | None, typer.Option(hidden=True)],
+                default=None,
+            )
+            for name in refused
         ]
         robots = {
             name: parameter.replace(annotation=_ROBOTS[parameter.annotation])
@@ -339,6 +280,9 @@ def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]
 
         @wraps(command)
         def run(**given: Any) -> None:
+            for name, reason in refused.items():
+                if given.pop(name):
+                    raise FreebodyError(f"--{name}: {reason}")
             how = {name: given.pop(name) for name in names}
             for name in robots:
                 text = given[name]

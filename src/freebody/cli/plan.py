@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable, counted
 
@@ -29,10 +29,10 @@ PlannerName = Literal["spline", "quintic", "trapezoid", "s-curve", "time-optimal
 
 
 def _limit(what: str) -> Any:
-    return typer.Option(metavar="VALUE", parser=options.number, help=what)
+    return typer.Option(metavar="VALUE", parser=numbers.number, help=what)
 
 
-@options.reading(*options.CASE)
+@options.reading(*options.CASE, "wrench")
 def plan(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -113,11 +113,12 @@ def plan(
     """
     from freebody.motion.files.csv_files import write_motion
     from freebody.motion.planners import PLANNERS
+    from freebody.report.load_case import in_a_line
 
     model = robot.load()
     path = TipPathOptions(line, arc, pose, task, radius, speed, duration)
     given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "torque": torque}
-    limits = {name: value for name, value in given.items() if value is not None}
+    limits: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
     planner = None if path.given else PLANNERS[by or "spline"]
     if planner is None and by is not None:
         raise FreebodyError("--by is for motions through waypoints, not for --line and --arc.")
@@ -129,6 +130,14 @@ def plan(
             raise FreebodyError(
                 f"--{name} has no meaning for {what}; it takes {listed(f'--{x}' for x in own)}."
             )
+    wrenches = robot.wrenches(model)
+    if wrenches is not None:
+        if "torque" not in own:
+            raise FreebodyError(
+                f"--wrench: {what} holds no limits of torque, so that a wrench changes nothing; "
+                f"--by time-optimal holds them."
+            )
+        limits["wrenches"] = wrenches
     q, times = _read(model, waypoints, path.given)
     try:
         if planner is not None:
@@ -139,7 +148,8 @@ def plan(
         names = ["a column t of times" if x == "times" else f"--{x}" for x in problem.names]
         raise FreebodyError(problem.worded(names)) from None
     file = write_motion(model, motion, out, "knots" if step is None else "samples")
-    _print(model, motion, file, options.again(context), of_tip=path.given)
+    told = in_a_line(model, wrenches)
+    _print(model, motion, file, options.again(context), told, of_tip=path.given)
 
 
 def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
@@ -157,7 +167,7 @@ def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
 
 def _of_text(model: Model, text: str) -> tuple[Any, None]:
     """Positions from a text, as numbers."""
-    rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
+    rows = [numbers.values("waypoints", row) for row in text.split(";") if row.strip()]
     names = model.position_names
     if model.loops and rows and len(rows[0]) != model.nq:
         names = model.driven_names
@@ -176,10 +186,9 @@ def _cleared(position: float) -> float:
     return position if abs(position) > _ROUNDING else 0.0
 
 
-def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -> None:
+def _print(model: Model, motion: Motion, path: Path, again: str, case: str, of_tip: bool) -> None:
     from freebody.model.doubts import in_one_line
     from freebody.motion.planning.planning_limits import planning_limits
-    from freebody.report.load_case import in_a_line
 
     out = terminal.out()
     for text in motion.notices:
@@ -187,7 +196,7 @@ def _print(model: Model, motion: Motion, path: Path, again: str, of_tip: bool) -
     if motion.doubts:
         terminal.warn(in_one_line(motion.doubts))
     out.print(f"{model.name}: {motion.source}, {motion.duration:.4g} s.")
-    out.print(f"{model.tip_reason} " * of_tip + in_a_line(model))
+    out.print(f"{model.tip_reason} " * of_tip + case)
     rows = []
     found, limits = motion.peaks, planning_limits("plan", model)
     names = model.driven_names if model.loops else model.velocity_names
@@ -298,7 +307,7 @@ class TipPathOptions:
         """Points of a path in m, from a text with semicolons between them."""
         rows = [row for row in text.split(";") if row.strip()]
         axes = "x, y, z" if model.dim == 3 else "x, y"
-        found = [options.values(option, row) for row in rows]
+        found = [numbers.values(option, row) for row in rows]
         for row, point in zip(rows, found, strict=True):
             if len(point) != model.dim or "deg" in row or "°" in row:
                 raise FreebodyError(
@@ -327,7 +336,7 @@ def _rotation(model: Model, text: str) -> Array:
     import numpy as np
     from scipy.spatial.transform import Rotation
 
-    angles = options.values("--pose", text)
+    angles = numbers.values("--pose", text)
     if len(angles) != (3 if model.dim == 3 else 1):
         wanted = "roll, pitch, yaw (as in URDF)" if model.dim == 3 else "one angle"
         raise FreebodyError(

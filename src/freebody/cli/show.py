@@ -23,7 +23,12 @@ _DEEPEST = 24
 """Levels that the tree indents by; what is deeper says what it is on."""
 
 
-@options.reading(*options.FILE, "estimate_inertia")
+@options.reading(
+    *options.CASE,
+    "estimate_inertia",
+    wrench="show tells what the robot is made of, and computes no forces.",
+    speed="show tells what the robot is made of; there is no motion.",
+)
 def show(robot: options.GivenRobot) -> None:
     """Show what a robot is made of: bodies, joints, limits, masses, frames, and how its file was
     read."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from freebody.cli import INTERRUPTED, options, terminal
+from freebody.cli import INTERRUPTED, numbers, options, terminal
 from freebody.errors import FreebodyError
 from freebody.outputs.display import TextTable
 
@@ -22,7 +22,11 @@ _ROWS = 400
 _MOST = 1_000_000
 
 
-@options.reading(*options.CASE)
+@options.reading(
+    *options.CASE,
+    "wrench",
+    speed="the torques make the motion; there is none to run faster or slower.",
+)
 def simulate(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -39,7 +43,7 @@ def simulate(
     ] = None,
     time: Annotated[
         float | None,
-        typer.Option(metavar="SECONDS", parser=options.number, help="Duration. Default: 2."),
+        typer.Option(metavar="SECONDS", parser=numbers.number, help="Duration. Default: 2."),
     ] = None,
     torque: Annotated[
         str,
@@ -74,7 +78,7 @@ def simulate(
         float | None,
         typer.Option(
             metavar="FRACTION",
-            parser=options.number,
+            parser=numbers.number,
             help="Stops at the limits, from which a joint rebounds with this fraction of its "
             "speed, 0 to 1. Default: no stops.",
         ),
@@ -85,7 +89,7 @@ def simulate(
     every: Annotated[
         float | None,
         typer.Option(
-            metavar="SECONDS", parser=options.number, help="Time between rows. Default: 400 rows."
+            metavar="SECONDS", parser=numbers.number, help="Time between rows. Default: 400 rows."
         ),
     ] = None,
     out: Annotated[
@@ -102,6 +106,7 @@ def simulate(
     from freebody.motion.simulation.simulate import simulate as run
 
     model = robot.load()
+    wrenches = robot.wrenches(model)
     start, rates = _start(model, q, qd)
     times, law, given = _torque(model, torque, start, rates, (time, every), (goal, kp, kd))
     interrupted, given_up = False, None
@@ -113,6 +118,7 @@ def simulate(
                 rates,
                 times,
                 law,
+                wrenches,
                 method=method,
                 friction=friction,
                 restitution=restitution,
@@ -125,7 +131,7 @@ def simulate(
             if stopped.result is None or len(stopped.result["time"]) < FEWEST:
                 raise
             found, given_up = stopped.result, stopped
-    _written(model, found, out, options.again(context))
+    _written(model, found, out, options.again(context), wrenches)
     if interrupted:
         raise typer.Exit(INTERRUPTED)
     if given_up is not None:
@@ -153,7 +159,7 @@ def _start(model: Model, q: str | None, qd: str | None) -> tuple[Array, Array]:
 def _vector(name: str, text: str, size: int, model: Model) -> Array:
     import numpy as np
 
-    values = options.values(name, text)
+    values = numbers.values(name, text)
     if len(values) != size:
         raise FreebodyError(f"{name} has {len(values)} values, {model.name!r} takes {size}.")
     return np.array(values)
@@ -206,7 +212,7 @@ def _gains(name: str, text: str, model: Model) -> Array:
     """Gains of a controller, one for each coordinate."""
     import numpy as np
 
-    values = options.values(name, text)
+    values = numbers.values(name, text)
     return (
         np.full(model.nv, values[0]) if len(values) == 1 else _vector(name, text, model.nv, model)
     )
@@ -230,7 +236,13 @@ def _times(time: float | None, every: float | None) -> Array:
     return np.linspace(0.0, duration, round(duration / gap) + 1)
 
 
-def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
+def _written(
+    model: Model,
+    found: xr.Dataset,
+    out: Path,
+    again: str,
+    wrenches: dict[str, list[float]] | None,
+) -> None:
     """The motion as a file, and the largest values among its rows as a table."""
     import numpy as np
 
@@ -247,7 +259,7 @@ def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
     if "doubts" in found.attrs:
         terminal.warn(found.attrs["doubts"])
     console.print(f"{model.name}: {t[-1] - t[0]:.4g} s by {found.attrs['method']}.")
-    console.print(in_a_line(model))
+    console.print(in_a_line(model, wrenches))
     rows = []
     for k, name in enumerate(model.velocity_names):
         unit, effort = ("rad", "N m") if angular(model)[k] else ("m", "N")

@@ -29,7 +29,7 @@ _STYLES = {
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
-@options.reading(*options.CASE, "estimate_inertia")
+@options.reading(*options.CASE, "wrench", "speed", "estimate_inertia")
 def study(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -70,7 +70,9 @@ def study(
         found = study_of(
             model,
             motion,
+            wrenches=robot.wrenches(model),
             smooth=cutoff,
+            speed=robot.speed,
             progress=lambda text, done: progress(text, 0.7 * done),
         )
         found = replace(found, command=options.again(context))
@@ -118,7 +120,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
         f"{found.motion.source}.",
         found.model.tip_reason,
-        in_a_line(found.model),
+        in_a_line(found.model, found.wrenches, found.speed),
     )
     out.print(*above, sep="\n")
     shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values

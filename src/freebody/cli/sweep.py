@@ -24,7 +24,11 @@ _SHOWN = 40
 """Rows of a result that are printed."""
 
 
-@options.reading(*options.FILE)
+@options.reading(
+    *options.CASE,
+    wrench="a sweep varies numbers of the robot; a wrench is none (fb.sweep takes functions).",
+    speed="a sweep takes its motion as it is; write a faster one with study or fb.Motion.faster.",
+)
 def sweep(
     robot: options.GivenRobot,
     function: Annotated[

@@ -59,9 +59,10 @@ def plot(what: Plot) -> Picture:
         if low <= level <= high:
             body.append(axes.level("limit", level, f"limit {significant(level)}"))
     for k, (name, curve) in enumerate(what.curves.items()):
-        x, y = axes.x(what.t), axes.y(curve)
-        d = path((x + 1j * y)[thin(x, y)].tolist())
-        body.append(line(f"curve s{k % SERIES}", d, name))
+        for run in _runs(curve):
+            x, y = axes.x(what.t[run]), axes.y(curve[run])
+            d = path((x + 1j * y)[thin(x, y)].tolist())
+            body.append(line(f"curve s{k % SERIES}", d, name))
     if what.peaks and not what.log:
         body.append(_peak(axes, what, next(iter(what.curves.values()))))
     colours = count()
@@ -92,6 +93,12 @@ def _to_print(what: Plot) -> Plot:
         limits=tuple(level / 10.0**power for level in what.limits),
         unit=f"10{superscript(power)} {what.unit}",
     )
+
+
+def _runs(curve: Array) -> list[slice]:
+    """The stretches of a curve that can be drawn: where it is not finite, it is interrupted."""
+    steps = np.flatnonzero(np.diff(np.isfinite(curve).astype(int), prepend=0, append=0))
+    return [slice(int(a), int(b)) for a, b in zip(steps[::2], steps[1::2], strict=True)]
 
 
 def thin(x: Array, y: Array, tolerance: float = _SEEN) -> NDArray[np.intp]:

@@ -4,7 +4,7 @@ what the loops do; by a kernel where it is sure, else with care.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -146,10 +146,18 @@ def _by_drives(
     return fetch(model, (function,), option)(*arrays)
 
 
-def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
+def torques(
+    model: Model,
+    q: Array,
+    qd: Array,
+    qdd: Array,
+    wrenches: Mapping[str, Array] | None = None,
+) -> Array:
     """`inverse_dynamics` (..., nv) of states taken as closed: those between the samples of a
     motion, which its curve leaves open by as little as it is off."""
-    needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
+    loads = dict(wrenches or {})
+    option = Option(wrench_frames=tuple(loads))
+    needed = fetch(model.opened, ("inverse_dynamics",), option)(q, qd, qdd, *loads.values())
     return drive_torques("inverse_dynamics", model, q, needed)
 
 

@@ -1,1 +1,1 @@
-"""Abilities of an arm, place by place: maps over many postures."""
+"""Abilities of an arm, and how it yields, place by place: maps over many postures."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,12 +36,16 @@ _STRETCH = 0.4, 0.5  # of the duration: errors of a longer simulation grow too f
 
 
 def checks(
-    model: Model, motion: Motion, data: xr.Dataset, replay: Replay | None
+    model: Model,
+    motion: Motion,
+    data: xr.Dataset,
+    replay: Replay | None,
+    wrenches: Mapping[str, Array] | None = None,
 ) -> tuple[Check, ...]:
-    """All checks of a study, computed."""
-    found = [_parts(data), _energy(data), *_bodies(model, motion, data)]
-    found += _closed(model, motion) if model.loops else _along_axes(model, data)
-    forward = _forward(model, motion, data)
+    """All checks of a study, computed. wrenches: on the robot, by frame."""
+    found = [_parts(data), _energy(data), *_bodies(model, motion, data, wrenches)]
+    found += _closed(model, motion, wrenches) if model.loops else _along_axes(model, data)
+    forward = _forward(model, motion, data, wrenches)
     if forward is not None:
         found.append(forward)
     if replay is not None:
@@ -77,15 +81,16 @@ def relative(difference: Array, reference: Array) -> float:
 
 
 def _parts(data: xr.Dataset) -> Check:
-    parts = sum(data[part].values for part in PARTS)
-    tau = data["tau"].values
-    size = np.max([np.abs(data[part].values).max() for part in PARTS])
+    there = [data[part].values for part in PARTS if part in data]
+    parts, tau = sum(there), data["tau"].values
+    size = np.max([np.abs(part).max() for part in there])
+    pulls = " - Jᵀ w of wrenches" if "tau_wrenches" in data else ""
     return check(
         "equation of motion",
         relative(parts - tau, np.array([size])),
         1e-10,
-        "M q̈ + C q̇ + g + friction + springs + rotors compared with the torque of the recursive "
-        "Newton-Euler algorithm, relative to the largest part.",
+        f"M q̈ + C q̇ + g + friction + springs + rotors{pulls} compared with the torque of the "
+        f"recursive Newton-Euler algorithm, relative to the largest part.",
     )
 
 
@@ -101,11 +106,13 @@ def _energy(data: xr.Dataset) -> Check:
     )
 
 
-def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
-    wrenches = np.concatenate(
+def _bodies(
+    model: Model, motion: Motion, data: xr.Dataset, wrenches: Mapping[str, Array] | None
+) -> list[Check]:
+    reactions = np.concatenate(
         [data["reaction_force"].values, data["reaction_moment"].values], axis=-1
     )
-    found = balance(model, motion.q, motion.qd, motion.qdd, wrenches, {})
+    found = balance(model, motion.q, motion.qd, motion.qdd, reactions, wrenches or {})
     how = "accelerations from the poses differentiated twice, not from the recursion"
     rows = (
         ("forces", found.force, found.largest_force, "Joint reactions and weight compared with "
@@ -119,7 +126,7 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
     ]
 
 
-def _closed(model: Model, motion: Motion) -> list[Check]:
+def _closed(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None) -> list[Check]:
     """Checks of closed chains: how well the motion keeps the loops closed, and whether the torques
     of a stretch of it simulate back to it."""
     gap = gaps(model, scaled_residual(model, motion.q)).max() / length(model)
@@ -128,9 +135,9 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
     q = assemble(model, q)
 
     def torque(t: float, *_: Array) -> Array:
-        return closed.torques(model, *motion.at(t))
+        return closed.torques(model, *motion.at(t), wrenches)
 
-    back = simulate(model, q, loop_velocity(model, q, qd), [start, end], torque)
+    back = simulate(model, q, loop_velocity(model, q, qd), [start, end], torque, wrenches)
     miss = difference(model, motion.at(end)[0], back["q"].values[-1]) / ranges(model).width
     closure = "Largest gap of a loop along the motion, relative to the robot's length."
     course = (
@@ -174,11 +181,14 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
     return [check("reactions along the axes", off, 1e-10, text)]
 
 
-def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
+def _forward(
+    model: Model, motion: Motion, data: xr.Dataset, wrenches: Mapping[str, Array] | None
+) -> Check | None:
     """Forward dynamics of the torques against the accelerations; None where the mass matrix is
     singular."""
     try:
-        back = forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
+        tau = data["tau"].values
+        back = forward_dynamics(all_driven(model), motion.q, motion.qd, tau, wrenches)
     except SingularError:
         return None
     M = mass_matrix(model, motion.q)

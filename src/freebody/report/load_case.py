@@ -11,10 +11,16 @@ from freebody.model.number_editors import TENSOR
 from freebody.model.parameters import Quantity
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
+from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 
-def load_case(model: Model) -> dict[str, str]:
-    """Words by what they are about: "load", "tip", "mounting", and "changed" where numbers are.
+def load_case(
+    model: Model, wrenches: FrameWrenchTable = None, speed: float = 1.0
+) -> dict[str, str]:
+    """Words by what they are about: "load", "tip", "mounting", "wrenches" and "speed" where there
+    are such, and "changed" where numbers are.
+
+    wrenches: constant ones by frame. speed: how many times as fast the motion is run.
 
     They tell the model as it is, not how it was made, so that equal models have equal words but for
     what was changed by name.
@@ -29,7 +35,20 @@ def load_case(model: Model) -> dict[str, str]:
         "tip": model.tip_reason,
         "mounting": f"base {'free' if free else 'fixed'}, gravity ({field}) m/s² in world axes.",
     }
+    if wrenches:
+        found["wrenches"] = f"{_pulls(model, wrenches)}, exerted on the robot, world axes."
+    if speed != 1.0:
+        found["speed"] = f"the motion is run {speed:.4g} times as fast as given."
     return {**found, "changed": " ".join(changed)} if changed else found
+
+
+def _pulls(model: Model, wrenches: FrameWrenchTable) -> str:
+    loads, d = wrenches_by_frame("study", model, wrenches, single=True), model.dim
+    return "; ".join(
+        f"force ({', '.join(map(_number, load[:d]))}) N and moment "
+        f"({', '.join(map(_number, load[d:]))}) N m at {frame}"
+        for frame, load in loads.items()
+    )
 
 
 def _load(model: Model, part: Attached) -> str:
@@ -56,7 +75,7 @@ def _number(x: object) -> str:
     return low if low == high else f"{low} … {high}"
 
 
-def in_a_line(model: Model) -> str:
+def in_a_line(model: Model, wrenches: FrameWrenchTable = None, speed: float = 1.0) -> str:
     """The load case besides the tip."""
-    case = load_case(model)
+    case = load_case(model, wrenches, speed)
     return " ".join(f"{about.capitalize()}: {case[about]}" for about in case if about != "tip")

@@ -53,7 +53,7 @@ def page(study: Study) -> str:
             study=study,
             model=study.model,
             facts=_facts(study),
-            case=load_case(study.model),
+            case=load_case(study.model, study.wrenches, study.speed),
             notices=_notices(study),
             doubts={doubt.kind: doubt.of.bars for doubt in study.verdict.doubts},
             robot=figures.robot(study),

@@ -71,7 +71,7 @@ def robot(study: Study) -> CaptionedDrawing:
 def free_bodies(study: Study) -> tuple[list[CaptionedDrawing], tuple[BodyLoads, ...]]:
     """The diagram of each body at the worst instant, and the loads they show."""
     k, m = study.worst.index, study.motion
-    seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k])
+    seen = snapshot(study.model, m.q[k], m.qd[k], m.qdd[k], study.wrenches)
     drawn = (picture(d, PANEL, TALLEST).text(css=False) for d in diagrams(seen, seen.loads))
     return list(map(CaptionedDrawing, drawn)), seen.loads
 
@@ -97,7 +97,11 @@ def torques(study: Study) -> Iterator[CaptionedDrawing]:
 
 def parts(study: Study) -> dict[str, str]:
     """Variables of the torque and its parts that are there at all, and what they are called."""
-    there = {x: words for x, words in PARTS.items() if np.abs(study.data[x].values).max() > 0}
+    there = {
+        x: words
+        for x, words in PARTS.items()
+        if x in study.data and np.abs(study.data[x].values).max() > 0
+    }
     return {"tau": "total", **there}
 
 
@@ -264,6 +268,8 @@ def lifting_along(study: Study) -> Array | None:
     model = study.model
     if model.tip is None or model.loops or model.passive or not model.gravity.any():
         return None
+    if study.wrenches:
+        return None  # a payload map knows none
     if not np.isfinite(ranges(model).effort).any() or _wrong(model):
         return None
     mass = payload_map(model, study.motion.q).mass
@@ -275,7 +281,7 @@ def lifting_over_plane(study: Study) -> tuple[Drawing, str] | None:
     without a closed form."""
     model, q = study.model, study.motion.q[study.worst.index]
     tip = model.frame().name
-    form = None if _wrong(model) else _form(model, tip)
+    form = None if _wrong(model) or study.wrenches else _form(model, tip)
     if form is None:
         return None
     points = _plane(model, tip, q)

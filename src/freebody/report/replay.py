@@ -8,6 +8,7 @@ the first of them.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NoReturn
 
 import numpy as np
@@ -29,13 +30,15 @@ _MOST_SAMPLES = 401
 _MANY_JUMPS = 30
 
 
-def replayed(model: Model, motion: Motion) -> Replay:
-    """The replay of a motion in pieces and open loop.
+def replayed(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None) -> Replay:
+    """The replay of a motion in pieces and open loop, under constant wrenches by frame.
 
     Raises SingularError if the mass matrix is singular, or so nearly along the motion that pieces
     would be too many.
     """
-    whole, allowed = system(model), ranges(model)
+    loads = dict(wrenches or {})
+    whole = system(model, wrench_frames=tuple(loads), loads=lambda t: tuple(loads.values()))
+    allowed = ranges(model)
     method = _method(model, whole, motion)
     times, steps = transitions(whole, motion, scaling(model, allowed))
     edges, factors = pieces(times, steps)

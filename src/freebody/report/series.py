@@ -7,6 +7,7 @@ the guide.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -45,11 +46,13 @@ _ArraysByName = dict[str, Any]
 """Arrays by the names of variables."""
 
 
-def series(model: Model, motion: Motion) -> xr.Dataset:
-    """The dataset that `Study.data` describes."""
+def series(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None) -> xr.Dataset:
+    """The dataset that `Study.data` describes, under constant wrenches on the robot, by frame."""
     found: _ArraysByName = {}
-    for part in (_motion, torques, _reactions, _bodies, _energies):
+    for part in (_motion, _bodies, _energies):
         found |= part(model, motion)
+    for loaded in (torques, _reactions):
+        found |= loaded(model, motion, wrenches)
     if (tip := model.tip) is not None:
         found |= _tip(model, tip, motion) | jacobians.measures(model, tip, motion.q)
     found |= _powers(model, found, motion)
@@ -83,17 +86,23 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
     return named if t is None else {**times, **named}
 
 
-def torque_parts(model: Model, motion: Motion) -> xr.Dataset:
+def torque_parts(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
+) -> xr.Dataset:
     """The part of `Study.data` that needs no reactions: motion and torques with their parts."""
-    return dataset(_motion(model, motion) | torques(model, motion), coordinates(model, motion.t))
+    found = _motion(model, motion) | torques(model, motion, wrenches)
+    return dataset(found, coordinates(model, motion.t))
 
 
 def _motion(model: Model, motion: Motion) -> _ArraysByName:
     return {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
 
 
-def torques(model: Model, motion: Motion) -> _ArraysByName:
-    """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
+def torques(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
+) -> _ArraysByName:
+    """The drives' torque, and the parts that sum to it, each computed by a formula of its own;
+    wrenches: constant ones on the robot, by frame."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
@@ -107,9 +116,10 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     if model.struts:
         dampers = strut_damping(model, q, qd)
     sent = inertial + coriolis + gravity + springs - motor_springs(model, q, qd) + dampers
-    lost = lost_torque(model, qd, sent)
+    pulls = {"tau_wrenches": pull_torque(model, q, wrenches)} if wrenches else {}
+    lost = lost_torque(model, qd, sum(pulls.values(), sent))
     parts = {
-        "tau": inverse_dynamics(model, q, qd, qdd),
+        "tau": inverse_dynamics(model, q, qd, qdd, wrenches),
         "tau_inertial": inertial,
         "tau_coriolis": coriolis,
         "tau_gravity": gravity,
@@ -117,6 +127,7 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
         "tau_viscous": viscous + dampers,
         "tau_springs": springs,
         "tau_rotors": rotors + swung,
+        **pulls,
     }
     if model.loops:  # what the drives feel of each part through the loops
         parts |= {
@@ -127,8 +138,17 @@ def torques(model: Model, motion: Motion) -> _ArraysByName:
     return parts
 
 
-def _reactions(model: Model, motion: Motion) -> _ArraysByName:
-    at, d = (motion.q, motion.qd, motion.qdd), model.dim
+def pull_torque(model: Model, q: Array, wrenches: Mapping[str, Array]) -> Array:
+    """Torques that balance wrenches on a robot (..., nv), its loops cut: -Jᵀ w."""
+    pulled = [
+        np.einsum("...ij,i->...j", kinematics.jacobian(model.opened, q, frame), w)
+        for frame, w in wrenches.items()
+    ]
+    return -np.sum(pulled, axis=0)
+
+
+def _reactions(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None) -> _ArraysByName:
+    at, d = (motion.q, motion.qd, motion.qdd, wrenches), model.dim
     world = joint_wrenches(model, *at, reference="world")
     child = joint_wrenches(model, *at, reference="child")
     parts = world[..., :d], world[..., d:], child[..., :d], child[..., d:]

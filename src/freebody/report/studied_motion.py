@@ -4,7 +4,7 @@ limits; smoothed where it is measured and this is wished, and sampled at the pea
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,14 +45,19 @@ _MOST = 3  # joints, those whose peaks change most
 _UNLIKELY = 0.05  # of the largest acceleration
 
 
-def given(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
-    """The motion that `study` was given, or the default one."""
+def given(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    wrenches: Mapping[str, Array] | None = None,
+) -> Motion:
+    """The motion that `study` was given, or the default one, at a pace that
+    wrenches on the robot allow."""
+    if motion is None:
+        return _unhurried(model, default_motion(model), wrenches)
     return _from_zero(_found(model, motion))
 
 
-def _found(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
-    if motion is None:
-        return _unhurried(model, default_motion(model))
+def _found(model: Model, motion: Motion | MotionTable | str | os.PathLike[str]) -> Motion:
     if isinstance(motion, Motion):
         return require_motion("study", model, motion)
     if isinstance(motion, str | os.PathLike):
@@ -87,11 +92,11 @@ def _from_zero(motion: Motion) -> Motion:
     )
 
 
-def _unhurried(model: Model, motion: Motion) -> Motion:
+def _unhurried(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None) -> Motion:
     """The default motion, slowed down where that brings it within the limits of speed and
     torque."""
     allowed = ranges(model)
-    data = torque_parts(model, motion)
+    data = torque_parts(model, motion, wrenches)
     factor = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed)).factor
     if factor >= 1.0 or factor < _SLOWEST:
         return motion
@@ -100,11 +105,13 @@ def _unhurried(model: Model, motion: Motion) -> Motion:
     return at_pace(motion, factor, words)
 
 
-def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tuple[str, ...]]:
+def filtered(
+    model: Model, motion: Motion, smooth: Smooth, wrenches: Mapping[str, Array] | None = None
+) -> tuple[Motion, tuple[str, ...]]:
     """(the motion to study, sentences on its noise and on the torques with and without it)."""
     if smooth is not None and smooth is not False:
         clean = smoothed(model, motion, None if smooth is True else smooth)
-        peaks = _compared(model, clean, motion, "as it was measured")
+        peaks = _compared(model, clean, motion, "as it was measured", wrenches)
         return clean, (
             f"The motion was smoothed. {peaks or 'Peak torques are the same within 1 %.'}",
         )
@@ -113,15 +120,21 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
         return motion, ()
     clean = smoothed(model, motion, found.cutoff)
     how = f"smoothed at {found.cutoff:.3g} Hz (--smooth auto, smooth=True)"
-    peaks = _compared(model, motion, clean, how)
+    peaks = _compared(model, motion, clean, how, wrenches)
     return motion, (f"{found.text} {peaks}",) if peaks else ()
 
 
-def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
+def _compared(
+    model: Model,
+    studied: Motion,
+    other: Motion,
+    how: str,
+    wrenches: Mapping[str, Array] | None,
+) -> str:
     """The peak torques of both motions where they differ, the most changed first; empty where none
     does."""
     mine, theirs = (
-        np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other)
+        np.abs(torque_parts(model, m, wrenches)["tau"].values).max(axis=0) for m in (studied, other)
     )
     turns = angular(model)
     driven, largest = with_drive(model), np.maximum(mine, theirs)
@@ -146,7 +159,7 @@ def _peaks(model: Model, k: int, mine: Array, theirs: Array) -> str:
     return f"{model.velocity_names[k]} {one(float(mine[k]))} [{one(float(theirs[k]))}]"
 
 
-def with_peaks(model: Model, motion: Motion) -> Motion:
+def with_peaks(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None) -> Motion:
     """The motion with samples also where a torque, a power or a reaction is largest between those
     that it has, by more than a ten-thousandth, or above its limit.
 
@@ -155,7 +168,7 @@ def with_peaks(model: Model, motion: Motion) -> Motion:
     """
     if model.loops:
         return motion
-    loads = _Loads(model, motion)
+    loads = _Loads(model, motion, wrenches)
     t = np.array(sorted(set(loads.higher())))
     if not len(t):
         return motion
@@ -174,6 +187,7 @@ class _Loads:
 
     model: Model
     motion: Motion
+    wrenches: Mapping[str, Array] | None
 
     def at(self, t: Array, around: Array) -> Array:
         """(..., K) at times t (...), on the side of the times `around`."""
@@ -182,10 +196,10 @@ class _Loads:
     def _of(self, q: Array, qd: Array, qdd: Array) -> Array:
         model, shape = self.model, q.shape[:-1]
         q, qd, qdd = (x.reshape(-1, x.shape[-1]) for x in (q, qd, qdd))
-        tau = inverse_dynamics(model, q, qd, qdd)
+        tau = inverse_dynamics(model, q, qd, qdd, self.wrenches)
         power = np.where(with_drive(model), tau * qd, 0.0)
-        wrenches = joint_wrenches(model, q, qd, qdd, reference="child")
-        force, moment = wrenches[..., : model.dim], wrenches[..., model.dim :]
+        carried = joint_wrenches(model, q, qd, qdd, self.wrenches, "child")
+        force, moment = carried[..., : model.dim], carried[..., model.dim :]
         bearings = joint_loads(model, force, moment).values()
         found = [tau, power, power.sum(axis=-1, keepdims=True)]
         found += [np.linalg.norm(x, axis=-1) for x in (force, moment)]

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
@@ -27,6 +28,7 @@ from freebody.report.series import series
 from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
 from freebody.report.verdict import verdict
+from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,6 +79,10 @@ class Study(Tabled, ByValue):
     nothing drives."""
     seconds: dict[str, float] = field(default_factory=dict)
     """The time that each part took (s)."""
+    wrenches: dict[str, Array] = field(default_factory=dict)
+    """Constant ones on the robot by frame, (six,), world axes."""
+    speed: float = 1.0
+    """How many times as fast as given the motion is run."""
     command: str = ""
     """The command line that makes it again, where one made it."""
     _aside = ("seconds", "command")
@@ -134,7 +140,9 @@ def study(
     motion: Motion | MotionTable | str | os.PathLike[str] | None = None,
     tip: str | None = None,
     *,
+    wrenches: FrameWrenchTable = None,
     smooth: Smooth = False,
+    speed: float = 1.0,
     progress: Progress | None = None,
 ) -> Study:
     """The dynamic study of a robot along a motion.
@@ -149,9 +157,14 @@ def study(
         limits of speed and torque require.
     tip
         Frame; default: the model's own, without which the study leaves out what is of a tip.
+    wrenches
+        Constant ones exerted on the robot by its surroundings, {frame: (six,)}, force then moment,
+        world axes (N, N m); one alone: at the tip.
     smooth
         True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
         torques is reported in any case, with the torques with and without it.
+    speed
+        How many times as fast the motion is run along its path, after it was smoothed.
     progress
         Called with a text and the fraction done.
 
@@ -170,19 +183,24 @@ def study(
     clock = _Clock(progress)
     if tip is not None:
         model = model.replace(tip=tip)
+    loads = wrenches_by_frame("study", model, wrenches, single=True)
+    for frame, load in loads.items():
+        refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, given(model, motion), smooth)
-        followed = with_peaks(model, sampled)
+        sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
+        if speed != 1.0:
+            sampled = sampled.faster(speed)
+        followed = with_peaks(model, sampled, loads)
     with clock.part("torques, reactions, energies", 0.05):
-        data = series(model, followed)
+        data = series(model, followed, loads)
         found = summary(model, followed, data)
         judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
-        replay, skipped = _replay(model, sampled)
+        replay, skipped = _replay(model, sampled, loads)
     with clock.part("checks", 0.9):
-        checked = checks(model, followed, data, replay)
+        checked = checks(model, followed, data, replay, loads)
     beyond = limit_notices(model, found, judged.uses)
     warned = (*measured, *followed.notices, *_driven(model), *beyond)
     clock.say("done", 1.0)
@@ -202,6 +220,8 @@ def study(
         notices=(*map(str, readings(model)), *map(str, model.doubts), *warned),
         warnings=warned,
         seconds=clock.seconds,
+        wrenches=loads,
+        speed=speed,
     )
 
 
@@ -217,13 +237,15 @@ def _driven(model: Model) -> tuple[str, ...]:
     )
 
 
-def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
+def _replay(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array]
+) -> tuple[Replay | None, str]:
     """Replay and reason why there is none: (the replay, empty), or (None, why)."""
     if model.loops:
         why = "There is no replay of a closed chain; one of the checks simulates a section of the"
         return None, f"{why} motion."
     try:
-        return replayed(model, motion), ""
+        return replayed(model, motion, wrenches), ""
     except SingularError as problem:
         return None, f"There is no replay. {problem}"
 

@@ -39,7 +39,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
         "freebody": freebody.__version__,
         "robot": study.model.name,
         "motion": study.motion.source,
-        **load_case(study.model),
+        **load_case(study.model, study.wrenches, study.speed),
         **({"command": study.command} if study.command else {}),
         "written": datetime.now(UTC).isoformat(timespec="seconds"),
         "verdict": study.verdict.text,
@@ -116,7 +116,7 @@ def _torques(study: Study) -> _HeadAndRows:
     header, columns = ["t (s)"], [study.motion.t]
     for k, name in enumerate(study.model.velocity_names):
         unit = str(data["effort_unit"].values[k])
-        for variable in _DRIVES:
+        for variable in (x for x in _DRIVES if x in data):
             header.append(f"{name} {variable} ({'W' if variable == 'power' else unit})")
             columns.append(data[variable].values[:, k])
     return header, np.column_stack(columns)

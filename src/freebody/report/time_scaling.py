@@ -4,7 +4,7 @@ exactly.
 Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, and each torque is
 
     τ(k) = a k² + b k + c,   a = M q̈ + C q̇ + rotors,   b = viscous friction,
-                             c = gravity + springs + dry friction,
+                             c = gravity + springs + wrenches + dry friction,
 
 a, b, c being the parts at k = 1 (Hollerbach 1984, "Dynamic scaling of manipulator trajectories",
 with friction added). Of closed chains too: what the drives feel of each part depends on the
@@ -100,8 +100,10 @@ def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
     get = {name: data[f"tau_{name}"].values for name in _SENT}
     q, qd = data["q"].values, data["qd"].values
     dampers = get["viscous"] - viscous_torque(model, q, qd)
-    at_joint = get["springs"] - motor_springs(model, q, qd)
-    return get["inertial"] + get["coriolis"], dampers, get["gravity"] + at_joint
+    held = get["gravity"] + get["springs"] - motor_springs(model, q, qd)
+    if "tau_wrenches" in data:
+        held = held + data["tau_wrenches"].values
+    return get["inertial"] + get["coriolis"], dampers, held
 
 
 _SENT = ("inertial", "coriolis", "viscous", "gravity", "springs")

@@ -35,8 +35,10 @@ PARTS = {
     "tau_friction": "friction",
     "tau_springs": "springs",
     "tau_rotors": "rotors",
+    "tau_wrenches": "wrenches",
 }
-"""The parts that a torque is the sum of, and what they are called in a legend."""
+"""The parts that a torque is the sum of, and what they are called in a legend; that of wrenches is
+there where a wrench is."""
 
 _CONDITION = "singular value of the tip's Jacobian, lengths over the characteristic length"
 
@@ -53,6 +55,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "tau_viscous": (_EFFORT, "viscous friction, which tau_friction includes"),
         "tau_springs": (_EFFORT, "springs"),
         "tau_rotors": (_EFFORT, "inertia of the rotors seen through their gears"),
+        "tau_wrenches": (_EFFORT, "what balances the wrenches on the robot, -Jᵀ w"),
         "power": ("W", "mechanical power of the drive"),
     },
     "time joint axis": {
@@ -76,7 +79,10 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
     "time": {
         "kinetic_energy": ("J", "kinetic energy, rotors included"),
         "potential_energy": ("J", "potential energy of gravity and springs"),
-        "supplied_work": ("J", "work of the torques less friction losses"),
+        "supplied_work": (
+            "J",
+            "work of the torques and of wrenches less friction losses",
+        ),
         "energy_residual": ("J", "supplied work less the gain in energy"),
         "motor_power": ("W", "mechanical power of all drives"),
         "friction_power": ("W", "power dissipated by friction"),

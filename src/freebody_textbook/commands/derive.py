@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from freebody.cli import options, terminal
-from freebody.errors import FreebodyError
+from freebody.errors import FreebodyError, shown
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _parameter(method: Method, option: MethodOption) -> Parameter:
             context.meta.setdefault(_CHOSEN, {})[option.name] = value
 
     said = typer.Option(
-        f"--{option.name}",
+        f"--{option.flag or option.name}",
         metavar="|".join(option.choices),
         help=f"{option.words[0].upper()}{option.words[1:]} ({method.name}).",
         callback=keep,
@@ -123,6 +123,7 @@ def derive(
         options.LabelsOption | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
+    gravity: Annotated[str | None, typer.Option(hidden=True)] = None,
     notation: options.NotationOption = None,
     parameters: options.ParametersOption = None,
 ) -> None:
@@ -131,6 +132,7 @@ def derive(
     from freebody_textbook.derive import default_method, method_named
     from freebody_textbook.derive import derive as derivation_of
 
+    _read_old_spelling(context, gravity)
     model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
@@ -149,6 +151,23 @@ def derive(
         terminal.out().print(f"\n{comparison}")
         if not comparison:
             raise typer.Exit(1)
+
+
+def _read_old_spelling(context: typer.Context, gravity: str | None) -> None:
+    """Read --gravity base|explicit as --weights, and say so; other commands' --gravity is the
+    field."""
+    from freebody_textbook.methods.recursive import GRAVITIES
+
+    if gravity is None:
+        return
+    if gravity not in GRAVITIES:
+        raise FreebodyError(
+            f"--gravity {shown(gravity)}: derive writes gravity as the robot has it. --weights "
+            f"{'|'.join(GRAVITIES)} chooses how; another field is --parameter g=3.7 of a robot "
+            f"with that letter."
+        )
+    terminal.warn(f"--gravity {gravity} is now written --weights {gravity}; it is read as that.")
+    context.meta.setdefault(_CHOSEN, {}).setdefault("gravity", gravity)
 
 
 def _text(

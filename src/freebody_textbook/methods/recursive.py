@@ -413,7 +413,12 @@ METHOD = Method(
     work_out,
     aliases=("recursive-newton-euler",),
     options=(
-        MethodOption("gravity", GRAVITIES, "gravity as acceleration of the base, or as weights"),
+        MethodOption(
+            "gravity",
+            GRAVITIES,
+            "gravity as acceleration of the base, or as weights",
+            "weights",  # --gravity is the field, in other commands
+        ),
         MethodOption(
             "values",
             ("full", "modular"),

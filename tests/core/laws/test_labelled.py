@@ -41,9 +41,13 @@ BY_NAME = {
     "v": "rates", "rates": "rates", "accelerations": "rates", "torque": "rates", "V": "rows",
     "A": "rows", "restitution": "rates", "forces": "rates",
     "waypoints": "positions", "wrenches": "wrench", "wrench_tables": "wrench",
-    "point": "point", "about": "point",
+    "point": "point", "about": "point", "motion": "positions",
 }  # fmt: skip
 """Arguments whose entries have names, and which."""
+
+OF_JOINTS = {("deflection", "stiffness"), ("natural_frequencies", "stiffness")}
+"""Functions and arguments of one number for each rate, of a name that means rows elsewhere; the
+others of a mapping are found."""
 
 BY_POSITION = {
     "rotation": {"angles": [0.1, 0.2, 0.3]},
@@ -61,6 +65,8 @@ BY_POSITION = {
     "workspace": {"points": [0.3, 0.2], "orientation": np.eye(2)},
     "map_diagram": {"points": np.ones((3, 2)), "values": np.ones((3, 2))},
     "dh": {"gravity": [0.0, 0.0, -9.81]},
+    "payload": {"com": [0.1, 0.2], "box": [0.1, 0.2], "cylinder": [0.1, 0.2]},
+    "load_diagram": {"offsets": [0.0, 0.1]},
     "line": {"target": [0.3, 0.2]},
     "arc": {"via": [0.3, 0.2], "target": [0.1, 0.2]},
     "blend": {"targets": [[0.3, 0.2], [0.1, 0.2]]},
@@ -79,6 +85,10 @@ OTHERS = {
         for name in ("quintic", "trapezoid", "s_curve", "spline")
     },
     **{name: {"model": fb.load("2R")} for name in ("workspace", "map_diagram")},
+    **{
+        name: {"model": fb.load("2R"), "motion": [0.3, 1.0], "effort": [90.0, 90.0]}
+        for name in ("payload", "load_diagram")
+    },
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
     **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
     "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},
@@ -177,7 +187,8 @@ def test_names_in_another_order_are_put_in_order_and_wrong_ones_refused(function
         ):
             continue
         for arm in (model("3R"), model("four_bar")):
-            names = list(names_of(arm, BY_NAME[argument]))
+            kind = "rates" if (function, argument) in OF_JOINTS else BY_NAME[argument]
+            names = list(names_of(arm, kind))
             plain = np.linspace(0.1, 0.2, len(names))
             if arm.loops and BY_NAME[argument] in ("positions", "rates"):
                 values = state(arm, 1)
@@ -208,6 +219,7 @@ def _try(
         some = container is mapping and (
             argument in ("rates", "accelerations") or (function, argument) == ("assemble", "q")
         )  # the others are found
+        some = some or (container in (mapping, dataset) and (function, argument) in OF_JOINTS)
         for labels in (wrong, names[1:])[: 1 if some else 2]:
             with pytest.raises(fb.FreebodyError):
                 call(function, arm, {argument: container(plain[: len(labels)], labels)})

@@ -140,6 +140,7 @@ def time_optimal_through(
     velocity: Limit = None,
     acceleration: Limit = None,
     torque: Limit = None,
+    wrenches: FrameWrenchTable = None,
     step: float | None = None,
 ) -> Motion:
     """`time_optimal` as a planner of motions through waypoints, with samples `step` s apart."""
@@ -148,7 +149,7 @@ def time_optimal_through(
             f"{_NAME}: the times of waypoints are what it finds; leave them out, or take a spline."
         )
     limits: dict[str, Any] = {"velocity": velocity, "acceleration": acceleration, "torque": torque}
-    motion = time_optimal(model, waypoints, **limits)
+    motion = time_optimal(model, waypoints, **limits, wrenches=wrenches)
     assert isinstance(motion, Motion)
     if step is None:
         return motion

@@ -1,0 +1,2 @@
+"""Loads that a robot carries: the largest payload along motions and over postures; load
+diagrams."""

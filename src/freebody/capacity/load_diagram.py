@@ -1,0 +1,179 @@
+"""`load_diagram`: the largest payload over the distance of its centre of mass from the flange, a
+curve for each drive that limits it, as makers of robots print it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.by_value import ByValue
+from freebody.capacity.payload import payload
+from freebody.errors import FreebodyError, ShapeError, UnknownNameError
+from freebody.figures.figure import save
+from freebody.figures.plots import Plot, plot
+from freebody.model.doubts import Doubt, attribute, in_one_line, named
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.outputs.display import Tabled, TextTable
+from freebody.reach.labelled_maps import labelled
+from freebody.trees.public_calls import FrameWrenchTable, JointVector
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_OFFSETS = 25
+_FAR = 0.5
+"""m: the farthest offset where none is given."""
+_HIGH = 1.6
+"""Height of the diagram, as a multiple of the largest payload."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadDiagram(Tabled, ByValue):
+    """The largest payload over the offset of its centre of mass.
+
+    offsets: (k,), m along an axis of the frame. by_joint: (k, nv), kg, at which each drive alone
+    reaches its limit, infinite where none does. joint: (k,), index of the one that limits, -1
+    without one. joint_names: (nv,). frame, along: its name and the axis. doubts: those on the
+    robot's masses, drives and effort limits.
+    """
+
+    offsets: Array
+    by_joint: Array
+    joint: np.ndarray
+    joint_names: tuple[str, ...]
+    frame: str
+    along: str
+    doubts: tuple[Doubt, ...] = ()
+    _aside = ("doubts",)
+
+    @property
+    def mass(self) -> Array:
+        """(k,), kg, the largest payload."""
+        return np.asarray(self.by_joint.min(axis=-1))
+
+    @property
+    def svg(self) -> str:
+        """The diagram: mass over offset in mm, a curve for each drive that limits somewhere, or
+        nearly; what lies below all of them is carried."""
+        mass = self.mass
+        top = _HIGH * float(mass[np.isfinite(mass)].max(initial=0.0))
+        curves = {
+            name: np.where(own <= top, own, np.nan)
+            for name, own in zip(self.joint_names, self.by_joint.T, strict=True)
+            if (own <= top).sum() > 1
+        } or {"no drive limits": np.full(len(mass), np.nan)}
+        title = f"Largest payload over its offset along {self.along} of {self.frame}"
+        across = "offset in mm"
+        size = (460.0, 300.0)
+        return plot(
+            Plot(title, 1e3 * self.offsets, curves, "kg", peaks=False, across=across, size=size)
+        ).text()
+
+    def _repr_svg_(self) -> str:
+        return self.svg
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the diagram as an SVG file; its path."""
+        return save(self.svg, path, "load_diagram")
+
+    def to_xarray(self) -> xr.Dataset:
+        """A labelled dataset over the offsets."""
+        names = np.array([*self.joint_names, ""])[self.joint]
+        each = "mass at which the drive reaches its limit"
+        return labelled(
+            {
+                "mass": (("offset",), self.mass, "kg", "largest payload"),
+                "by_joint": (("offset", "coordinate"), self.by_joint, "kg", each),
+                "joint": (("offset",), names, "1", "joint that limits it"),
+            },
+            {
+                "offset": (("offset",), self.offsets, "m", f"along {self.along} of {self.frame}"),
+                "coordinate": (("coordinate",), np.array(self.joint_names), "1", "coordinate"),
+            },
+            {"frame": self.frame, **attribute(self.doubts)},
+        )
+
+    def _title(self) -> str:
+        return (
+            f"Load diagram: {self.mass[0]:.3g} kg at {1e3 * self.offsets[0]:.4g} mm to "
+            f"{self.mass[-1]:.3g} kg at {1e3 * self.offsets[-1]:.4g} mm along {self.along} of "
+            f"{self.frame!r}{named(self.doubts)}"
+        )
+
+    def _table(self) -> TextTable:
+        names = [*self.joint_names, "none"]
+        rows = [
+            (f"{1e3 * at:.4g}", f"{mass:.4g}", names[k])
+            for at, mass, k in zip(self.offsets, self.mass, self.joint, strict=True)
+        ]
+        notes = [in_one_line(self.doubts)] if self.doubts else []
+        return TextTable(("offset (mm)", "payload (kg)", "limiting joint"), rows, notes)
+
+
+def load_diagram(
+    model: Model,
+    motion: Motion | Sequence[Motion] | JointVector,
+    *,
+    offsets: ArrayLike | None = None,
+    along: str | None = None,
+    frame: str | None = None,
+    wrenches: FrameWrenchTable = None,
+    effort: JointVector | None = None,
+) -> LoadDiagram:
+    """The largest payload, a point, over its offset from the frame's origin along one of its axes.
+
+    Parameters
+    ----------
+    model, motion, frame, wrenches, effort
+        As for `fb.payload`: of several motions or postures the least payload counts, such as over
+        `fb.random_state(model, seed, 10**5)[0]`.
+    offsets
+        (k,), m, at least two, increasing; default 25 from 0 to 0.5.
+    along
+        The frame's axis, "x", "y", or "z"; default "z", in the plane "x".
+
+    Returns
+    -------
+    LoadDiagram
+        With `.svg` and `.save("loads.svg")`.
+
+    Raises
+    ------
+    FreebodyError, PassiveJointError, ShapeError, NotFiniteError, UnknownNameError
+        As `fb.payload`; offsets that do not increase; an axis that there is not.
+    """
+    function, axes = "load_diagram", ("x", "y", "z")[: model.dim]
+    axis = along or axes[-1 if model.dim == 3 else 0]
+    if axis not in axes:
+        raise UnknownNameError("axis", axis, f"{function}: along=", axes)
+    given = np.linspace(0.0, _FAR, _OFFSETS) if offsets is None else offsets
+    places = as_floats(function, "offsets", given)
+    if places.ndim != 1 or len(places) < 2:
+        raise ShapeError(function, "offsets", places.shape, "(k,)", "at least two, along an axis")
+    refuse_not_finite(function, "offsets", places, 0)
+    if not (np.diff(places) > 0.0).all():
+        raise FreebodyError(f"{function}: offsets must increase; got {places.tolist()}.")
+    unit = np.array([float(name == axis) for name in axes])
+    found = [
+        payload(model, motion, com=x * unit, frame=frame, wrenches=wrenches, effort=effort)
+        for x in places
+    ]
+    by_joint = np.array([x.by_joint.reshape(-1, model.nv).min(axis=0) for x in found])
+    free = np.isinf(by_joint.min(axis=-1))
+    return LoadDiagram(
+        places,
+        by_joint,
+        np.where(free, -1, np.argmin(by_joint, axis=-1)).astype(int),
+        model.velocity_names,
+        found[0].frame,
+        axis,
+        found[0].doubts,
+    )

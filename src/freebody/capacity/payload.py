@@ -1,0 +1,416 @@
+"""`payload`: the largest mass that a robot carries along a motion, or holds at postures.
+
+At given positions, rates and accelerations the torque that a joint transmits is affine in the mass
+of a load of given shape and place, t = t₀ + m t₁: t₁ is what a kilogram adds. The drive gives in
+addition what friction and rotor take, which no mass changes, and what the gear loses of t, a part
+that depends on the way of the power alone. So the torque of the drive rises or falls with m all the
+way, and the mass at which it reaches its limit has a closed form.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.arrays import Array
+from freebody.by_value import ByValue
+from freebody.errors import FreebodyError, PassiveJointError, listed
+from freebody.labels import refuse_labelled
+from freebody.model.doubts import (
+    DYNAMIC,
+    EFFORTS,
+    INERTIAL,
+    Doubt,
+    attribute,
+    barring,
+    doubts_on,
+    in_one_line,
+)
+from freebody.model.losses import lossy_joints
+from freebody.model.model import Model
+from freebody.motion.motion import Motion, require_motion
+from freebody.motion.ranges import ranges
+from freebody.motion.smooth_friction import lost_torque, motor_springs, reflected_inertia
+from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.reach.labelled_maps import axes_of, labelled
+from freebody.report.results import CLOSE
+from freebody.report.series import torque_parts
+from freebody.report.time_scaling import effort_limits, pace
+from freebody.trees.public_calls import (
+    FrameWrenchTable,
+    JointVector,
+    finite_vector,
+    wrenches_by_frame,
+)
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ROUNDING = 1e-13
+"""Change of a torque, as a part of it, that is none."""
+_BETWEEN = 65
+"""Instants that are looked at in the two intervals beside the one that limits."""
+_BESIDE = 1e-6
+"""Share of an interval: so far from a jump of the accelerations its two sides are looked at."""
+_FEW = 8
+"""Samples for each break of a motion with few breaks."""
+_BLOCK = 65536
+"""Samples at once."""
+
+_MotionStates = tuple[Array, Array, Array]
+"""Positions, rates and accelerations of samples."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LargestPayload(Tabled, ByValue):
+    """The largest payload along each motion, or at each posture (...), besides what the robot
+    carries already.
+
+    mass: (...), kg; 0 where a drive is overloaded without any, infinite where none limits it.
+    by_joint: (..., nv), the mass at which each drive alone reaches its limit. joint: (...), index
+    of the one that limits, -1 without one. time: (...), s, when it does; NaN for postures.
+    overloaded: (...), whether a drive is overloaded without payload. too_fast: names of joints
+    whose speed exceeds its limit on a motion, whatever the mass. faster: how many times as fast one
+    motion may be run without payload; NaN for several, and for postures. joint_names: (nv,). frame:
+    where the payload is. doubts: those on the robot's masses, drives and effort limits.
+    """
+
+    mass: Array
+    by_joint: Array
+    joint: np.ndarray
+    time: Array
+    overloaded: np.ndarray
+    too_fast: tuple[str, ...]
+    faster: float
+    joint_names: tuple[str, ...]
+    frame: str
+    doubts: tuple[Doubt, ...] = ()
+    _aside = ("doubts",)
+
+    @property
+    def carries(self) -> bool:
+        """Whether something is carried everywhere, no joint is too fast, and no doubt bars to say
+        so."""
+        carried = bool(self.mass.size) and bool((self.mass > 0.0).all())
+        return carried and not (self.too_fast or barring(self.doubts))
+
+    @property
+    def card(self) -> str:
+        """One line: how much is carried, what limits it, and how much faster without it; of several
+        motions or postures the least."""
+        if not self.mass.size:
+            return "nothing is carried anywhere: there are no postures"
+        if found := barring(self.doubts):
+            return f"not judged: {'; '.join(doubt.clause for doubt in found)}"
+        if self.too_fast:
+            return f"not at this speed: {listed(self.too_fast, 4)} would exceed the speed limit"
+        at = np.unravel_index(np.argmin(self.mass), self.mass.shape)
+        where, mass, time = self._where(), float(self.mass[at]), float(self.time[at])
+        if self.joint[at] < 0:
+            return f"carries any mass {where}: no drive limits it"
+        name = self.joint_names[self.joint[at]]
+        when = "" if np.isnan(time) else f" at t = {time:.3g} s"
+        if self.overloaded[at]:
+            return f"carries nothing {where} · {name} is overloaded without payload{when}"
+        told = [f"carries {mass:.3g} kg {where}", f"{name} limits{when}"]
+        if np.isfinite(self.faster) and self.faster >= 1.0:
+            told.append(f"{self.faster:.2g} times as fast possible without it")
+        return " · ".join(told)
+
+    def _where(self) -> str:
+        motions = not np.isnan(self.time).all()
+        if self.mass.ndim == 0:
+            return "on this path" if motions else "at this posture"
+        count = self.mass.size
+        return (
+            f"on each of {counted(count, 'path')}"
+            if motions
+            else (f"at each of {counted(count, 'posture')}")
+        )
+
+    def to_xarray(self) -> xr.Dataset:
+        """A labelled dataset over the motions or postures."""
+        dims = axes_of("case", self.mass.ndim) if self.mass.ndim else ()
+        names = np.array([*self.joint_names, ""])[self.joint]
+        each = "mass at which the drive reaches its limit"
+        return labelled(
+            {
+                "mass": (dims, self.mass, "kg", f"largest payload at {self.frame}"),
+                "by_joint": ((*dims, "coordinate"), self.by_joint, "kg", each),
+                "joint": (dims, names, "1", "joint that limits it"),
+                "time": (dims, self.time, "s", "when it does"),
+                "overloaded": (dims, self.overloaded, "1", "overloaded without payload"),
+            },
+            {"coordinate": (("coordinate",), np.array(self.joint_names), "1", "coordinate")},
+            {"frame": self.frame, "card": self.card, **attribute(self.doubts)},
+        )
+
+    def _title(self) -> str:
+        return f"Payload: {self.card}"
+
+    def _table(self) -> TextTable:
+        least = self.by_joint.reshape(-1, len(self.joint_names)).min(axis=0, initial=np.inf)
+        rows = [
+            (name, f"{mass:.4g} kg" if np.isfinite(mass) else "no limit")
+            for name, mass in zip(self.joint_names, least, strict=True)
+        ]
+        notes = [in_one_line(self.doubts)] if self.doubts else []
+        return TextTable(("drive", "carries alone"), rows, notes)
+
+
+def payload(
+    model: Model,
+    motion: Motion | Sequence[Motion] | JointVector,
+    *,
+    com: Sequence[float] | None = None,
+    box: Sequence[float] | None = None,
+    cylinder: Sequence[float] | None = None,
+    frame: str | None = None,
+    wrenches: FrameWrenchTable = None,
+    effort: JointVector | None = None,
+) -> LargestPayload:
+    """The largest payload that a robot carries along a motion, or holds at postures, besides what
+    it carries already.
+
+    Parameters
+    ----------
+    model
+        An open chain with a drive in every joint, or a closed one.
+    motion
+        A Motion, several of them in a list, or positions q (..., nq) at which the robot stands.
+    com, box, cylinder
+        Where the payload's centre of mass is in the frame's axes, (dim,) m, default its origin, and
+        its shape, as for `Model.with_payload`; its inertia grows with its mass.
+    frame
+        Default: the tip.
+    wrenches
+        Constant ones exerted on the robot, {frame: (six,)}, world axes.
+    effort
+        (nv,), the largest torques and forces of the drives, N m and N; default the joints' effort
+        limits.
+
+    Returns
+    -------
+    LargestPayload
+        With `.card` in a line. Torques are looked at at the samples of a motion, on both sides of
+        jumps of its accelerations and, of open chains, closely beside the instant that limits. What
+        gears lose is in them. Speeds limit no mass: those beyond their limits are named.
+
+    Raises
+    ------
+    FreebodyError
+        No drive has an effort limit; a family.
+    PassiveJointError
+        An open chain with a joint that nothing drives.
+    ShapeError, NotFiniteError, UnknownNameError
+    """
+    function = "payload"
+    model.require_values("the payload")
+    if model.passive and not model.loops:
+        raise PassiveJointError(
+            f"{function}: nothing drives {listed(map(repr, model.passive_names), 4)} of "
+            f"{model.name!r}; what it carries is not decided by torques alone."
+        )
+    name = model.frame(frame).name
+    shape = {"com": com, "box": box, "cylinder": cylinder}
+    for what, given in shape.items():
+        refuse_labelled(f"{function}: {what}", given)
+    kilogram = {"mass": 1.0, **shape}
+    limits = _efforts(model, effort)
+    loads = wrenches_by_frame(function, model, wrenches, single=True) or None
+    case = _Case(model, _carrying(model, kilogram, name), limits, loads)
+    motions = _motions(model, motion)
+    if motions is None:
+        q = finite_vector(function, model, "q", motion)
+        rest = np.zeros((*q.shape[:-1], model.nv))
+        mass, over = case.masses((q, rest, rest))
+        time, fast, faster = np.full(q.shape[:-1], np.nan), (), np.nan
+    else:
+        mass, over, time = _along(case, motions)
+        fast = _too_fast(model, motions)
+        faster = _faster(model, motions[0], limits, loads) if isinstance(motion, Motion) else np.nan
+        if isinstance(motion, Motion):
+            mass, over, time = mass[0], over[0], time[0]
+    joint = np.argmin(np.where(over, -1.0, mass), axis=-1)
+    least = np.asarray(mass.min(axis=-1))
+    free = np.isinf(least)
+    return LargestPayload(
+        least,
+        mass,
+        np.where(free, -1, joint).astype(int),
+        np.where(free, np.nan, np.take_along_axis(time, joint[..., None], axis=-1)[..., 0])
+        if motions is not None
+        else time,
+        np.asarray(over.any(axis=-1)),
+        fast,
+        faster,
+        model.velocity_names,
+        name,
+        doubts_on(
+            model,
+            *(INERTIAL if motions is None else DYNAMIC),
+            *([EFFORTS] if effort is None else ()),
+        ),
+    )
+
+
+@dataclass(frozen=True)
+class _Case:
+    """A robot without and with a kilogram, the limits of its drives (nv,), and wrenches on it."""
+
+    model: Model
+    carrying: Model
+    effort: Array
+    wrenches: Mapping[str, Array] | None
+
+    def masses(self, states: _MotionStates) -> tuple[Array, np.ndarray]:
+        """(masses (..., nv) at which each drive reaches its limit, 0 of one that is overloaded
+        without, infinite where a mass changes nothing; whether it is overloaded)."""
+        shape, n = states[0].shape[:-1], self.model.nv
+        flat = [x.reshape(-1, x.shape[-1]) for x in states]
+        mass, over = np.empty((len(flat[0]), n)), np.empty((len(flat[0]), n), dtype=bool)
+        for first in range(0, len(flat[0]), _BLOCK):
+            some = slice(first, first + _BLOCK)
+            mass[some], over[some] = self._masses(*(x[some] for x in flat))
+        return mass.reshape(*shape, n), over.reshape(*shape, n)
+
+    def _masses(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, np.ndarray]:
+        model, at, loads = self.model, (q, qd, qdd), self.wrenches
+        tau = inverse_dynamics(model, *at, loads)
+        lossy = bool(lossy_joints(model.bodies))
+        sent, rest = tau, np.zeros_like(tau)
+        carrying = self.carrying
+        if lossy:
+            bare, carrying = model.without("friction"), carrying.without("friction")
+            whole = inverse_dynamics(bare, *at, loads)
+            sent = whole - reflected_inertia(model) * qdd - motor_springs(model, q, qd)
+            rest = tau - sent - lost_torque(model, qd, sent)
+            slope = inverse_dynamics(carrying, *at, loads) - whole
+        else:
+            whole = tau
+            slope = inverse_dynamics(carrying, *at, loads) - tau
+        slope[np.abs(slope) <= _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)] = 0.0
+        bound = np.where(np.isfinite(self.effort), self.effort, 0.0)
+        most = np.sign(slope) * bound - rest
+        if lossy:  # of what is transmitted at the limit, by the way of its power
+            lost = lost_torque(model, qd, most)
+            most = most / (1.0 + lost / np.where(most == 0.0, 1.0, most))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mass = np.where(slope == 0.0, np.inf, (most - sent) / slope)
+        over = np.isfinite(self.effort) & (np.abs(tau) > bound * (1.0 + CLOSE))
+        mass = np.where(np.isfinite(self.effort), np.maximum(mass, 0.0), np.inf)
+        return np.where(over, 0.0, mass), over
+
+
+def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
+    name = "carried"
+    taken = {part.link for body in model.bodies for part in body.inertias}
+    while name in taken:
+        name += "_"
+    return model.with_payload(**kilogram, frame=frame, name=name)
+
+
+def _efforts(model: Model, effort: JointVector | None) -> Array:
+    """(nv,) limits of the drives, infinite where there is none."""
+    if effort is not None:
+        given = finite_vector("payload", model, "effort", effort)
+        if given.ndim != 1 or not (given > 0.0).all():
+            raise FreebodyError(
+                f"payload: effort must be one positive number for each of the {model.nv} joints; "
+                f"got {given.tolist()}."
+            )
+        driven = np.isin(np.arange(model.nv), model.driven)
+        return np.where(driven, given, np.inf)
+    found = effort_limits(model, ranges(model))
+    if not np.isfinite(found).any():
+        raise FreebodyError(
+            f"payload: no joint of {model.name!r} has an effort limit. Give effort=, the largest "
+            f"torque or force of each joint ({listed(model.driven_names, 8)})."
+        )
+    return found
+
+
+def _motions(model: Model, motion: Any) -> list[Motion] | None:
+    """The motions; None for postures."""
+    if isinstance(motion, Motion):
+        return [require_motion("payload", model, motion)]
+    if isinstance(motion, list | tuple) and motion and all(isinstance(x, Motion) for x in motion):
+        return [require_motion("payload", model, one) for one in motion]
+    return None
+
+
+def _along(case: _Case, motions: Sequence[Motion]) -> tuple[Array, np.ndarray, Array]:
+    """(masses (P, nv), whether a drive is overloaded without (P, nv), when (P, nv)) of motions."""
+    samples = [_samples(one) for one in motions]
+    mass, over, time = _least(case, samples)
+    if case.model.loops:  # between samples its positions are not closed
+        return mass, over, time
+    least = np.take_along_axis(time, np.argmin(mass, axis=-1)[:, None], axis=-1)[:, 0]
+    closer = [_beside(one, float(at)) for one, at in zip(motions, least, strict=True)]
+    near, worse, when = _least(case, closer)
+    return np.minimum(mass, near), over | worse, np.where(near < mass, when, time)
+
+
+_TimedStates = tuple[Array, _MotionStates]
+"""Times and states of samples."""
+
+
+def _least(case: _Case, samples: Sequence[_TimedStates]) -> tuple[Array, np.ndarray, Array]:
+    """The least masses among samples of each motion, whether a drive is overloaded in one, and the
+    times of the least."""
+    q, qd, qdd = (np.concatenate(parts) for parts in zip(*(x[1] for x in samples), strict=True))
+    every, loaded = case.masses((q, qd, qdd))
+    found = []
+    ends = np.cumsum([len(t) for t, _ in samples])
+    for (t, _), end in zip(samples, ends, strict=True):
+        part = slice(end - len(t), end)
+        k = np.argmin(every[part], axis=0)
+        found.append(
+            (np.take_along_axis(every[part], k[None], axis=0)[0], loaded[part].any(axis=0), t[k])
+        )
+    mass, over, time = zip(*found, strict=True)
+    return np.array(mass), np.array(over), np.array(time)
+
+
+def _samples(motion: Motion) -> _TimedStates:
+    """The samples of a motion, and both sides of each jump of its accelerations: of all breaks of
+    its pieces where these are few, which takes less than to find the jumps."""
+    if motion.pieces is None:
+        return motion.t, (motion.q, motion.qd, motion.qdd)
+    breaks = motion.pieces.breaks
+    jumps = breaks[1:-1] if _FEW * len(breaks) <= len(motion.t) else motion.jumps
+    step = _BESIDE * float(np.diff(breaks).min())
+    sides = [motion.at(jumps, jumps + sign * step) for sign in (-1.0, 1.0)]
+    own = (motion.q, motion.qd, motion.qdd)
+    states = tuple(np.concatenate([x, *pair]) for x, *pair in zip(own, *sides, strict=True))
+    return np.concatenate([motion.t, jumps, jumps]), (states[0], states[1], states[2])
+
+
+def _beside(motion: Motion, time: float) -> _TimedStates:
+    """Instants between the samples on either side of one."""
+    k = int(np.argmin(np.abs(motion.t - time)))
+    ends = motion.t[max(k - 1, 0)], motion.t[min(k + 1, len(motion.t) - 1)]
+    t = np.linspace(*ends, _BETWEEN)
+    return t, motion.at(t)
+
+
+def _too_fast(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
+    """Names of joints whose speed exceeds its limit on some motion."""
+    limits = ranges(model).velocity * (1.0 + CLOSE)
+    beyond = np.zeros(model.nv, dtype=bool)
+    for one in motions:
+        rise = 0.5 * np.abs(one.qdd).max(axis=0) * float(np.diff(one.t).max())
+        if (np.abs(one.qd).max(axis=0) + 2.0 * rise > limits).any():  # else none is near
+            beyond |= one.peaks.velocity.size > limits
+    return tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad)
+
+
+def _faster(
+    model: Model, motion: Motion, effort: Array, wrenches: Mapping[str, Array] | None
+) -> float:
+    data = torque_parts(model, motion, wrenches)
+    return pace(model, motion, data, ranges(model).velocity, effort).factor

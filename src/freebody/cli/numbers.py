@@ -1,0 +1,45 @@
+"""Numbers in the texts of options and arguments."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import typer
+
+from freebody.errors import FreebodyError, shown
+
+
+def number(text: str | float) -> float:
+    """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
+    from freebody.formats import read_file
+
+    value = read_file.number(text) if isinstance(text, str) else text
+    if value is None or read_file.fault(value):
+        raise typer.BadParameter(f"{shown(text)} is not a number that can be used.")
+    return value
+
+
+def values(what: str, text: str) -> list[float]:
+    """Numbers apart by commas or blanks; a number with "deg" is an angle in degrees."""
+    from freebody.formats import read_file
+
+    found = []
+    for piece in re.sub(r" ?(deg|°)", r"deg", " ".join(text.split())).replace(",", " ").split():
+        value = read_file.number(piece.removesuffix("deg"))
+        if value is None or read_file.fault(value):
+            raise FreebodyError(
+                f"{what} {shown(text)}: {shown(piece)} is not a number that can be used; "
+                f'write for example {what} "0.5, 30 deg".'
+            )
+        found.append(math.radians(value) if piece.endswith("deg") else value)
+    return found
+
+
+def by_commas(text: str) -> list[float] | None:
+    """Numbers apart by commas; None where one cannot be used."""
+    from freebody.formats import read_file
+
+    found = [read_file.number(piece.strip()) for piece in text.split(",")]
+    usable = [x for x in found if x is not None and not read_file.fault(x)]
+    return usable if len(usable) == len(found) else None
