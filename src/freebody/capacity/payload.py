@@ -34,7 +34,7 @@ from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import ranges
-from freebody.motion.smooth_friction import lost_torque, motor_springs, reflected_inertia
+from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.report.results import CLOSE
@@ -287,7 +287,7 @@ class _Case:
         if lossy:
             bare, carrying = model.without("friction"), carrying.without("friction")
             whole = inverse_dynamics(bare, *at, loads)
-            sent = whole - reflected_inertia(model) * qdd - motor_springs(model, q, qd)
+            sent = whole - rotor_torque(model, q, qd, qdd) - motor_springs(model, q, qd)
             rest = tau - sent - lost_torque(model, qd, sent)
             slope = inverse_dynamics(carrying, *at, loads) - whole
         else:

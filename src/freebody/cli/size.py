@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import numbers, options, terminal
 from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
@@ -54,13 +54,13 @@ def size(
     ] = None,
     life: Annotated[
         float,
-        typer.Option(metavar="HOURS", parser=options.number, help="How long gears have to last."),
+        typer.Option(metavar="HOURS", parser=numbers.number, help="How long gears have to last."),
     ] = 0.0,
     margin: Annotated[
         float,
         typer.Option(
             metavar="RATIO",
-            parser=options.number,
+            parser=numbers.number,
             help="What is allowed over what is used, at least.",
         ),
     ] = 1.0,
