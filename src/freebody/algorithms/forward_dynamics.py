@@ -76,8 +76,8 @@ class _LossyGear:
 
 @dataclass(frozen=True)
 class LossyMotion:
-    """Accelerations of a tree some of whose joints lose a part of the torque that they transmit,
-    and that torque, by coordinate, of those joints."""
+    """Accelerations of a tree with lossy joints, and the torque that each of these joints
+    transmits, by coordinate."""
 
     qdd: Vector
     transmitted: dict[int, Scalar]
@@ -86,7 +86,8 @@ class LossyMotion:
 def under_losses(
     tree: Tree, q: Vector, qd: Vector, tau: Vector, M: Matrix, forces: Vector
 ) -> LossyMotion:
-    """The motion under the torques tau; forces: what is left of them for M q̈, before losses."""
+    """The motion of a tree with lossy joints under the torques tau; forces: the right side of M q̈
+    = forces before losses."""
     gears = _gears(tree, q, qd, tau)
     heavy = any(gear.heavy for gear in gears)
     directions = [gear.given for gear in gears]
@@ -102,7 +103,7 @@ def under_losses(
 
 
 def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_LossyGear]:
-    """The joints that lose a part of what they transmit."""
+    """The joints of a tree that lose a part of the torque they transmit."""
     found = []
     for body in tree.bodies:
         if body.drive is not None and body.drive.lossy:
@@ -115,7 +116,7 @@ def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_LossyGear]:
 def _accelerations(
     tree: Tree, M: Matrix, forces: Vector, gears: Sequence[_LossyGear], parts: Sequence[Scalar]
 ) -> Vector:
-    """q̈ where these parts are lost."""
+    """Accelerations q̈ where the lossy joints lose given parts of the torque they transmit."""
     rows, right = [list(row) for row in M], list(forces)
     for gear, part in zip(gears, parts, strict=True):
         taken = part / (1.0 + part)  # 1 - 1/k

@@ -91,7 +91,8 @@ _NO_ROWS = 1e-280
 
 
 def surely_independent(J: Matrix, ratio: float = SURELY_INDEPENDENT) -> Scalar:
-    """1 where the smallest singular value of J is surely above a ratio of the largest, else 0.
+    """1 where the smallest singular value of J is surely above the given fraction of the largest,
+    else 0.
 
     The traces of J Jᵀ and of its inverse are their largest eigenvalues at least, and n times these
     at most.

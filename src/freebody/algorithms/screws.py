@@ -83,7 +83,7 @@ class ScrewChain:
     """Distances from joint to joint and to the frame, added up (m); 1 where they are all zero."""
 
     def resting(self, x: Sequence[Scalar]) -> ScrewChain:
-        """The chain whose joints stand at x (n,) if a target leaves that open."""
+        """The chain whose joints stand at x (n,) where a target does not determine them."""
         at = zip(self.screws, x, strict=True)
         return replace(self, screws=tuple(replace(s, rest=value) for s, value in at))
 
@@ -95,7 +95,7 @@ class ScrewChain:
         return q
 
     def positions(self, q: Array) -> Array:
-        """Joint positions x (..., n) of q (..., nq)."""
+        """Positions x (..., n) of the chain's joints at q (..., nq)."""
         return q[..., self.index] * self.ratio + self.offset
 
 

@@ -61,7 +61,7 @@ ParametersOption = Annotated[
 
 
 def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=") -> dict[str, str]:
-    """Names and values, left and right of the = in the values of an option."""
+    """Names and values from options of the form name=value."""
     found = {}
     for text in texts or ():
         name, sign, meaning = text.partition(equals)
@@ -206,7 +206,8 @@ class GivenRobot:
         return how
 
     def load(self) -> Model:
-        """The model; warnings become yellow lines."""
+        """The model of the robot named on the command line; warnings are printed as yellow
+        lines."""
         from freebody.formats.loading import load
         from freebody.formats.toml_table import in_units
         from freebody.model.description import CHANGED, Notice
@@ -247,7 +248,7 @@ _ROBOTS: dict[Any, Any] = {
 
 
 def again(context: typer.Context) -> str:
-    """The command line that runs a command again, for a shell."""
+    """The command line, quoted for a shell, that runs a command again."""
     return shlex.join(["freebody", *context.find_root().obj])
 
 

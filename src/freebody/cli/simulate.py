@@ -173,7 +173,8 @@ def _torque(
     course: tuple[float | None, float | None],
     law: tuple[str | None, str | None, str | None],
 ) -> tuple[Array, Any, dict[str, Array] | None]:
-    """Times, the torque, and what a compiled one takes besides the state."""
+    """Times, the torques along them or a compiled control law, and the inputs that such a law takes
+    besides the state."""
     import numpy as np
 
     if torque != "pd":
@@ -243,7 +244,7 @@ def _written(
     again: str,
     wrenches: dict[str, list[float]] | None,
 ) -> None:
-    """The motion as a file, and the largest values among its rows as a table."""
+    """Write a simulated motion to a file, and print its largest values as a table."""
     import numpy as np
 
     from freebody.motion.files.csv_files import state_table

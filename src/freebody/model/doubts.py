@@ -1,4 +1,4 @@
-"""Doubts on a robot: one table of kinds, and the doubts that a model has.
+"""Doubts about a robot: one table of kinds, and the doubts that a model has.
 
 A kind says what it touches and what weight it has: it bars the verdict, or stands beside it. What
 follows from the model's numbers is found anew for each model, so that a changed copy has its own
@@ -45,7 +45,7 @@ About = tuple[tuple[str, Inertia | Limits | None], ...]
 
 @dataclass(frozen=True)
 class Doubt(Notice):
-    """One doubt on a model: its kind (a name of `DOUBT_KINDS`) and a sentence.
+    """A doubt about a model: its kind (a name of `DOUBT_KINDS`) and a sentence.
 
     joints: the coordinates whose limits are meant; () all. about: names of links, with the inertia
     that is doubted (None: that there is none), or of joints with their limits; () of a doubt that
@@ -57,12 +57,13 @@ class Doubt(Notice):
 
     @property
     def of(self) -> DoubtKind:
-        """The kind of the doubt, which says what it touches and what it weighs."""
+        """The record of the doubt's kind, which says what the doubt touches and how serious it
+        is."""
         return DOUBT_KINDS[self.kind]
 
     @property
     def clause(self) -> str:
-        """The sentence, to go on after."""
+        """The sentence without its full stop, so that a text can go on."""
         return self.text.rstrip(".")
 
 
@@ -92,7 +93,7 @@ class DoubtKind:
 
 # ------------------------------------------------------------ what results ask
 def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
-    """The doubts on these aspects of a model, in the order of the table.
+    """The doubts about these aspects of a model, in the order of the table.
 
     Of a family those of each kind that its first member with such doubts has; of one with very many
     members, `_MEMBERS` of them from the first to the last are looked at. Of a model with parameters
@@ -105,7 +106,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
 
 def in_one_line(doubts: Iterable[Doubt]) -> str:
-    """Doubts in one line: what bars a verdict after "Not judged:", then what stands beside it; ""
+    """All doubts in one line: those that prevent a verdict after "Not judged:", then the others; ""
     for none."""
     every = list(doubts)
     barring = "; ".join(x.clause for x in every if x.of.bars)
@@ -114,13 +115,14 @@ def in_one_line(doubts: Iterable[Doubt]) -> str:
 
 
 def attribute(doubts: Iterable[Doubt]) -> dict[str, str]:
-    """Doubts as an attribute of a dataset or an entry of a manifest, which those without lack."""
+    """The doubts as an attribute of a dataset or manifest; an empty dict where there are none."""
     line = in_one_line(doubts)
     return {"doubts": line} if line else {}
 
 
 def named(doubts: Iterable[Doubt]) -> str:
-    """Doubts by the names of their kinds, to go on after a title; "" for none."""
+    """The kinds of doubts as text to follow a title, such as "; not judged: placeholders"; "" for
+    none."""
     every = list(doubts)
     barring = ", ".join(dict.fromkeys(x.kind for x in every if x.of.bars))
     beside = dict.fromkeys(x.kind for x in every if not x.of.bars)
@@ -129,24 +131,24 @@ def named(doubts: Iterable[Doubt]) -> str:
 
 
 def capital(text: str) -> str:
-    """A sentence with a capital at its start, unless a name stands there."""
+    """A sentence with a capital first letter, unless it starts with a name."""
     first = text.split(" ", 1)[0].rstrip(",")
     return text[:1].upper() + text[1:] if first.isalpha() and first.islower() else text
 
 
 def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
-    """The doubts on what is used of these aspects, where nothing is judged by them: without those
-    on what is not given."""
+    """The doubts about these aspects of a model where they are used but not judged: doubts about
+    missing numbers are left out."""
     return tuple(doubt for doubt in doubts_on(model, *aspects) if not doubt.of.absent)
 
 
 def readings(model: Model) -> tuple[Notice, ...]:
-    """Notices on how the model's file was read, besides doubts and the choice of the tip."""
+    """Notices on how the model's file was read, other than doubts and the choice of the tip."""
     return tuple(x for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP)
 
 
 def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
-    """The doubts that bar a verdict."""
+    """The doubts that prevent a verdict."""
     return tuple(doubt for doubt in doubts if doubt.of.bars)
 
 
@@ -180,7 +182,8 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 
 
 def read_doubts(model: Model) -> list[Doubt]:
-    """The doubts that the model's file tells, and that its numbers have not refuted since."""
+    """The doubts that the model's file states and that the model's numbers have not refuted
+    since."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read

@@ -1,4 +1,4 @@
-"""The limits of a model's coordinates as they can be used: those of followers brought to their
+"""The limits of a model's coordinates in usable form: those of followers are applied to their
 leaders."""
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ _ROUNDED = 1e-9
 
 
 class UsableLimits(NamedTuple):
-    """Per velocity coordinate, arrays (nv,): limits that allow motion (`Limits.meant`), infinite
-    where there are none.
+    """Usable limits of each velocity coordinate, arrays (nv,), infinite where there are none
+    (`Limits.meant`).
 
     given: (4, nv), as written. apart: joints that follow another and whose range has nothing in
     common with that one's, in words.
@@ -39,7 +39,7 @@ class UsableLimits(NamedTuple):
 
 
 def usable_limits(model: Model) -> UsableLimits:
-    """The limits of one robot, not of a family, as they can be used."""
+    """The usable limits of one robot (not of a family)."""
     own = (body for body in model.bodies if body.joint.mimic is None)
     rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
     given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)
@@ -49,7 +49,7 @@ def usable_limits(model: Model) -> UsableLimits:
 
 
 def _numbers(limits: Limits) -> list[tuple[float, ...]]:
-    """Lower, upper, velocity and effort, as written and as they are meant."""
+    """Lower, upper, velocity and effort limits, first as written and then as usable."""
     return [(x.lower, x.upper, x.velocity, x.effort) for x in (limits, limits.meant)]
 
 

@@ -1,5 +1,5 @@
-"""The load case of a study in words: the robot's loads, its tip, how it is mounted, and which of
-its numbers are others than its file's."""
+"""The load case of a study in words: the robot's loads, its tip, how it is mounted, and which
+numbers differ from its file's."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _pulls(model: Model, wrenches: FrameWrenchTable) -> str:
 
 
 def _load(model: Model, part: Attached) -> str:
-    """A load in words: its mass, its centre of mass and its inertia, in the axes of its frame."""
+    """A load in words: its mass, centre of mass and inertia, in the axes of its frame."""
     inertia = part.inertia
     centre = ", ".join(_quantity(x) for x in inertia.com)
     entries = [
@@ -69,13 +69,13 @@ def _quantity(x: Quantity) -> str:
 
 
 def _number(x: object) -> str:
-    """A number, or those of a family."""
+    """A number as text, or the range of the numbers of a family."""
     values = np.asarray(x, dtype=float)
     low, high = (f"{float(end) + 0.0:.4g}" for end in (values.min(), values.max()))
     return low if low == high else f"{low} … {high}"
 
 
 def in_a_line(model: Model, wrenches: FrameWrenchTable = None, speed: float = 1.0) -> str:
-    """The load case besides the tip."""
+    """The load case except the tip, in one line."""
     case = load_case(model, wrenches, speed)
     return " ".join(f"{about.capitalize()}: {case[about]}" for about in case if about != "tip")

@@ -69,7 +69,7 @@ def series(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = 
 
 
 def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
-    """The names along each dimension, and the units that differ by coordinate."""
+    """The labels along each dimension, and the units that differ by coordinate."""
     turns = angular(model)
     axes = list("xyz"[: model.dim])
     named: dict[str, Any] = {
@@ -189,7 +189,7 @@ _MOST_PARTS = 64
 
 
 def _energies(model: Model, motion: Motion) -> dict[str, Any]:
-    """Kinetic and potential energy, and what is left of the energy balance.
+    """Kinetic and potential energy, and the error of the energy balance.
 
     The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6
     points in each interval of the motion's curve, or in parts of it.
@@ -207,8 +207,8 @@ def _energies(model: Model, motion: Motion) -> dict[str, Any]:
 
 
 def supplied_work(model: Model, motion: Motion) -> Array:
-    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
-    longer changes."""
+    """The work ∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the
+    integral no longer changes."""
     smooth = without_friction(model)  # τ - τ_friction, free of the jumps of sign(q̇)
     parts, coarse = 1, _integral(smooth, motion, 1)
     while parts < _MOST_PARTS:
@@ -222,7 +222,7 @@ def supplied_work(model: Model, motion: Motion) -> Array:
 
 
 def _integral(model: Model, motion: Motion, parts: int) -> Array:
-    """The work up to each sample, by Gauss's rule in `parts` equal parts between knots."""
+    """The work up to each sample, by Gauss's rule with `parts` equal parts between knots."""
     knots = motion.knots
     h = np.diff(knots)[:, None] / parts
     starts = knots[:-1, None] + h * np.arange(parts)
@@ -234,8 +234,8 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
 
 
 def _powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
-    """Mechanical power of each drive and their sum, and what friction takes, by the torques found;
-    joints without a drive give none."""
+    """The mechanical power of each drive, their sum, and the power lost in friction, from the
+    torques found; joints without a drive have none."""
     power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
     friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
     return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}

@@ -1,4 +1,4 @@
-"""Peaks, means and the use of limits: what motors, gears and bearings are chosen by."""
+"""Peaks, means and use of limits: the numbers by which motors, gears and bearings are chosen."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
 
 
 def mean(t: Array, x: Array) -> Array:
-    """Time average of samples x (T, n): trapezia."""
+    """The time average of samples x (T, n), by the trapezoidal rule."""
     return np.trapezoid(x, t, axis=0) / (t[-1] - t[0])
 
 
@@ -67,8 +67,8 @@ def _peak(t: Array, x: Array) -> tuple[Array, Array]:
 
 
 def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
-    """Work done and braked (J), per coordinate and of all; on one supply, drives that brake feed
-    those that drive."""
+    """The work done and absorbed (J) by each coordinate and in total; on one supply, braking drives
+    feed the others."""
     power = data["power"].values
     done, braked = parted(t, power)
     together = power.sum(axis=1, keepdims=True)
@@ -89,8 +89,8 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def parted(t: Array, power: Array) -> tuple[Array, Array]:
-    """Integrals (n,) of the positive and of the negative part, sign turned, of samples (T, n),
-    straight between."""
+    """The integrals (n,) of the positive part, and of the negative part with its sign changed, of
+    samples (T, n) with straight lines between."""
     h = np.diff(t)[:, None]
     p0, p1 = power[:-1], power[1:]
     size = np.abs(p0) + np.abs(p1)
@@ -103,7 +103,7 @@ def parted(t: Array, power: Array) -> tuple[Array, Array]:
 
 
 def energy_text(found: xr.Dataset, duration: float) -> str:
-    """Work, braking and peak of all drives together, in a sentence, from `Study.summary`."""
+    """A sentence on work, braking and peak power of all drives together, from `Study.summary`."""
     done, braked, net = (
         float(found[f"total_{x}"]) for x in ("work_done", "work_braked", "net_work")
     )
@@ -144,8 +144,8 @@ def _fraction(value: Array, limit: Array) -> Array:
 
 
 def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Array, Array]:
-    """Least and greatest position and the used part of the range (nv,); NaN where a coordinate has
-    no position."""
+    """The least and greatest position and the used fraction of the range (nv,); NaN where a
+    coordinate has no position of its own."""
     lowest, highest = np.full(model.nv, np.nan), np.full(model.nv, np.nan)
     iq, iv = position_columns(model)
     lowest[iv], highest[iv] = motion.peaks.position.low[iq], motion.peaks.position.high[iq]
@@ -169,8 +169,8 @@ def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def worst(model: Model, data: xr.Dataset) -> Worst:
-    """The instant of the largest torque relative to the effort limits; without limits, of the
-    largest torque."""
+    """The instant of the largest torque relative to effort limits, or without limits of the largest
+    torque."""
     allowed = ranges(model)
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)

@@ -1,4 +1,4 @@
-"""How positions move with rates: q̇ = N(q) v for joints whose q is not simply the integral of v.
+"""Rates of positions: q̇ = N(q) v for joints whose q is not simply the integral of v.
 
 Quaternions p = w, x, y, z with the angular velocity ω in body axes: ṗ = ½ p (0, ω) and p̈ = ½ p (0,
 ω̇) - ¼ |ω|² p; a free joint's position ẋ = R v, ẍ = R (v̇ + ω × v).
@@ -21,7 +21,7 @@ Index = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class CoordinateLayout:
-    """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free
+    """The places of a model's coordinates: plain ones (q̇ = v), quaternions, and positions of free
     joints.
 
     plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: slices (q of
@@ -36,7 +36,7 @@ class CoordinateLayout:
 
     @property
     def flat(self) -> bool:
-        """Whether q̇ = v throughout."""
+        """Whether q̇ = v for all coordinates."""
         return not self.turns
 
 
@@ -67,7 +67,7 @@ def _layout(model: Model) -> CoordinateLayout:
 
 
 def position_rate(where: CoordinateLayout, q: Array, v: Array) -> Array:
-    """q̇ (..., nq) of v (..., nv)."""
+    """The rate q̇ (..., nq) of the positions from rates v (..., nv)."""
     if where.flat:
         return v
     rate = np.empty_like(q)
@@ -80,7 +80,8 @@ def position_rate(where: CoordinateLayout, q: Array, v: Array) -> Array:
 
 
 def position_acceleration(where: CoordinateLayout, q: Array, v: Array, a: Array) -> Array:
-    """q̈ of the position coordinates (..., nq) from rates v and their derivatives a (..., nv)."""
+    """The second rate q̈ (..., nq) of the positions from rates v and their derivatives a (...,
+    nv)."""
     if where.flat:
         return a
     second = np.empty_like(q)
@@ -150,27 +151,29 @@ _WORLD = np.array([[-1.0, 1, -1, 1], [-1, 1, 1, -1], [-1, -1, 1, 1]])
 
 
 def _body_map(p: Array) -> Array:
-    """Matrix E (..., 3, 4) of quaternions, for angular velocities in body axes."""
+    """Matrix E (..., 3, 4) of quaternions p (..., 4), which gives the angular velocity in body axes
+    from ṗ."""
     return p[..., _ENTRY] * _BODY
 
 
 def _world_map(p: Array) -> Array:
-    """Matrix G (..., 3, 4) of quaternions, for angular velocities in world axes."""
+    """Matrix G (..., 3, 4) of quaternions p (..., 4), which gives the angular velocity in world
+    axes from ṗ."""
     return p[..., _ENTRY] * _WORLD
 
 
 def _times(A: Array, x: Array) -> Array:
-    """Matrices times vectors, A x (..., rows)."""
+    """Products A x (..., rows) of matrices A and vectors x."""
     return (A @ x[..., None])[..., 0]
 
 
 def _back(A: Array, x: Array) -> Array:
-    """Transposed matrices times vectors, Aᵀ x (..., columns)."""
+    """Products Aᵀ x (..., columns) of transposed matrices A and vectors x."""
     return (x[..., None, :] @ A)[..., 0, :]
 
 
 def _turned(p: Array, v: Array) -> Array:
-    """R(p) v, for p of any length."""
+    """Vectors v rotated by the quaternions p, R(p) v; p may have any length."""
     return _times(_world_map(p), _back(_body_map(p), v)) / _dot(p, p)
 
 

@@ -45,7 +45,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def notes_figure(number: str) -> Figure:
-    """Figure "3.2" (or "fig-3.2") of the notes; raises UnknownNameError.
+    """Draw the figure "3.2" (or "fig-3.2") of the notes; raises UnknownNameError.
 
     Its elements are data: `.named("v_{c1}")` finds one in any of its drawings, `.named("f_{1,2}",
     1)` in the second.

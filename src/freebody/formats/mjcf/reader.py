@@ -56,7 +56,7 @@ def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescripti
 
 @dataclass
 class _MjcfReader:
-    """One compiled model, and the parts of the description found so far."""
+    """A reader of one compiled model, with the parts of the description found so far."""
 
     file: str
     given: dict[str, Any]
@@ -114,7 +114,8 @@ class _MjcfReader:
         )
 
     def home(self) -> tuple[tuple[str, float], ...]:
-        """Where the file draws the joints, and closes its loops."""
+        """Joint positions (rad, m) in which the file draws the robot and closes its loops, by
+        joint, where they are not 0."""
         single = zip(self.joint_names, self.given["joints"], strict=True)
         return tuple(
             (name, joint["zero"])
@@ -142,7 +143,7 @@ class _MjcfReader:
         return self.names(self.given["joints"], "joint")
 
     def names(self, parts: list[dict[str, Any]], what: str) -> list[str]:
-        """Their names, made up where the file gives none."""
+        """The names of parts, made up and unique where the file gives none."""
         taken = {part["name"] for part in parts}
         found = []
         for i, part in enumerate(parts):
@@ -272,7 +273,7 @@ class _MjcfReader:
         return followers(self.given, self.joint_names, self.refuse)
 
     def equality(self, given: dict[str, Any]) -> None:
-        """A loop, from a connect or a weld."""
+        """Add the loop that a connect or weld constraint closes."""
         kind, called = given["type"], given["name"] or f"loop{len(self.held) + 1}"
         if not given["active"]:
             self.note(f"the equality {called!r} is not active, and is left out.")
@@ -313,7 +314,7 @@ class _MjcfReader:
         self.loops.append(Loop(held.name, held.kind, (frames[0], frames[1]), held.axis))
 
     def tendon(self, index: int, given: dict[str, Any]) -> None:
-        """A strut, from a tendon between sites of two bodies."""
+        """Add the strut that a tendon between sites of two bodies stands for."""
         name = given["name"] or f"tendon{index + 1}"
         if given["limited"]:
             self.left_out.append(("limits of the length of tendons are", name))
@@ -342,7 +343,7 @@ class _MjcfReader:
 
     # ------------------------------------------------------------ frames and notices
     def in_link(self, body: int, position: Any, quaternion: Any) -> Placement:
-        """A pose given in a body's frame, in its link's."""
+        """A pose given in a body's frame, expressed in the frame of its link."""
         return moved(np.array(position) - self.at[body]).then(turned(quaternion))
 
     def mount(self, name: str, body: int, placement: Placement) -> str:

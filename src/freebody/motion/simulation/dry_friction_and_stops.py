@@ -28,8 +28,8 @@ _TURNS = 50  # per coordinate: choices of what is held, of which a few are enoug
 
 
 class Contact(NamedTuple):
-    """Coordinates that are held (..., nv), torques that push besides (..., nv), and the
-    accelerations (..., nv)."""
+    """The result of contact at joints: flags of held coordinates (..., nv), torques that push in
+    addition (..., nv), and accelerations (..., nv)."""
 
     held: Flags
     push: Array
@@ -38,9 +38,9 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Dry friction and stops of motions, or of all alike: what friction holds at most at rest,
-    limits, and the share of its speed with which each stop
-    turns a motion back; (..., nv) each. Without stops the limits are infinite.
+    """Dry friction and stops of motions, one row for all or one each (..., nv): the most that
+    friction holds at rest, position limits (infinite without stops), and the fraction of speed that
+    each stop returns.
 
     robot: with its friction. dry: whether that sticks. place (nv,): the entry of q that is a
     coordinate's position.
@@ -55,16 +55,16 @@ class JointContacts:
     place: Index
 
     def lanes(self, lanes: MotionLanes) -> JointContacts:
-        """Friction and stops with one row for each motion of a batch."""
+        """Friction and stops with a row for each of the given motions of a batch."""
         shape = (lanes.count, len(self.place))
         return self._each(lambda x: np.broadcast_to(lanes.each(x, 1), shape))
 
     def repeated(self, times: int) -> JointContacts:
-        """The rows (n, nv) so many times, one after the other."""
+        """Friction and stops with the rows (n, nv) repeated, one copy after the other."""
         return self._each(lambda x: np.broadcast_to(x, (times, *x.shape)).reshape(-1, x.shape[-1]))
 
     def some(self, which: Some) -> JointContacts:
-        """Friction and stops of some motions."""
+        """Friction and stops of selected motions."""
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
@@ -73,11 +73,11 @@ class JointContacts:
 
     @property
     def jumps(self) -> Flags:
-        """Whether friction depends on the sign of the rate."""
+        """Flags of the coordinates whose friction depends on the sign of the rate."""
         return self.grip > 0.0
 
     def positions(self, q: Array) -> Array:
-        """The positions that have stops, of q (..., nq)."""
+        """The entries of q (..., nq) that may have stops."""
         return q[..., self.place]
 
     def at_stops(self, q: Array) -> tuple[Flags, Flags]:
@@ -86,24 +86,25 @@ class JointContacts:
         return x <= self.lower, x >= self.upper
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
-        """Lowest and highest torque that hold a coordinate at rest: friction resists both ways, a
-        stop pushes inward as much as it takes."""
+        """The lowest and the highest torque that hold each coordinate at rest: friction resists
+        both ways, a stop pushes inward with any force."""
         below, above = self.at_stops(q)
         return np.where(above, -np.inf, -self.grip), np.where(below, np.inf, self.grip)
 
     def resting(self, q: Array, qd: Array) -> Flags:
-        """Flags of the coordinates that may be held."""
+        """Flags of the coordinates that are at rest and may be held, by dry friction or by a
+        stop."""
         below, above = self.at_stops(q)
         return (qd == 0.0) & ((self.grip > 0.0) | below | above)
 
     def hitting(self, q: Array, qd: Array) -> Flags:
-        """Flags of the coordinates that move on into a stop."""
+        """Flags of the coordinates at a stop that move on into it."""
         below, above = self.at_stops(q)
         return (below & (qd < 0.0)) | (above & (qd > 0.0))
 
     def contact(self, q: Array, qd: Array, M: Array, forces: Array, drag: Array) -> Contact:
-        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction,
-        of size drag (n, nv), and stops.
+        """The contacts in states (n, ...), given the forces (n, nv) other than dry friction, of
+        size drag (n, nv), and stops.
 
         A coordinate at rest stays there where friction and stop can hold it, together with all
         others; else it begins to move, against its friction. Of moving ones friction resists.
@@ -133,7 +134,7 @@ class JointContacts:
 
 
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
-    """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
+    """The dry friction and stops of a model, for a family (*family, nv) each; dry: whether friction
     sticks."""
     nv, friction = model.nv, sticking_friction(model)[1]
     if dry:
@@ -149,7 +150,8 @@ def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointC
 
 
 def _stops(model: Model) -> tuple[Array, Array]:
-    """Positions of the stops: the limits of the joints, those of followers among them."""
+    """Positions of the lower and upper stops: the limits of the joints, those of followers
+    included."""
     if model.family:
         if any(body.joint.mimic is not None for body in model.bodies):
             raise FreebodyError(
@@ -169,7 +171,7 @@ def _stops(model: Model) -> tuple[Array, Array]:
 
 
 def refuse_beyond(model: Model, contacts: JointContacts, q: Array) -> None:
-    """Refuse a start (..., nq) behind a stop."""
+    """Refuse a start (..., nq) beyond a stop."""
     x = contacts.positions(q)
     x, lower, upper = np.broadcast_arrays(x, contacts.lower, contacts.upper)
     beyond = np.argwhere((x < lower) | (x > upper))
@@ -186,8 +188,9 @@ def refuse_beyond(model: Model, contacts: JointContacts, q: Array) -> None:
 
 
 def complementary(M: Array, forces: Array, candidates: Flags, least: Array, most: Array) -> Contact:
-    """x (n, nv) with M x = forces + push, where a candidate has x = 0 and a push between least and
-    most, or x above 0 and push = least, or x below 0 and push = most; all others have push 0.
+    """The contact x (n, nv) with M x = forces + push, where a candidate has x = 0 and a push
+    between least and most, or x above 0 and push = least, or x below 0 and push = most; all other
+    coordinates have no push.
 
     M being positive definite there is one such x. All candidates are held at first; as long as
     something is wrong, the first that is wrong changes: what is held too hard is let go, what moves
@@ -216,8 +219,8 @@ def complementary(M: Array, forces: Array, candidates: Flags, least: Array, most
 
 
 def _solved(M: Array, forces: Array, held: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """x with x = 0 where it is held and M x = forces elsewhere, and what lacks in the rows of what
-    is held."""
+    """The solution x with x = 0 for held coordinates and M x = forces in the rows of the others,
+    and the residual M x - forces in the rows of held ones."""
     free = (~held).astype(float)
     reduced = M * free[..., :, None] * free[..., None, :]
     reduced += held[..., :, None] * np.eye(M.shape[-1])

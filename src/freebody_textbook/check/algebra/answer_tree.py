@@ -13,7 +13,7 @@ Angle = tuple[tuple[str, int], ...]
 
 
 class Named(Expression):
-    """A name and what it stands for."""
+    """A leaf of an expression tree: a name with its value."""
 
     name: str
     value: Value
@@ -24,7 +24,7 @@ class Named(Expression):
 
 
 class Wave(Expression):
-    """sin or cos of a sum of angles and a constant."""
+    """A leaf of an expression tree: the sin or cos of a sum of angles and a constant."""
 
     function: str
     angle: Angle

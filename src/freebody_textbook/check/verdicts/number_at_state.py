@@ -1,4 +1,4 @@
-"""A number of an answer and the right one at the same state, with how far they may be apart."""
+"""A number of an answer and the correct one at the same state, with the allowed difference."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _VAGUE = 0.05
 
 @dataclass(frozen=True)
 class NumberAtState:
-    """A claim in numbers, and the right number at its state."""
+    """A claim in numbers, with the correct number at its state."""
 
     setting: RightEquations
     claim: Claim
@@ -47,12 +47,12 @@ class NumberAtState:
 
     @cached_property
     def right_value(self) -> Value:
-        """The right answer in symbols."""
+        """The correct answer in symbols."""
         return self.claim.target.compute()
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """The values of all names that are known, in SI units."""
+        """Known values of names in SI units."""
         model = self.setting.symbols.model.parameters
         known = {name: float(value) for name, value in model.items() if value is not None}
         for name, given in self.given.items():
@@ -68,7 +68,7 @@ class NumberAtState:
 
     @cached_property
     def right(self) -> float:
-        """The right number, in SI units."""
+        """The correct number in SI units."""
         right = self.point.of(self.right_value)
         return 0.0 if abs(right) <= self._noise else right
 
@@ -79,7 +79,7 @@ class NumberAtState:
 
     @cached_property
     def factor(self) -> float:
-        """The size of the unit in which the answer is written, in SI units."""
+        """The factor to SI units of the unit in which the answer is written."""
         return self.unit.factor if self.unit else 1.0
 
     @property
@@ -94,18 +94,18 @@ class NumberAtState:
 
     @cached_property
     def point(self) -> RealPoint:
-        """The state, and how far numbers may be apart there."""
+        """The point of the state, with the allowed difference between numbers."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         return replace(point, slack=self._slack(point) + self._noise)
 
     @cached_property
     def _noise(self) -> float:
-        """The error that floating point leaves where terms cancel, as cos 90°."""
+        """Rounding error that remains where terms cancel, as in cos 90°."""
         return EXACT * (self._size + abs(self.yours))
 
     @cached_property
     def _size(self) -> float:
-        """Sum of the sizes of the right number's terms."""
+        """Sum of the absolute values of the correct number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
@@ -113,26 +113,26 @@ class NumberAtState:
 
     @property
     def is_right(self) -> bool:
-        """Whether the numbers are equal to the digits given, or within the tolerance."""
+        """Whether the numbers agree to the digits given, or within the tolerance."""
         return self.point.agree(self.yours, self.right)
 
     @property
     def is_vague(self) -> bool:
-        """Whether digits or tolerance leave more room than the right number's terms have, so that
-        nearly any number would do."""
+        """Whether the digits or the tolerance allow more than the size of the correct number's
+        terms, so that almost any number would pass."""
         exactly = replace(self.point, slack=self._noise).agree(self.yours, self.right)
         return not exactly and self.point.slack > self._size + self._noise
 
     @cached_property
     def thought(self) -> RealPoint:
-        """The state at which reasons for a wrong number are sought, with less slack: one digit
-        would agree with many."""
+        """The point of the state with a smaller tolerance, used when explaining a wrong number: to
+        one digit too many explanations would fit."""
         largest = abs(self.yours) + abs(self.right)
         slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
         return replace(self.point, slack=slack)
 
     def _slack(self, point: RealPoint) -> float:
-        """Half a unit of the last digit, or the tolerance that is given."""
+        """The allowed difference: half a unit of the last digit, or the given tolerance."""
         if self.written and self.written.within:
             return float(self.written.within) * self.factor
         if self.tolerance is not None:
@@ -140,7 +140,8 @@ class NumberAtState:
         return self.factor * self._of_digits()
 
     def _of_digits(self) -> float:
-        """The change of the answer by half a unit of the last digit of each of its numbers."""
+        """The change of the answer when each of its numbers changes by half a unit of its last
+        digit."""
         root, source = self.claim.node, self.claim.source
         total = 0.0
         for node in nodes(root):
@@ -153,35 +154,35 @@ class NumberAtState:
 
     @property
     def is_lone(self) -> bool:
-        """Whether the answer is a single number, apart from its sign."""
+        """Whether the answer is a single number, possibly with a sign."""
         return sum(1 for node in nodes(self.claim.node) if not node.parts) == 1
 
     @property
     def digits(self) -> int:
-        """The number of digits that count in the answer; four of one that is computed from several
+        """The number of significant digits in the answer; four if it is computed from several
         numbers."""
         written = numbers(Lexemes.of(self.claim.source.plain(self.claim.node.span)))
         return next((x.digits for _, x in written), 4) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:
-        """Whether the unit is one of such a quantity."""
+        """Whether the unit fits the quantity."""
         return self.unit is None or self.needed in (None, self.unit.dimension)
 
     @cached_property
     def needed(self) -> Unit | None:
-        """The unit of such a quantity, where it is known."""
+        """The unit of the quantity, if it is known."""
         return unit_of_quantity(self.setting, self.claim.target, self.right_value)
 
     @cached_property
     def used(self) -> list[str]:
-        """The symbols of the right answer."""
+        """Names of symbols in the correct answer."""
         return self._symbols(lambda powers: True)
 
     @property
     def missing(self) -> list[str]:
-        """The symbols on which the right number depends at this state, and which nobody gives: of a
-        multiplier those of the driven joints, of which it follows."""
+        """The symbols without a value on which the correct number depends at this state; for a
+        multiplier those of the driven joints, from which it follows."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         counting = self._symbols(lambda powers: all(point.generator(x) != 0.0 for x in powers))
         left = [name for name in counting if name not in self.values]
@@ -193,13 +194,13 @@ class NumberAtState:
         return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
-        """The symbols of the terms that count."""
+        """The symbols in the terms for which `counts` is true."""
         rows = (powers for part in pair(self.right_value) for powers, _ in part.terms())
         names = {symbol_of(name) for powers in rows if counts(powers) for name in powers}
         return [x for x in self.setting.ring.names if x in names]
 
     def better_unit(self) -> str:
-        """The unit in which the number would be right, or nothing."""
+        """The unit in which the number would be correct; "" if there is none."""
         for other in common_units(self.needed) if self.needed else []:
             scale = other.factor / self.factor
             point = replace(self.point, slack=self.point.slack * scale)
@@ -209,13 +210,13 @@ class NumberAtState:
         return ""
 
     def with_values(self, changed: Mapping[str, float]) -> float:
-        """The right number where some values are others."""
+        """The correct number with some values changed."""
         values = _with_signs(self.setting, {**self.values, **changed})
         return RealPoint.of_state(self.setting.ring, values).of(self.right_value)
 
 
 def _with_signs(setting: RightEquations, values: dict[str, float]) -> dict[str, float]:
-    """Values with the signs of rates, which friction is made of."""
+    """Values extended by the signs of rates, which friction terms contain."""
     signs = {
         name: float((values[rate] > 0) - (values[rate] < 0))
         for name in setting.ring.names
