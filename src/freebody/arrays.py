@@ -155,7 +155,8 @@ _MANY = 1000
 
 
 def _counts(value: Any) -> Iterator[float]:
-    """The numbers of entries that an argument stands for, see `too_large`."""
+    """The numbers of entries that an argument may stand for, from which `too_large` guesses which
+    one an array's size comes from."""
     if isinstance(value, Mapping):
         sizes = [count for entry in value.values() for count in _counts(entry)]
         yield math.prod(sizes) if sizes else 0.0
@@ -169,7 +170,7 @@ def _counts(value: Any) -> Iterator[float]:
 
 
 def _bytes(size: float) -> str:
-    """ "72.8 TiB": a size as NumPy writes it."""
+    """A size in bytes as NumPy writes it, such as "72.8 TiB"."""
     power = min(int(math.log2(size) // 10), len(_UNITS) - 1)
     return f"{size / 1024.0**power:.3g} {_UNITS[power]}"
 

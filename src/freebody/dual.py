@@ -32,7 +32,8 @@ class Dual:
         self.slopes = slopes
 
     def _made_of(self, other: Any) -> bool:
-        """Whether the other is of a higher level, which knows what to do."""
+        """Whether the other operand is a dual number of a higher level, which then does the
+        operation."""
         return isinstance(other, Dual) and other.level > self.level
 
     def __add__(self, other: Any) -> Any:
@@ -135,7 +136,8 @@ class Dual:
 
 
 class Outer(Dual):
-    """Slopes of a whole computation, in which `Dual` may be used."""
+    """A dual number of the outer level: slopes of a whole computation, in which `Dual` may be used
+    itself."""
 
     __slots__ = ()
     level = 0

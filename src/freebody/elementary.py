@@ -45,7 +45,8 @@ def _dispatch(name: str, numeric: Callable[..., Any], doc: str) -> Callable[...,
 
 
 def _flag(comparison: Callable[..., Any]) -> Callable[..., Any]:
-    """1.0 and 0.0 instead of True and False, so that the results can be reckoned with."""
+    """A comparison that returns 1.0 and 0.0 instead of True and False, so that its results can be
+    used in arithmetic."""
     return lambda a, b: np.where(comparison(a, b), 1.0, 0.0)[()]
 
 

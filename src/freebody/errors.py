@@ -38,7 +38,7 @@ _DIGITS = re.compile(r"[0-9]+")
 
 
 def _apart(a: str, b: str) -> tuple[float, int]:
-    """The distance of two names: in letters, and in their numbers."""
+    """The distance of two names: by their letters, then by the numbers in them."""
     numbers = zip(*([int(x) for x in _DIGITS.findall(name)] for name in (a, b)), strict=False)
     return -difflib.SequenceMatcher(None, a, b).ratio(), sum(abs(x - y) for x, y in numbers)
 
@@ -49,14 +49,15 @@ def _bare(name: str) -> str:
 
 
 def _is_misspelt(a: str, b: str) -> bool:
-    """Whether one begins with the other, or few letters are wrong, missing, too many or swapped."""
+    """Whether one name begins with the other, or few letters are wrong, missing, too many or
+    swapped."""
     a, b = a.casefold(), b.casefold()
     return a.startswith(b) or b.startswith(a) or _distance(a, b) <= (max(len(a), len(b)) + 1) // 3
 
 
 def _distance(a: str, b: str) -> int:
-    """Letters to change, leave out, put in, or swap with their neighbour (Damerau and
-    Levenshtein)."""
+    """The number of letters to change, leave out, insert, or swap with a neighbour between two
+    names (Damerau and Levenshtein)."""
     before: list[int] = []
     row = list(range(len(b) + 1))
     for i, x in enumerate(a, 1):
@@ -91,7 +92,8 @@ class MassWarning(FreebodyWarning):
 
 
 def warn(text: str, category: type[FreebodyWarning] = FreebodyWarning) -> None:
-    """A warning at the line of the user's that called, however deep in freebody it is found out."""
+    """Warn at the line of the user's code that called freebody, however deep in freebody the doubt
+    arises."""
     frame, level = sys._getframe(1), 2
     while frame is not None and frame.f_globals.get("__name__", "").partition(".")[0] == _OWN:
         frame, level = frame.f_back, level + 1
@@ -178,7 +180,7 @@ class MissingArgumentError(FreebodyError):
         super().__init__(self.worded([f"{name}=" for name in self.names]))
 
     def worded(self, names: Iterable[str]) -> str:
-        """The message, with names of the arguments as they are given here."""
+        """The error's message, with the given names in place of the arguments' own."""
         known = list(names)
         either = " or ".join(part for part in (", ".join(known[:-1]), *known[-1:]) if part)
         return f"{self.problem}; give {either}{self.remark}."
@@ -198,25 +200,25 @@ class MissingPackageError(FreebodyError, ImportError):
 
 
 class ModelError(FreebodyError, ValueError):
-    """A mechanism that cannot be: names the body or joint and the remedy."""
+    """A mechanism that cannot exist; the message names the body or joint and the remedy."""
 
 
 class SingularError(FreebodyError, ArithmeticError):
-    """A system of equations without a unique solution; says which body, joint or direction is to
-    blame."""
+    """A system of equations without a unique solution; the message says which body, joint or
+    direction is to blame."""
 
 
 class LoopError(FreebodyError, ValueError):
-    """The loops of a closed chain are open, or would not stay closed; names the loop and the
-    gap."""
+    """Loops of a closed chain that are open, or would not stay closed; the message names the loop
+    and the gap."""
 
 
 class PassiveJointError(FreebodyError, ValueError):
-    """A torque at a passive joint; names the joint."""
+    """A torque at a passive joint; the message names the joint."""
 
 
 class OutOfMemoryError(FreebodyError, MemoryError):
-    """More memory than there is; says what it is for, and how much it is.
+    """A computation that needs more memory than there is; the message says for what, and how much.
 
     shape: of the array that did not fit, where it was one.
     """
@@ -234,7 +236,7 @@ class IncludedLine(NamedTuple):
 
 
 class FileError(FreebodyError, ValueError):
-    """Something in a file, with the file and, where known, the line."""
+    """An error about the content of a file, with the file and, where known, the line."""
 
     def __init__(self, path: str | Path, line: int | IncludedLine | None, problem: str):
         if isinstance(line, IncludedLine):
@@ -259,7 +261,8 @@ class OutputError(FreebodyError):
 def _rebuilt(
     kind: type[FreebodyError], args: tuple[object, ...], attributes: dict[str, Any]
 ) -> FreebodyError:
-    """The exception that another process sent."""
+    """The exception that another process raised, rebuilt from its class, arguments and
+    attributes."""
     error = kind.__new__(kind, *args)
     error.__dict__.update(attributes)
     return error

@@ -100,7 +100,8 @@ they are needed; and a force of the body as it acts on the next one inward."""
 
 
 def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
-    """Each body in its own frame; what goes inward is turned and moved at each joint."""
+    """Inertias and motion columns with each body in its own frame; what is passed inward is turned
+    and moved at each joint."""
     space, gathered = tree.space, composites(tree, joints)
     columns = [body.columns for body in tree.bodies]
 
@@ -116,7 +117,8 @@ def _from_frame_to_frame(tree: Tree, joints: list[Pose]) -> _Seen:
 
 
 def _in_one_frame(tree: Tree, joints: list[Pose]) -> _Seen:
-    """Inertias and columns in the axes of one body, so that nothing is turned on the way inward.
+    """Inertias and motion columns of all bodies in the axes of one, so that nothing is turned on
+    the way inward.
 
     Inertias are still about the origin of their own body: about a far one they would lose digits.
     What goes inward is moved once, to the common origin.
@@ -159,7 +161,7 @@ def _prefers_one_frame(tree: Tree) -> bool:
 
 
 def _exact(row: Vector) -> bool:
-    """Whether entries are the numbers 0 and ±1, whatever the robot's other numbers are."""
+    """Whether all entries are the constants 0, 1 or -1, whatever the robot's other numbers are."""
     return all(isinstance(x, float) and x in (0.0, 1.0, -1.0) for x in row)
 
 

@@ -126,8 +126,8 @@ def _add_struts(
     by_q: list[list[Scalar]],
     by_qd: list[list[Scalar]],
 ) -> Vector:
-    """The torques that struts need; what they add to the derivatives, by forward mode, is
-    entered."""
+    """The torques that struts need; their derivatives, by forward mode, are added to the tables of
+    derivatives."""
     n = tree.nv
     faster = tuple(Dual(x, {n + k: 1.0}) for k, x in enumerate(qd))
     torques = rnea(struts_alone(tree), along_every_direction(tree, q), faster, (0.0,) * n).tau
@@ -152,7 +152,8 @@ def forward_dynamics_derivatives(
     inverse = inverse_derivatives(tree, q, qd, qdd)
 
     def transmitted(table: Matrix) -> Matrix:
-        """Rows for each unit that joints transmit: so the last derivative is symmetric."""
+        """The rows divided by the share that lossy joints transmit, so that the last derivative is
+        symmetric."""
         gain = inverse.factors
         return tuple(scale(1.0 / gain[k], row) if k in gain else row for k, row in enumerate(table))
 

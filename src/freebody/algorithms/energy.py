@@ -45,7 +45,7 @@ def resting_energy(tree: Tree) -> Scalar:
 
 
 def _of_weight(tree: Tree, masses: tuple[Mass, ...], pose: Pose) -> Scalar:
-    """-m g·r_c of the masses of a body at its pose in the world."""
+    """The potential energy -m g·r_c of the masses of one body at its pose in the world."""
     energy: Scalar = 0.0
     R, p = pose
     for mass in masses:

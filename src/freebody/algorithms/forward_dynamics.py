@@ -46,8 +46,8 @@ def forward_dynamics(
 
 @dataclass(frozen=True)
 class _Gear:
-    """A joint that loses a part of what it transmits. k: its coordinate. given: the motor's torque
-    less friction."""
+    """A joint whose gear loses a part of the torque it transmits; k: its coordinate, given: the
+    motor's torque less friction."""
 
     k: int
     drive: DriveScalars
@@ -56,16 +56,17 @@ class _Gear:
 
     @property
     def heavy(self) -> bool:
-        """Whether its rotor may have inertia."""
+        """Whether the rotor behind the gear may have inertia."""
         return not (isinstance(self.inertia, float) and self.inertia == 0.0)
 
     def sent(self, qdd: Vector, part: Scalar) -> Scalar:
-        """The torque transmitted at these accelerations, where this part of it is lost."""
+        """The torque that the gear transmits at given joint accelerations, where a given part of it
+        is lost."""
         return (self.given - self._rotor(qdd)) / (1.0 + part)
 
     def settled(self, qd: Vector, qdd: Vector, part: Scalar, sent: Scalar) -> Scalar:
-        """A margin, positive where the part that was taken as lost is that of what was found to be
-        transmitted, or that is nothing."""
+        """A margin that is positive where the part assumed to be lost is the one that belongs to
+        the torque transmitted, or where nothing is transmitted."""
         size = absolute(self.given) + absolute(self._rotor(qdd))
         tiny = less_equal(absolute(sent), _ROUNDED * epsilon(size) * size)
         return where(tiny, 1.0, equal(part, self.drive.lost_part(qd, sent))) - 0.5
@@ -76,8 +77,8 @@ class _Gear:
 
 @dataclass(frozen=True)
 class LossyMotion:
-    """Accelerations of a tree some of whose joints lose a part of the torque that they transmit,
-    and that torque, by coordinate, of those joints."""
+    """Accelerations of a tree with lossy joints, and the torque that each of these joints
+    transmits, by coordinate."""
 
     qdd: Vector
     transmitted: dict[int, Scalar]
@@ -86,7 +87,8 @@ class LossyMotion:
 def under_losses(
     tree: Tree, q: Vector, qd: Vector, tau: Vector, M: Matrix, forces: Vector
 ) -> LossyMotion:
-    """The motion under the torques tau; forces: what is left of them for M q̈, before losses."""
+    """The motion of a tree with lossy joints under the torques tau; forces: the right side of M q̈
+    = forces before losses."""
     gears = _gears(tree, q, qd, tau)
     heavy = any(gear.heavy for gear in gears)
     directions = [gear.given for gear in gears]
@@ -102,7 +104,7 @@ def under_losses(
 
 
 def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_Gear]:
-    """The joints that lose a part of what they transmit."""
+    """The joints of a tree that lose a part of the torque they transmit."""
     found = []
     for body in tree.bodies:
         if body.drive is not None and body.drive.lossy:
@@ -115,7 +117,7 @@ def _gears(tree: Tree, q: Vector, qd: Vector, tau: Vector) -> list[_Gear]:
 def _accelerations(
     tree: Tree, M: Matrix, forces: Vector, gears: Sequence[_Gear], parts: Sequence[Scalar]
 ) -> Vector:
-    """q̈ where these parts are lost."""
+    """Accelerations q̈ where the lossy joints lose given parts of the torque they transmit."""
     rows, right = [list(row) for row in M], list(forces)
     for gear, part in zip(gears, parts, strict=True):
         taken = part / (1.0 + part)  # 1 - 1/k

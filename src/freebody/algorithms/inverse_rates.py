@@ -33,7 +33,8 @@ def inverse_velocity(tree: Tree, q: Vector, frame: str, rows: tuple[int, ...], V
 def inverse_acceleration(
     tree: Tree, q: Vector, qd: Vector, frame: str, rows: tuple[int, ...], A: Vector
 ) -> Vector:
-    """q̈ of least norm with J q̈ + J̇ q̇ = A; NaN as of `inverse_velocity`."""
+    """q̈ of least norm with J q̈ + J̇ q̇ = A; NaN where the rows of J are not surely
+    independent."""
     _, (wd, vd) = frame_motion(tree, outward(tree, q, qd, (0.0,) * tree.nv), frame)
     drift = vd + wd
     wanted = tuple(x - drift[row] for x, row in zip(A, rows, strict=True))
@@ -41,8 +42,8 @@ def inverse_acceleration(
 
 
 def tip_wrench(tree: Tree, q: Vector, frame: str, tau: Vector) -> Vector:
-    """The wrench f with Jᵀ f = tau of an arm of `wrench_rows` joints, 0 in further rows; NaN as of
-    `inverse_velocity`."""
+    """The wrench f with Jᵀ f = tau of an arm, in as many rows as `wrench_rows` says and 0 in the
+    others; NaN where the rows of J are not surely independent."""
     six = tree.space.six
     rows = tuple(range(wrench_rows(tree.nv, six, tree.space.dim)))
     units, J = _comparable(tree, q, frame, rows)
@@ -57,15 +58,16 @@ def tip_wrench(tree: Tree, q: Vector, frame: str, tau: Vector) -> Vector:
 
 
 def wrench_rows(nv: int, six: int, dim: int) -> int:
-    """The number of a wrench's rows that nv torques can determine: the force alone where they are
-    too few for all."""
+    """The number of components of a wrench that nv torques can determine: all, or the force alone
+    where there are fewer torques than components."""
     return six if nv >= six else dim
 
 
 def _comparable(
     tree: Tree, q: Vector, frame: str, rows: tuple[int, ...]
 ) -> tuple[list[Scalar], Matrix]:
-    """(a factor for each row, rows of the Jacobian times these): lengths over the arm's."""
+    """(factors of the chosen rows of a frame's Jacobian, the rows times their factors): lengths
+    divided by the arm's, so that linear and angular rows compare."""
     each = 1.0 / _reach(tree, frame)
     units = [each if row < tree.space.dim else 1.0 for row in rows]
     whole = jacobian(tree, q, frame)

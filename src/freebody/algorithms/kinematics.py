@@ -129,8 +129,8 @@ def observer(tree: Tree) -> int:
 
 
 def columns_at_origin(tree: Tree, poses: list[Pose]) -> list[tuple[Column, ...]]:
-    """Motion columns of each joint at the origin of the frame, and in its axes, in which the poses
-    of the bodies are."""
+    """Motion columns of each joint at the origin and in the axes of the frame in which the bodies'
+    poses are given."""
     space = tree.space
 
     def at_origin(pose: Pose, column: Column) -> Column:
@@ -300,7 +300,7 @@ def jacobian_dot(tree: Tree, q: Vector, qd: Vector, frame: str, reference: str =
 
 
 def frame_columns(tree: Tree, world: list[Pose], p: Vector, frame: str) -> dict[int, list[Column]]:
-    """Motion columns of each joint on the way to the frame, in world axes, at point p."""
+    """Motion columns of each joint on the way to a frame, at the point p, in world axes."""
     space = tree.space
     columns = {}
     for i in ancestors(tree, tree.frames[frame][0]):

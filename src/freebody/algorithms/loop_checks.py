@@ -1,5 +1,5 @@
-"""Whether a closed chain is in a state that its loops allow, and what was found of it can be
-trusted: as margins.
+"""Checks of closed chains as margins: whether a state satisfies the loops, and whether results
+computed for it can be trusted.
 
 A margin is positive where all is well, and NaN or not positive elsewhere. Gaps, rates and
 accelerations are compared as angles, lengths over the mechanism's own.
@@ -50,8 +50,8 @@ _FORWARD = 0.5
 
 
 def sure(values: Vector, margins: Iterable[Scalar]) -> Vector:
-    """The values where all margins are positive, else NaN; added, since a value may be 0 whatever
-    comes."""
+    """The values where all margins are positive, else NaN; NaN is added to them, since a value may
+    be the constant 0."""
     nothing = one_if_positive(*margins) - 1.0
     return tuple(x + nothing for x in values)
 
@@ -72,7 +72,7 @@ def closure_margins(tree: Tree, q: Vector, qd: Vector | None = None) -> list[Sca
 
 
 def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
-    """The margin of accelerations that keep the loops closed."""
+    """The margin, positive where accelerations keep the loops closed."""
     terms, left = _left_by(tree, q, qd, qdd, range(tree.constraints))
     return LEFT * terms - left
 
@@ -80,7 +80,8 @@ def consistent_margin(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Scalar:
 def following_margins(
     tree: Tree, q: Vector, qd: Vector, qdd: Vector, counting: Counting | None
 ) -> list[Scalar]:
-    """Margins of accelerations that the equations left out allow, too."""
+    """Margins, positive where accelerations also satisfy the loop equations that were left out as
+    dependent."""
     others = counting.left_out(tree) if counting else ()
     if not counting or not others:
         return []
@@ -91,7 +92,8 @@ def following_margins(
 def _left_by(
     tree: Tree, q: Vector, qd: Vector, qdd: Vector, equations: Sequence[int]
 ) -> tuple[Scalar, Scalar]:
-    """(the size of the terms of scaled equations, the largest that accelerations leave of one)."""
+    """(size of the terms of the scaled loop equations, largest residual that accelerations leave in
+    one of them)."""
     rows, rates = scales(tree)
     c, phi = constraint_bias(tree, q, qd), constraint_jacobian(tree, q)
     left = [rows[k] * (dot(phi[k], qdd) - c[k]) for k in equations]
@@ -123,7 +125,8 @@ def solution_margins(
 
 
 def largest(values: Vector, rates: Vector) -> Scalar:
-    """Largest of rates, or of their derivatives, each divided by its scale, as an angular one."""
+    """Largest of the rates, or of their derivatives, in angular measure: each divided by its
+    scale."""
     return _largest(x / r for x, r in zip(values, rates, strict=True))
 
 

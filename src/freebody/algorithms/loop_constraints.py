@@ -62,7 +62,7 @@ Velocities = tuple[Column, Column]
 
 
 class Counting(NamedTuple):
-    """Loop equations that count; those left out follow from them."""
+    """The loop equations that are counted as independent; those left out follow from them."""
 
     rows: tuple[int, ...]
     slack: float = 0.0
@@ -302,8 +302,8 @@ def independence(tree: Tree, pivots: Vector, counting: Counting | None = None) -
 
 
 def _as_angles(tree: Tree) -> Vector:
-    """The factors that make the equations comparable: 1 of angles, of lengths one over the
-    mechanism's own."""
+    """Factors that make residuals of loop equations comparable: 1 for angles, one over the
+    mechanism's length for lengths."""
     per_length = 1.0 / mechanism_length(tree)
     return tuple(per_length if of_length else 1.0 for of_length in equations_of_lengths(tree))
 
@@ -326,7 +326,8 @@ def one_if_positive(*margins: Scalar) -> Scalar:
 
 
 def kept(values: tuple[Any, ...], counting: Counting | None) -> tuple[Any, ...]:
-    """The values of the equations that count, from a value for every equation; None: all."""
+    """The values of the counted equations, out of a value for every loop equation; all where
+    counting is None."""
     return values if counting is None else tuple(values[k] for k in counting.rows)
 
 
@@ -377,13 +378,14 @@ def loop_ends(tree: Tree, q: Vector) -> list[tuple[Pose, Pose]]:
 
 
 def _ends(tree: Tree, world: list[Pose], loop: TreeLoop) -> tuple[Pose, Pose]:
-    """The poses of frames A and B in the world."""
+    """The poses of a loop's frames A and B in the world."""
     a, b = loop.frames
     return frame_pose(tree, world, a), frame_pose(tree, world, b)
 
 
 def _rates(tree: Tree, world: list[Pose], pose: Pose, frame: str) -> Iterator[tuple[int, Column]]:
-    """For each rate that moves a frame (its index, what the frame's origin moves by)."""
+    """Pairs of the index of each rate that moves a frame and the motion of the frame's origin per
+    unit of it."""
     for i, columns in frame_columns(tree, world, pose[1], frame).items():
         at = tree.bodies[i].coordinates
         for k, (angular, linear) in zip(at.v, columns, strict=True):

@@ -1,4 +1,4 @@
-"""Forces of closed chains: what drives must do, and what the loops do.
+"""Forces of closed chains: the torques of the drives, and the forces of the loops.
 
 Loops let the coordinates move with x_dependent = X x_independent: Φ_q = [A B] over dependent and
 independent rates, X = -A⁻¹ B. So torques n of the tree have the power n_independent + Xᵀ
@@ -41,7 +41,7 @@ _ROUNDINGS = 4096.0
 
 
 class Partition(NamedTuple):
-    """A choice of independent loop equations, and of coordinates."""
+    """A choice of independent loop equations, and of the coordinates that they determine."""
 
     rows: tuple[int, ...]
     """Equations that determine all that the loops determine."""
@@ -110,7 +110,8 @@ def orthogonal(columns: Sequence[Vector]) -> Orthogonal:
 
 @dataclass(frozen=True)
 class _Split:
-    """Φ_q at one position, scaled and split."""
+    """The constraint Jacobian Φ_q at one position, scaled to angles and split into dependent and
+    independent coordinates."""
 
     factors: Orthogonal
     """Factors of A, the columns of the dependent coordinates."""
@@ -182,13 +183,14 @@ def loose_recursions(tree: Tree, q: Vector, partition: Partition) -> list[tuple[
 
 
 def _where_it_holds(split: _Split, left: Scalar) -> Scalar:
-    """1 where the partition's choice is good, NaN elsewhere; left: as of `_loose`."""
+    """1 where the partition fits the position, NaN elsewhere; left: the sum of squares that
+    `_loose` returns."""
     margins, least = split.factors.margins, no_finer(_LEFT, left, _ROUNDINGS)
     return one_if_positive(*margins, least * least - left) if margins else 1.0
 
 
 def scaled_jacobian(tree: Tree, q: Vector) -> Matrix:
-    """Φ_q in angles, over angular rates."""
+    """The constraint Jacobian Φ_q with residuals of the equations and rates both as angles."""
     rows, rates = scales(tree)
     return tuple(
         tuple(s * x * r for x, r in zip(row, rates, strict=True))

@@ -91,7 +91,8 @@ def _vanishes(x: Scalar) -> bool:
 def _checked(
     phi: Matrix, wanted: Vector, rates: Vector, x: Vector, factors: Orthogonal
 ) -> tuple[Vector, list[Scalar]]:
-    """The angular rates x as rates, and whether they satisfy every equation."""
+    """The angular rates x converted to the coordinates' own units, and margins that are positive
+    where they satisfy every loop equation."""
     left = [absolute(c - dot(row, x)) for c, row in zip(wanted, phi, strict=True)]
     result = tuple(r * value for r, value in zip(rates, x, strict=True))
     most = 1.0 + largest(result, rates)

@@ -58,7 +58,8 @@ def repeating(tree: Tree) -> tuple[bool, ...]:
 
 
 def no_finer(limit: float, x: Scalar, roundings: float) -> Scalar:
-    """The relative limit, or so many roundings of numbers with few digits where these are more.
+    """The larger of a relative limit and the rounding of x's type, so that numbers of few digits
+    are not compared too finely.
 
     roundings: how many units of rounding of x's type a compared value may well have gathered.
     """

@@ -57,7 +57,8 @@ def balance(
     wrenches: Sequence[Vector],
     external: Sequence[tuple[str, Vector]],
 ) -> BodyResiduals:
-    """The residuals that reactions and external wrenches, world axes, leave of a motion.
+    """The residual forces and moments that reactions and external wrenches (world axes) leave in
+    the equations of motion of every body.
 
     moving: of every body of the tree. wrenches: of joints and loops, as `closed_wrenches` gives
     them; external: (frame, wrench) of each load.
@@ -98,7 +99,8 @@ class _Acting:
     moments: dict[int, list[Vector]] = field(default_factory=dict)
 
     def add(self, body: int, force: Vector, moment: Vector, place: Vector) -> None:
-        """A force at a place, and a moment; on the ground (-1) nothing is asked."""
+        """Add a force at a place, and a moment, to the loads on a body; loads on the ground (-1)
+        are ignored."""
         if body >= 0:
             turned = self.moment(sub(place, self.origins[body]), force)
             self.forces.setdefault(body, []).append(force)
@@ -115,7 +117,8 @@ def _end(tree: Tree, moving: Sequence[Moving], frame: str) -> tuple[Vector, Vect
 
 
 def _needed(tree: Tree, i: int, body: Moving) -> tuple[Vector, Vector]:
-    """m (a - g), and Ḣ - c × m g about the joint's origin, of a body's masses."""
+    """The force m (a - g) and the moment Ḣ - c × m g about the joint's origin that the masses of a
+    body need."""
     space = tree.space
     force, moment = space.zero, space.zero_angular
     (R, _), (R_second, p_second) = body.pose, body.second

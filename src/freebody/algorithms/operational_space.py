@@ -92,7 +92,8 @@ INDEPENDENT = 1e-6
 
 
 def surely_independent(J: Matrix, ratio: float = INDEPENDENT) -> Scalar:
-    """1 where the smallest singular value of J is surely above a ratio of the largest, else 0.
+    """1 where the smallest singular value of J is surely above the given fraction of the largest,
+    else 0.
 
     The traces of J Jᵀ and of its inverse are their largest eigenvalues at least, and n times these
     at most.

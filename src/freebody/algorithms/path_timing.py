@@ -112,8 +112,8 @@ def polygon(
 def _line(
     own: Scalar, other: Scalar, lo: Scalar, hi: Scalar, none: Scalar
 ) -> tuple[Scalar, Scalar, Scalar]:
-    """(low, high, slope) of the coordinate whose coefficient is `own`; no bound where it does not
-    appear in the row."""
+    """(low, high, slope) that a limit row sets to the coordinate whose coefficient is `own`; no
+    bound where the coordinate does not appear in the row."""
     absent = less_equal(absolute(own), _NEGLIGIBLE * absolute(other) + none)
     inverse = 1.0 / where(absent, 1.0, own)
     one, two = lo * inverse, hi * inverse
@@ -145,7 +145,7 @@ def _corner(
 
 
 def _room(lines: LimitLines, x: Scalar, most_y: Scalar) -> tuple[Scalar, Scalar, Scalar, Scalar]:
-    """(highest y, its slope, lowest y, its slope) that the lines allow at x."""
+    """(highest y, its slope, lowest y, its slope) that the limit lines allow at x."""
     zero = 0.0 * x
     tops, bottoms = [(most_y, zero)], [(zero, zero)]
     for least, most, slope in zip(*lines, strict=True):
@@ -215,9 +215,9 @@ def excess(
     y: Scalar,
     h: Scalar,
 ) -> tuple[list[Scalar], Scalar, Scalar]:
-    """Excess of each row over its limit `size` within an interval, or negative below -size;
-    the largest of them as a fraction of its limit; and the share of its limit that one might come
-    to.
+    """The excess of each row over its limit `size` within an interval (negative below -size), the
+    largest of them as a fraction of its limit, and the share of its limit that one row might still
+    come to.
 
     middle: the values halfway; between them and those at the ends a parabola over time: viscous
     friction grows with the square root of the way.
@@ -240,8 +240,8 @@ def excess(
 
 
 def _vertex(first: Scalar, half: Scalar, last: Scalar, passed: Scalar) -> Scalar:
-    """The extreme value of the parabola through values at both ends and `passed` of the way between
-    them, or the latter."""
+    """The extreme value of the parabola through the values at both ends and at the part `passed` of
+    the way, or the value there where the extreme lies outside."""
     lean = last - first
     bend = (half - first - lean * passed) / (passed * passed - passed)
     inside = less(absolute(lean), absolute(bend))
@@ -258,8 +258,9 @@ def speed_limit(first: Scalars, velocity: Scalars) -> Scalar:
 def top_speed(
     start: Scalars, middle: Scalars, end: Scalars, velocity: Scalars, x: Scalar, y: Scalar
 ) -> Scalar:
-    """The largest speed in an interval as a fraction of its limit, squared; start, middle, end: q'
-    there, between which it is taken for a parabola, as it is in a cubic path."""
+    """The square of the largest joint speed in an interval, as a fraction of its limit; start,
+    middle, end: q' at these places, between which it is taken for a parabola, as it is on a cubic
+    path."""
     found = []
     rise = y - x
     for a, b, c, most in zip(start, middle, end, velocity, strict=True):
@@ -280,14 +281,14 @@ def top_speed(
 
 
 def _part(above: Scalar, below: Scalar) -> Scalar:
-    """The quotient, between 0 and 1."""
+    """The quotient of two numbers, limited to the range from 0 to 1."""
     divides = less(_TINY, absolute(below))
     return minimum(maximum(above / where(divides, below, 1.0), 0.0), 1.0)
 
 
 def curve_values(powers: Sequence[Scalars], beyond: Scalar) -> list[Scalars]:
-    """The value and the derivatives, all that are not 0, at least two, of a polynomial whose
-    coefficients are `powers`, highest first, at `beyond`."""
+    """The value and all derivatives that are not 0 (at least two) of a polynomial at `beyond`;
+    powers: its coefficients, highest power first."""
     degree = len(powers) - 1
     found: list[Scalars] = []
     for order in range(max(degree, 2) + 1):

@@ -56,7 +56,8 @@ def step_towards(
     scales: Vector,
     limits: tuple[Vector, Vector],
 ) -> tuple[Vector, Scalar, Scalar, Scalar]:
-    """(q, damping, what is left, the longest entry of the step), the step taken if it leads nearer.
+    """(q, damping, remaining error, longest entry of the step) after one damped least-squares step
+    towards a target pose; the step is taken only if it leads nearer.
 
     columns: of the coordinates that move, whose rates are their derivatives. limits: lower and
     upper, to which q is brought.

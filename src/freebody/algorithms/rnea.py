@@ -63,8 +63,9 @@ def rnea(
     gravity: str = "base",
     named: VectorNaming = unnamed,
 ) -> Recursion:
-    """Inverse dynamics. gravity: "base" accelerates the base by -g, "explicit" adds each body's
-    weight. named: what stands for each vector in what follows from it."""
+    """Inverse dynamics with all intermediates. gravity: "base" accelerates the base by -g,
+    "explicit" adds each body's weight. named: the function whose result stands for each vector in
+    the steps that follow."""
     space = tree.space
     motion = outward(tree, q, qd, qdd, neg(tree.gravity) if gravity == "base" else None, named)
     weights = _fields(tree, motion, named) if gravity == "explicit" else None

@@ -83,7 +83,7 @@ class ScrewChain:
     """Distances from joint to joint and to the frame, added up (m); 1 where they are all zero."""
 
     def resting(self, x: Sequence[Scalar]) -> ScrewChain:
-        """The chain whose joints stand at x (n,) if a target leaves that open."""
+        """The chain whose joints stand at x (n,) where a target does not determine them."""
         at = zip(self.screws, x, strict=True)
         return replace(self, screws=tuple(replace(s, rest=value) for s, value in at))
 
@@ -95,13 +95,13 @@ class ScrewChain:
         return q
 
     def positions(self, q: Array) -> Array:
-        """Joint positions x (..., n) of q (..., nq)."""
+        """Positions x (..., n) of the chain's joints at q (..., nq)."""
         return q[..., self.index] * self.ratio + self.offset
 
 
 def chain_to(tree: Tree, frame: str) -> ScrewChain | None:
-    """The screws to a frame of a tree of numbers; None where a joint has several coordinates of its
-    own, or two share one, or turns and slides at once."""
+    """The screws of the joints from the base to a frame; None where a joint has several coordinates
+    of its own, two joints share one, or a joint turns and slides at once."""
     body, R, p = tree.frames[frame]
     path = ancestors(tree, body)[::-1]
     places = [tree.bodies[i].coordinates.q for i in path]

@@ -70,8 +70,8 @@ def runge_kutta(
 @dataclass(frozen=True)
 class Linearised:
     """Torques at the joints besides the robot's own drives, linear in the state: tau at a state,
-    how much less for each second that the state moves on at its rates, and how much less for each
-    unit of q and q̇ of a joint (diagonals, at least 0)."""
+    its decrease per second while the state moves on at its rates, and its decrease per unit of each
+    joint's q and q̇ (diagonals, at least 0)."""
 
     tau: Vector
     ahead: Vector
@@ -159,7 +159,8 @@ def _implicit_euler(
     counting: Counting | None,
     width: Scalar,
 ) -> MotionState:
-    """(M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead), then as `semi_implicit`.
+    """One linearly implicit Euler step: (M + h D + h² K) q̈ = forces - h (stiffness q̇ + ahead),
+    then the update of `semi_implicit`.
 
     The forces are those at q and q̇; D and K on the left are the slopes of what the drives take of
     them, K where it is above 0: what pushes away would leave M + h D + h² K without an inverse.
@@ -185,13 +186,14 @@ def _implicit_euler(
 
 
 def with_signs(tree: Tree, of: Callable[[Scalar], Scalar]) -> Tree:
-    """The tree with something else in the place of the signs of its joints' rates."""
+    """The tree whose friction laws use a given function of the joints' rates in place of their
+    signs."""
     return with_drives(tree, lambda drive: replace(drive, sign=lambda law, rate: of(rate)))
 
 
 def with_senses(tree: Tree, senses: Vector, of: Callable[[Scalar], Scalar]) -> Tree:
-    """The tree with given numbers, one a coordinate, in the place of the signs of its rates in laws
-    that hold what is at rest, and with a function of the rates in the others."""
+    """The tree whose friction laws use given senses (one a coordinate) in place of the signs of
+    rates where they hold what is at rest, and a given function of the rates in the others."""
 
     def given(drive: DriveScalars) -> DriveScalars:
         sense = senses[drive.at.v[0]] if drive.at.ratio > 0.0 else -senses[drive.at.v[0]]
@@ -201,8 +203,8 @@ def with_senses(tree: Tree, senses: Vector, of: Callable[[Scalar], Scalar]) -> T
 
 
 def drags(tree: Tree, q: Vector, qd: Vector) -> Vector:
-    """The torque at each coordinate for each unit of the sign of its rate, of laws that hold what
-    is at rest."""
+    """The torque at each coordinate per unit of the sign of its rate, from the laws (such as dry
+    friction) that can hold a joint at rest."""
     found: list[Scalar] = [0.0] * tree.nv
     for body in tree.bodies:
         if body.drive is not None:
@@ -213,8 +215,8 @@ def drags(tree: Tree, q: Vector, qd: Vector) -> Vector:
 
 
 def _slopes(tree: Tree, q: Vector, qd: Vector, width: Scalar) -> tuple[Vector, Vector, Vector]:
-    """Slopes of the torque by each rate and position, and what depends on the rate's sign over the
-    rate: a torque that falls as the rate grows does not lead to a slope below 0."""
+    """Damping (slopes of the torque by each rate), stiffness (by each position), and the part that
+    depends on the rate's sign divided by the rate; stiffness is never below 0."""
     damping, stiffness, drag = ([0.0] * tree.nv for _ in range(3))
     for body in tree.bodies:
         if body.drive is not None:
@@ -236,8 +238,8 @@ def _losses(
     loads: Sequence[External],
     width: Scalar,
 ) -> Vector:
-    """The torque that joints lose of what they transmit, over the rate: what they transmit is that
-    under the torques tau at the state."""
+    """The torque that lossy joints lose, divided by the rate; what they transmit is that under the
+    torques tau at the state."""
 
     def size(rate: Scalar) -> Scalar:
         return sqrt(rate * rate + width * width)
@@ -260,7 +262,8 @@ def _each(factors: Vector, values: Vector) -> Vector:
 
 
 def on_loops(tree: Tree, q: Vector, reached: MotionState, counting: Counting | None) -> MotionState:
-    """The state reached from q, brought back onto the loops; that of a tree as it is."""
+    """The state reached from q, brought back onto the loops of a closed chain; unchanged for a
+    tree."""
     if not tree.loops:
         return reached
     return onto_loops(tree, *reached, factor(tree, crba(tree, q)), counting)

@@ -69,15 +69,14 @@ def left_singular_vectors(A: Matrix) -> tuple[tuple[Matrix, Vector], Scalar]:
 
 
 def vectors_and_values(ways: Matrix, sizes: Vector) -> tuple[Matrix, Vector]:
-    """Unit vectors and their singular values, the largest first, such that of each vector the first
-    entry that is more than half as large as the largest is positive, and values that are lost are
-    0."""
+    """Unit vectors and their singular values, the largest first; of each vector the first entry
+    larger than half its largest is positive, and values lost in rounding are 0."""
     turned = tuple(scale(_sign(way), way) for way in ways)
     return turned, tuple(where(less(LOST * sizes[0], x), x, 0.0) for x in sizes)
 
 
 def _sign(way: Vector) -> Scalar:
-    """1 or -1: the sign of the entry that tells."""
+    """1 or -1: the sign of the first entry of a vector that is larger than half its largest one."""
     half: Scalar = 0.0
     for x in way:
         half = maximum(half, 0.5 * absolute(x))
@@ -92,7 +91,8 @@ def _chosen(condition: Scalar, a: Vector, b: Vector) -> Vector:
 
 
 def _turned(A: Matrix, carried: Matrix, sweeps: int) -> list[tuple[Vector, Vector]]:
-    """Rows after rotations of each two of them, each with what was carried along with it."""
+    """Rows of A after sweeps of rotations of every two of them, each with its carried row, which
+    was rotated along."""
     rows = list(zip(A, carried, strict=True))
     for i, j in sweeps * _pairs(len(rows)):
         (a, along_a), (b, along_b) = rows[i], rows[j]
@@ -103,7 +103,8 @@ def _turned(A: Matrix, carried: Matrix, sweeps: int) -> list[tuple[Vector, Vecto
 
 
 def _squares(rows: list[tuple[Vector, Vector]]) -> tuple[list[Scalar], Scalar]:
-    """The squares of the lengths of rows, and their sum, not 0 where all are."""
+    """The squares of the lengths of rows, and their sum, which is replaced by a positive number
+    where all are 0."""
     squares = [dot(row, row) for row, _ in rows]
     return squares, reduce(operator.add, squares, _NO_LENGTH / _NOISE**2)
 

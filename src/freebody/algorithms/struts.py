@@ -22,8 +22,8 @@ from freebody.spatial import Vector, add, dot, neg, scale, sub, times, transpose
 
 
 class StrutState(NamedTuple):
-    """The state of a strut: its length, the rate of it, the force with which it pulls its ends
-    together, and this force as it acts on the first end, in world axes."""
+    """The state of a strut: its length, its rate of length, the force that pulls its ends together,
+    and that force as it acts on the first end, in world axes."""
 
     length: Scalar
     rate: Scalar
@@ -32,7 +32,7 @@ class StrutState(NamedTuple):
 
 
 def strut_state(strut: TreeStrut, d: Vector, d_rate: Vector) -> StrutState:
-    """The state of a strut, of the way d from its first to its second end and the rate of d."""
+    """The state of a strut whose second end is at d from its first, changing at the rate d_rate."""
     length = sqrt(dot(d, d))
     rate = dot(d, d_rate) / length
     tension = strut.preload + strut.stiffness * (length - strut.rest) + strut.damping * rate
@@ -46,7 +46,8 @@ def strut_states(tree: Tree, q: Vector, qd: Vector) -> list[StrutState]:
 
 
 def _states(tree: Tree, joints: list[Pose], velocities: Sequence[Column]) -> list[StrutState]:
-    """velocities: (angular, linear) of each body at its origin, in its axes."""
+    """The state of each strut, from the joints' poses and the velocities (angular, linear) of the
+    bodies at their origins, in their axes."""
     space, world = tree.space, world_poses(tree, joints)
 
     def end(frame: str) -> tuple[Vector, Vector]:
@@ -60,8 +61,8 @@ def _states(tree: Tree, joints: list[Pose], velocities: Sequence[Column]) -> lis
 
 
 def _apart(strut: TreeStrut, end: Callable[[str], tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
-    """The way from a strut's first to its second end and its rate, of place and velocity of each
-    end."""
+    """The vector from a strut's first to its second end, and its rate; end: gives place and
+    velocity of the end on a frame."""
     (a, a_rate), (b, b_rate) = map(end, strut.frames)
     return sub(b, a), sub(b_rate, a_rate)
 

@@ -45,7 +45,7 @@ def turned_frames(tree: Tree) -> Tree:
 
 
 def _numbers(tree: Tree) -> Iterator[Scalar]:
-    """The numbers of which placements, angles and masses are made."""
+    """The numbers that a tree's placements, angles and masses are made of."""
     for body in tree.bodies:
         yield from (*sum(body.R, ()), *body.p, body.coordinates.offset)
         for mass in body.masses:
@@ -53,7 +53,7 @@ def _numbers(tree: Tree) -> Iterator[Scalar]:
 
 
 def _count(tree: Tree) -> int:
-    """The number of them for which an operation is needed."""
+    """The count of a tree's numbers that cost an operation, which exact 0 and ±1 do not."""
     return sum(abs(x) not in (0.0, 1.0) for x in _numbers(tree))
 
 
@@ -65,12 +65,12 @@ class _TurnedFrame:
     shift: float = 0.0
 
     def seen(self, R: Matrix, p: Vector) -> Pose:
-        """A pose in the body, from the new frame."""
+        """A pose in the body, expressed in the turned frame."""
         E = transposed(self.A)
         return product(E, R), sub(times(E, p), scale(self.shift, Z))
 
     def mass(self, mass: Mass) -> Mass:
-        """A mass of the body, from the new frame."""
+        """A mass of the body, expressed in the turned frame."""
         E, (_, c) = transposed(self.A), self.seen(identity(3), mass.c)
         h = None if mass.h is None else times(E, mass.h)
         return Mass(mass.m, c, space.turned_inertia(E, mass.inertia), h)
@@ -102,12 +102,12 @@ def _turned(tree: Tree) -> Tree:
 
 
 def _turns(body: TreeBody) -> bool:
-    """Whether its joint does nothing but turn about its axis."""
+    """Whether the body's joint does nothing but turn about its axis."""
     return body.primitive.turns and not body.primitive.slides and len(body.columns) == 1
 
 
 def _upright(axis: Vector) -> Matrix:
-    """A rotation that takes z to an axis; exact where it is one of the coordinates'."""
+    """A rotation that takes z to a given axis; exact where that is a coordinate axis."""
     if axis == Z:
         return identity(3)
     least = min(range(3), key=lambda k: abs(axis[k]))
@@ -116,8 +116,9 @@ def _upright(axis: Vector) -> Matrix:
 
 
 def _angle(tree: Tree, i: int, upright: Matrix) -> float:
-    """The angle about z by which a body is turned, so that the axis of the joint that it carries is
-    across its x; 0 where one already is across x or y, or is no axis of a turn."""
+    """The angle about z by which a body is turned, so that the axis of the joint it carries is at
+    right angles to the body's x; 0 where that axis already is at right angles to x or y, or belongs
+    to no turning joint."""
     angles: list[float] = []
     for child in (tree.bodies[k] for k in tree.children(i)):
         if not _turns(child):
@@ -145,13 +146,14 @@ def _split(R: Matrix, angle: float) -> tuple[Matrix, float]:
 
 
 def _shift(R: Matrix, p: Vector) -> float:
-    """How far along its axis z a joint at p is moved, so that an entry of p vanishes: the one that
-    the axis is most along."""
+    """The shift of a joint at p along its own axis z that makes one entry of p vanish: the entry in
+    the direction nearest to the axis."""
     k = max(range(3), key=lambda j: abs(R[j][2]))
     return -p[k] / R[k][2]
 
 
 def _started(body: TreeBody, angle: float) -> TreeBody:
-    """The body with an angle added to that of its joint, of which its drive does not know."""
+    """The body with an angle added to that of its joint; its drive still counts from the old
+    zero."""
     at = body.coordinates
     return replace(body, coordinates=replace(at, offset=at.offset + angle))

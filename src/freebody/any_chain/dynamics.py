@@ -41,8 +41,8 @@ from freebody.trees.special_joints import refuse_passive
 def _by_chain(
     closed: Callable[..., Any], opened: Callable[..., Any] = careful
 ) -> Callable[..., Any]:
-    """Function that answers where no kernel is ready: `closed` for closed chains, `opened` for open
-    ones."""
+    """A function that calls `closed` for closed chains and `opened` for open ones, used where no
+    kernel is ready."""
 
     def answer(
         key: CallKey, model: Model, inputs: tuple[Any, ...], option: Any, wrenches: FrameWrenchTable
@@ -208,7 +208,8 @@ def forward_dynamics(
 def _checked(
     function: str, model: Model, given: dict[str, JointVector], wrenches: FrameWrenchTable
 ) -> tuple[list[Array], dict[str, Array] | None]:
-    """The inputs as finite arrays of one batch shape, and the wrenches by frame."""
+    """The inputs of a dynamics function as finite arrays of one batch shape, and the wrenches by
+    frame."""
     frames, arrays = checked_inputs(function, model, given, wrenches)
     loads = dict(zip(frames, arrays[len(given) :], strict=True))
     return arrays[: len(given)], loads or None
@@ -301,8 +302,8 @@ def _through_fixed(
     wrenches: FrameWrenchTable,
     in_child: bool,
 ) -> Array:
-    """The wrench (..., 6) by which what is before a frame holds it and all that is fixed to it, at
-    its origin: that of a hinge in its place, which stands still."""
+    """The wrench (..., 6) at a frame's origin by which the body before it holds all that is fixed
+    to the frame: that of a motionless hinge put in its place."""
     given: dict[str, Any] = dict(zip(("q", "qd", "qdd"), motion, strict=True))
     _, arrays = checked_inputs("joint_wrenches", model, given, None)
     q = arrays[0]

@@ -30,7 +30,8 @@ def chosen_option(
     rows: Sequence[str] | None = None,
     function: str = "fb.kernel",
 ) -> tuple[tuple[str, ...], Option]:
-    """The names as a tuple and the structure that is meant, checked; arguments as for `kernel`.
+    """The names of quantities as a tuple, and the checked option that says which kernel is meant;
+    arguments as for `kernel`.
 
     function: what was called, for errors.
     """
@@ -55,7 +56,8 @@ def chosen_option(
 
 
 def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> None:
-    """Refuse names of no quantity, names given twice, and quantities that the chain has not."""
+    """Refuse names of no quantity, names given twice, and quantities that this kind of chain does
+    not have."""
     for name in listed:
         if name not in FORMULAS:
             raise UnknownNameError("quantity", name, function, FORMULAS)
@@ -79,8 +81,8 @@ def _require_possible(function: str, model: Model, listed: tuple[str, ...]) -> N
 
 
 def _near_home(function: str, model: Model, listed: tuple[str, ...], option: Option) -> Option:
-    """Settle which of a closed chain's equations and coordinates a kernel takes: those that tell
-    all near its home, whatever positions will come."""
+    """The option with those equations and coordinates of a closed chain that are independent near
+    its home, whatever positions will follow."""
     from freebody.loops.independent_equations import counting_equations, require_partition
 
     if any(FORMULAS[name].settled == "equations" for name in listed):
@@ -114,7 +116,7 @@ def _require_used(function: str, listed: Sequence[str], **given: Any) -> None:
 
 
 def _require_axes(listed: Sequence[str], reference: str) -> None:
-    """Refuse axes that not all of the quantities that have a choice can be given in."""
+    """Refuse a choice of axes that some of the listed quantities cannot be given in."""
     offered = [FORMULAS[name].axes for name in listed if FORMULAS[name].axes]
     common = (
         "world",

@@ -195,7 +195,8 @@ def _found(
     loads: list[Array],
     reference: str,
 ) -> Reactions:
-    """The reactions of a motion under the torques that cause it."""
+    """The reactions of a motion under the torques that cause it, with the components that the
+    equations do not determine marked."""
 
     def wrenches_in(axes: str) -> Array:
         kernel = fetch(model, ("closed_wrenches",), Option(reference=axes, wrench_frames=frames))
@@ -234,8 +235,8 @@ class NewtonEulerResiduals:
 def balance(
     model: Model, q: Array, qd: Array, qdd: Array, wrenches: Array, external: Mapping[str, Array]
 ) -> NewtonEulerResiduals:
-    """How well reactions and external wrenches, world axes, explain a motion q (..., nq), qd, qdd
-    (..., nv).
+    """Residuals of ΣF = m a and ΣM = Ḣ that reactions and external wrenches (world axes) leave of a
+    motion q (..., nq), qd, qdd (..., nv).
 
     wrenches: (..., joints and loops, six), as `reactions` gives them; external: {frame: (...,
     six)}.

@@ -1,4 +1,4 @@
-"""The program: its commands, and what becomes of errors.
+"""The program `freebody`: its commands, and how errors are reported.
 
 Exit status 0: done. 1: a finding, such as a failed check. 2: bad input.
 """
@@ -63,7 +63,8 @@ for _function, _example in (
 
 
 def _add(name: str, module: str) -> None:
-    """A command of a package beside; where that is not installed, one that says so."""
+    """Add a command of an optional package to the program; where that is not installed, a command
+    that says so."""
     try:
         found = beside.found(module, f"freebody {name}")
     except MissingPackageError as problem:
@@ -103,7 +104,8 @@ def freebody(
 
 
 def run(arguments: list[str]) -> int:
-    """Run the program on its arguments; the exit code. Every error is one line on stderr."""
+    """The exit code after running the program on its arguments; every error is one line on
+    stderr."""
     with terminal.streams():
         return _run(arguments)
 
@@ -127,7 +129,8 @@ def _run(arguments: list[str]) -> int:
 
 
 def _unforeseen(problem: Exception) -> int:
-    """A wrong option, which the parser words; else a fault of freebody's own."""
+    """The exit code after reporting an error that no command expects: a wrong option in the
+    parser's words, or else a fault of freebody's own."""
     wording = getattr(problem, "format_message", None)
     if wording is not None:
         text = wording().replace("Value error, ", "").rstrip(".")

@@ -70,7 +70,8 @@ _UNCHANGED = (
 
 
 def _mended(found: Diagnosis) -> Path | None:
-    """The file with what could be mended, None where nothing could."""
+    """The path of the mended copy of a robot's file, which is written; None where nothing could be
+    mended."""
     if found.mended is None:
         return None
     path = Path(found.file)

@@ -86,7 +86,8 @@ def fbd(
 
 
 def _table(figure: FreeBodyDiagram) -> TextTable:
-    """The loads; of a model with parameters that have no value only their names."""
+    """The table of loads of a free-body diagram; only their names where the model has parameters
+    without value."""
     from freebody.figures.text import plain
 
     flat, named = len(figure.loads[0].body.origin) == 2, bool(figure.missing)

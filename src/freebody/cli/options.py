@@ -44,7 +44,8 @@ LabelsOption = Literal["names", "values", "both"]
 
 
 def number(text: str | float) -> float:
-    """An option's number; the parser's own would also take 1_0 and digits of other scripts."""
+    """The number that an option's text stands for; unlike the parser's own, without 1_0 and digits
+    of other scripts."""
     from freebody.formats import read_file
 
     value = read_file.number(text) if isinstance(text, str) else text
@@ -88,7 +89,7 @@ ParametersOption = Annotated[
 
 
 def pairs(option: str, texts: list[str] | None, example: str, equals: str = "=") -> dict[str, str]:
-    """Names and values, left and right of the = in the values of an option."""
+    """Names and values from options of the form name=value."""
     found = {}
     for text in texts or ():
         name, sign, meaning = text.partition(equals)
@@ -245,7 +246,8 @@ class GivenRobot:
         return how
 
     def load(self) -> Model:
-        """The model; warnings become yellow lines."""
+        """The model of the robot named on the command line; warnings are printed as yellow
+        lines."""
         from freebody.formats.loading import load
         from freebody.formats.toml_table import in_units
         from freebody.model.description import CHANGED, Notice
@@ -316,13 +318,13 @@ def _payload(text: str) -> dict[str, Any]:
 
 
 def again(context: typer.Context) -> str:
-    """The command line that runs a command again, for a shell."""
+    """The command line, quoted for a shell, that runs a command again."""
     return shlex.join(["freebody", *context.find_root().obj])
 
 
 def reading(*names: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """A command with these options behind its own; its function finds them, with the names of the
-    robots, in its arguments that are a `GivenRobot` or a list of such."""
+    """A decorator that adds the named reading options to a command; its function finds them, with
+    the robots' names, in arguments that are a `GivenRobot` or a list of them."""
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
         own = signature(command, eval_str=True)

@@ -143,7 +143,8 @@ def plan(
 
 
 def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
-    """Positions, and times where there are some; `one`: of the position where a path begins."""
+    """Positions of waypoints, from a text or CSV file, and their times or None; one: refuse more
+    than the single position where a path begins."""
     from freebody.motion.files.csv_files import read_waypoints
 
     of_file = text.lower().endswith(".csv") or (";" not in text and Path(text).is_file())
@@ -156,7 +157,7 @@ def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
 
 
 def _of_text(model: Model, text: str) -> tuple[Any, None]:
-    """Positions from a text, as numbers."""
+    """Positions of waypoints typed as text, rows apart by semicolons."""
     rows = [options.values("waypoints", row) for row in text.split(";") if row.strip()]
     names = model.position_names
     if model.loops and rows and len(rows[0]) != model.nq:
@@ -172,7 +173,7 @@ def _of_text(model: Model, text: str) -> tuple[Any, None]:
 
 
 def _cleared(position: float) -> float:
-    """0 where only rounding makes it another."""
+    """The position, or 0 where only rounding makes it differ from that."""
     return position if abs(position) > _ROUNDING else 0.0
 
 
@@ -221,7 +222,7 @@ _KEEP = "keep"
 
 @dataclass(frozen=True)
 class TipPathOptions:
-    """The options of a path, as they were typed; None where they were not."""
+    """The options of a tip's path, as they were typed; None for options that were not given."""
 
     line: str | None
     arc: str | None
@@ -233,7 +234,8 @@ class TipPathOptions:
 
     @property
     def given(self) -> bool:
-        """Whether a path of the tip is asked for; refuses options that belong to one otherwise."""
+        """Whether the options ask for a path of the tip; options that need one are refused
+        otherwise."""
         if self.line is not None and self.arc is not None:
             raise FreebodyError("--line and --arc are two paths; plan them one after the other.")
         if self.line is not None or self.arc is not None:
@@ -244,7 +246,8 @@ class TipPathOptions:
         return False
 
     def motion(self, model: Model, q0: Any, **limits: float | None) -> Motion:
-        """The motion from q0; limits: of the joints, and a step."""
+        """The motion of the tip along its path from the positions q0; limits: those of the joints,
+        and a time step."""
         from freebody.motion.planning import tip_motions
 
         self._refuse_idle_pose(model)
@@ -274,7 +277,7 @@ class TipPathOptions:
         return tip_motions.blend(model, q0, targets, self.radius, **every)
 
     def _refuse_idle_pose(self, model: Model) -> None:
-        """Refuse an orientation of which the task counts nothing."""
+        """Refuse --pose together with a task that counts no rotation."""
         from freebody.inverse.problem.task import rows_of
         from freebody.motion.planning.tip_motions import REACHABLE
 
@@ -310,7 +313,8 @@ class TipPathOptions:
         return found
 
     def _targets(self, model: Model, points: list[list[float]]) -> list[Any]:
-        """Points, or poses where an orientation is given: of all of them, or of each."""
+        """Targets of the path: points, or poses where --pose gives one orientation for all points
+        or one for each."""
         if self.pose is None or self.pose == _KEEP:
             return points
         turns = [_rotation(model, row) for row in self.pose.split(";") if row.strip()]

@@ -109,7 +109,7 @@ def _loops(model: Model) -> TextTable:
 
 
 def _mobility(model: Model) -> str:
-    """Degrees of freedom where the model is at home."""
+    """The number of degrees of freedom at the model's home position, as text."""
     if model.missing:
         return f"degrees of freedom need values for {', '.join(model.missing)}"
     from freebody.errors import LoopError

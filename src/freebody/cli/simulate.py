@@ -167,7 +167,8 @@ def _torque(
     course: tuple[float | None, float | None],
     law: tuple[str | None, str | None, str | None],
 ) -> tuple[Array, Any, dict[str, Array] | None]:
-    """Times, the torque, and what a compiled one takes besides the state."""
+    """Times, the torques along them or a compiled control law, and the inputs that such a law takes
+    besides the state."""
     import numpy as np
 
     if torque != "pd":
@@ -231,7 +232,7 @@ def _times(time: float | None, every: float | None) -> Array:
 
 
 def _written(model: Model, found: xr.Dataset, out: Path, again: str) -> None:
-    """The motion as a file, and the largest values among its rows as a table."""
+    """Write a simulated motion to a file, and print its largest values as a table."""
     import numpy as np
 
     from freebody.motion.files.csv_files import state_table

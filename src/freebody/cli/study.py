@@ -84,7 +84,8 @@ def study(
 
 
 def _cutoff(smooth: str | None) -> bool | float:
-    """The cutoff that --smooth asks for: a frequency, True for an automatic one, False for none."""
+    """The cutoff frequency (Hz) that --smooth asks for; True for an automatic one, False for
+    none."""
     if smooth is None or smooth == "auto":
         return smooth is not None
     cutoff = number(smooth)
@@ -96,7 +97,8 @@ def _cutoff(smooth: str | None) -> bool | float:
 
 
 def _saved(found: Study, directory: Path) -> FreebodyError | None:
-    """The error that kept files from being written; it is said after what was found."""
+    """The error that kept a study's files from being written, or None; it is raised after the
+    findings are printed."""
     try:
         found.save(directory, report=True)
     except FreebodyError as failure:

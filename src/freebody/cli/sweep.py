@@ -118,7 +118,8 @@ def sweep(
 
 
 def _axes(over: list[str], samples: int | None, method: str, seed: int) -> dict[str, Any]:
-    """An axis for each range with a count, and one for all that are sampled."""
+    """The sweep's axes from --over options: one for each range with a count, and one for all ranges
+    that are sampled."""
     import numpy as np
 
     from freebody.sweeps.samples import samples as samples_of
@@ -146,12 +147,13 @@ def _axes(over: list[str], samples: int | None, method: str, seed: int) -> dict[
 
 
 def _free(name: str, axes: dict[str, Any]) -> str:
-    """The name, with underscores behind it where an axis has the same name."""
+    """The name, with underscores appended until no axis has the same one."""
     return _free(f"{name}_", axes) if name in axes else name
 
 
 def _range(text: str) -> tuple[str, float, float, int | None]:
-    """Name, ends and count of a range, None for none."""
+    """Name, ends and count of a range typed as name=low:high:count; the count is None where it is
+    left out."""
     from freebody.formats import read_file
 
     name, equals, rest = text.rpartition("=")
@@ -178,7 +180,7 @@ def _states(
     states: int | None,
     seed: int,
 ) -> Any:
-    """The last axis: states, or a motion."""
+    """The sweep's last axis: random states, or the samples of a motion."""
     from freebody.any_chain.kernel_options import chosen_option
     from freebody.kernels.tracing import arguments
     from freebody.motion.default_motion import default_motion
@@ -196,7 +198,8 @@ def _states(
 
 
 def _table(found: xr.Dataset, axes: list[str]) -> tuple[list[str], list[list[str]]]:
-    """A row for each robot; a column for what varies, and one for each number that comes out."""
+    """Header and rows of a table of a sweep's results: a row for each robot, a column for each
+    quantity that varies and for each number computed."""
     sizes = [found.sizes[name] for name in axes]
     along = [[x for x in found.coords if found[x].dims == (name,)] for name in axes]
     head, columns = [str(x) for names in along for x in names], []

@@ -89,8 +89,8 @@ class Gone(Exception):
 
 
 class _Stream:
-    """stdout, where what cannot be written is an error of that name; or stderr, where nothing is
-    left to say it to.
+    """stdout, or stderr, with failures of writing handled: on stdout they raise an error that names
+    the stream, on stderr they are ignored since nothing is left to report them to.
 
     What its encoding lacks is spelled out.
     """
@@ -172,8 +172,8 @@ def table(found: TextTable, red: Container[int] = ()) -> None:
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Prints freebody's warnings as yellow lines, each once, when the block ends: the first of very
-    many."""
+    """Context that prints freebody's warnings as yellow lines when its block ends, each once, and
+    only the first of very many."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", FreebodyWarning)
         try:
@@ -203,7 +203,8 @@ def progress(text: str) -> Iterator[Callable[[str, float], None]]:
 
 
 def spelled(text: str, encoding: str) -> str:
-    """The text, with theta1 for θ₁ where the encoding lacks letters, as ASCII formulas have it.
+    """The text as an encoding can hold it: characters that it lacks are spelled as in ASCII
+    formulas, such as theta1 for θ₁.
 
     Windows redirects in an encoding of its own, and `PYTHONIOENCODING=ascii` is set in many a
     pipeline.
@@ -237,6 +238,7 @@ def _letter(c: str) -> str:
 
 
 def _bare(text: str) -> str:
-    """Digits and letters without their place or accents: 2 for ₂, e for é, 1/2 for ½."""
+    """Text reduced to plain letters and digits, without accents or raised and lowered places: 2 for
+    ₂, e for é, 1/2 for ½."""
     parts = unicodedata.normalize("NFKD", text).replace("\u2044", "/").replace("−", "-")
     return parts.encode("ascii", "ignore").decode()

@@ -42,8 +42,8 @@ _MATCHINGS = 720
 
 
 class Gap(NamedTuple):
-    """The amount by which an axis is off another one: m between them, rad, and 1 or -1 for the way
-    that it points."""
+    """The difference between two joint axes: their distance (m), the angle between them (rad), and
+    1 or -1 where they point in opposite directions."""
 
     distance: float
     angle: float
@@ -52,8 +52,8 @@ class Gap(NamedTuple):
 
 @dataclass(frozen=True)
 class MatchedJoint:
-    """A joint with its body in both robots. pose: the second's frame in the first's. The first's
-    joint is at flip times the second's position plus offset."""
+    """A joint with its body in both robots; pose: the second body's frame in the first's. The first
+    joint's position is flip times the second's, plus offset."""
 
     a: Part
     b: Part
@@ -63,26 +63,28 @@ class MatchedJoint:
 
     @property
     def flip(self) -> float:
-        """1, or -1 where the joints count in opposite directions."""
+        """The factor between the positions of both joints: 1, or -1 where they count in opposite
+        directions."""
         return self.gap.flip
 
 
 @dataclass(frozen=True)
 class Tolerances:
-    """Differences that are none: m, rad or relative."""
+    """The differences between two robots that count as none: lengths in m, angles in rad, others
+    relative."""
 
     length: float
     share: float
 
     def same(self, gap: Gap) -> bool:
-        """Whether an axis is another one."""
+        """Whether two axes coincide within the tolerances."""
         return gap.distance <= self.length and gap.angle <= self.share
 
 
 @dataclass(frozen=True)
 class Alignment:
-    """Two robots laid onto each other: base is the second's base in the first's; alone are joints
-    that the other robot lacks, with the robot's place, 0 or 1."""
+    """Two robots laid onto each other: base is the second robot's base in the first's axes, alone
+    the joints without counterpart, each with its robot's index (0 or 1)."""
 
     a: BodyTree
     b: BodyTree
@@ -95,7 +97,7 @@ class Alignment:
 
 class Misfit(NamedTuple):
     """How much of two robots does not coincide, the gravest first: the number of axes, of masses,
-    of ends of ranges, of names; zeros and directions that are others."""
+    of ends of ranges and of names that differ, then of zeros and of directions of joints."""
 
     axes: int = 0
     masses: int = 0
@@ -105,7 +107,7 @@ class Misfit(NamedTuple):
     flips: int = 0
 
     def plus(self, *others: Misfit) -> Misfit:
-        """All together."""
+        """The sum of several misfits."""
         return Misfit(*map(sum, zip(self, *others, strict=True)))
 
 
@@ -141,9 +143,9 @@ def align(a: BodyTree, b: BodyTree, tolerances: Tolerances) -> Alignment:
 
 
 def _with_first_zero(found: Alignment) -> Alignment:
-    """The same with the zero of a single joint on the base chosen: how far the base is turned about
-    its axis and where its zero is nobody can tell apart. Its range shall be the same if it can be;
-    else the base stands as it does, or the zero is the same."""
+    """The alignment with the zero of a single joint on the base settled, which cannot be told from
+    the base's turn about the joint's axis: chosen so that the ranges are equal, else as the base
+    stands, or with equal zeros."""
     roots = [pair for pair in found.pairs if pair.a.body.parent < 0]
     if len(roots) != 1 or roots[0].a.axis is None:
         return found
@@ -240,8 +242,8 @@ def _further(
 def _matchings(
     a: BodyTree, b: BodyTree, at: tuple[int, int], pose: ArrayPose, tolerances: Tolerances
 ) -> list[list[tuple[Part, Part]]]:
-    """The ways in which joints on two bodies may stand for each other: those of equal names; else
-    those of equal kinds with as much beyond, whose axes coincide if any do."""
+    """The ways to match the joints on two bodies: by equal names; else by equal kind and number of
+    joints beyond, with coinciding axes if any coincide."""
     own, others = a.children[at[0]], b.children[at[1]]
     by_name = {x.joint: x for x in others}
     if {x.joint for x in own} == {*by_name}:
@@ -267,7 +269,7 @@ def _matchings(
 
 
 def _gap(one: Part, two: Part, pose: ArrayPose) -> tuple[ArrayPose, Gap]:
-    """The second's joint frame in the first's, and by how much its axis is off."""
+    """The second joint's frame in the first's, and the difference of their axes."""
     R, p = composed(inverse(one.pose), composed(pose, two.pose))
     if one.axis is None or two.axis is None:
         return (R, p), Gap(norm(p), 0.0, 1.0)
@@ -315,7 +317,7 @@ def _laid(
 
 
 def _moved(part: Part, position: float) -> ArrayPose:
-    """A body in its joint's frame at a position."""
+    """The pose of a body in its joint's frame at a joint position (rad or m)."""
     assert part.axis is not None
     if part.turns:
         return turned(part.axis, position), np.zeros(3)
@@ -323,7 +325,7 @@ def _moved(part: Part, position: float) -> ArrayPose:
 
 
 def _offsets(a: BodyTree, b: BodyTree, one: Part, two: Part, pose: ArrayPose) -> Iterator[float]:
-    """Offsets of a joint's zero at which something that the body carries coincides."""
+    """Offsets between two joints' zeros at which something that their bodies carry coincides."""
     axis = one.axis
     assert axis is not None
     for own, other in product(a.children[one.index], b.children[two.index]):
@@ -387,7 +389,7 @@ def _offsets_by_limits(one: Part, two: Part, flip: float) -> Iterator[float]:
 def _carried(
     a: BodyTree, b: BodyTree, one: Part, two: Part, pose: ArrayPose, tolerances: Tolerances
 ) -> int:
-    """The number of joints on two bodies that do not coincide."""
+    """The number of joints carried by two bodies that do not coincide."""
     return min(
         sum(not tolerances.same(_gap(own, other, pose)[1]) for own, other in matched)
         for matched in _matchings(a, b, (one.index, two.index), pose, tolerances)
@@ -395,7 +397,8 @@ def _carried(
 
 
 def _masses_off(one: Part, two: Part, pose: ArrayPose, tolerances: Tolerances) -> int:
-    """How many of centre of mass and tensor do not coincide, where both bodies have them."""
+    """How many of the centre of mass and the inertia tensor do not coincide, where both bodies have
+    mass."""
     if one.weight is None or two.weight is None:
         return 0
     R, p = pose

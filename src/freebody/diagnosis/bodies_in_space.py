@@ -1,5 +1,5 @@
-"""A model as rigid bodies in space, with lines as their joints: what two robots are compared by,
-whatever their frames are."""
+"""A model as rigid bodies in space with lines as their joints: the form in which two robots are
+compared, whatever their frames are."""
 
 from __future__ import annotations
 
@@ -58,27 +58,31 @@ class Part(Keeps):
 
     @property
     def turns(self) -> bool:
-        """Whether it turns about its axis, whether or not it goes along it too."""
+        """Whether the joint turns about its axis, whether or not it also slides along it."""
         return self.axis is not None and not self.body.kind.slides
 
     @property
     def sort(self) -> str:
-        """The kind of joint; whether a turning one has a range does not count."""
+        """The kind of joint for comparisons; a turning joint counts as revolute with and without a
+        range."""
         return "revolute" if self.body.kind.turns else self.body.joint.kind
 
     def line(self, at: ArrayPose) -> SeenAxis:
-        """The axis, seen from where the parent's frame has this pose; of a joint without axis z."""
+        """The joint's axis (z where it has none) in the axes in which the parent's frame has the
+        pose `at`."""
         R, p = composed(at, self.pose)
         return SeenAxis(R @ (_Z if self.axis is None else self.axis), p)
 
     @cached_property
     def weight(self) -> Weight | None:
-        """The masses of all that is fixed together; None where there are none."""
+        """The masses of all that is fixed to the body, taken together; None where there are
+        none."""
         return weight(self.body.inertias, self.dim)
 
 
 def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
-    """All that is fixed together as one, None where it has no mass."""
+    """The mass, centre and tensor of parts that are fixed together; None where they have no
+    mass."""
     placed = [
         part.inertia.placed(*pose_of(part.placement, dim))
         for part in parts
@@ -94,7 +98,7 @@ def weight(parts: Sequence[Attached], dim: int) -> Weight | None:
 
 
 class BodyTree:
-    """A model's parts as a tree; those on the base are the children of -1."""
+    """A model's bodies and joints as a tree; the key of the base among the children is -1."""
 
     def __init__(self, model: Model):
         self.model = model
@@ -137,9 +141,9 @@ class BodyTree:
         return lines
 
     def foot(self) -> Array:
-        """A point of the first turning axis that no offset of a joint's zero moves along it: where
-        it is nearest to the next axis that is not parallel, in the base's axes. Without one the
-        height of the first body's centre of mass, or of its frame."""
+        """A point of the first turning axis that no offset of a joint's zero shifts along it, in
+        the base's axes: where it is nearest to the next axis that is not parallel; else at the
+        height of the first body's centre of mass or frame."""
         at: ArrayPose = np.eye(3), np.zeros(3)
         first, k = None, -1
         while self.children[k]:
@@ -195,7 +199,7 @@ def cross(u: Array, v: Array) -> Array:
 
 
 def inverse(pose: ArrayPose) -> ArrayPose:
-    """The way back."""
+    """The inverse of a pose, which leads back."""
     R, p = pose
     return R.T, -R.T @ p
 

@@ -26,8 +26,8 @@ _LIMITS = {"lower": "lower limit", "upper": "upper limit", "velocity": "speed li
 
 @dataclass(frozen=True, repr=False)
 class RobotDifference(InWords):
-    """One difference: the aspect (a name of `ASPECTS`), the joint or body where it is, by its names
-    in both robots, what it is in words, and its size: m, rad, kg, kg m², or relative."""
+    """One difference between two robots: its aspect (a name of `ASPECTS`), the joint or body by its
+    names in both, the difference in words, and its size: m, rad, kg, kg m², or relative."""
 
     aspect: str
     place: tuple[str, str]
@@ -94,7 +94,7 @@ def _loops(found: Alignment) -> Iterator[RobotDifference]:
 
 
 def _lone(aspect: str, found: Alignment, which: int, part: Loop | Strut) -> RobotDifference:
-    """The difference that a loop or strut of one robot is none of the other's."""
+    """The difference that a loop or strut of one robot has no counterpart in the other."""
     other = (found.b, found.a)[which].model.name
     place = (part.name, "") if which == 0 else ("", part.name)
     what = "loop" if isinstance(part, Loop) else "strut"
@@ -110,8 +110,8 @@ def _stand_for(found: Alignment) -> dict[int, tuple[int, ArrayPose]]:
 
 
 class _HeldEnd(NamedTuple):
-    """The end of a loop or strut: its kind and distance, and body, point and axis where it
-    holds."""
+    """One end of a loop or strut: the part's kind and distance, and the body, point and axis where
+    the end is attached."""
 
     kind: str
     distance: float
@@ -123,7 +123,7 @@ class _HeldEnd(NamedTuple):
 def _ends(
     robot: BodyTree, part: Loop | Strut, bodies: Mapping[int, tuple[int, ArrayPose]]
 ) -> list[_HeldEnd]:
-    """Both ends of a loop or strut, in the bodies and poses that stand for its own."""
+    """Both ends of a loop or strut, on the bodies and in the poses that stand for its own."""
     kind, along, distance = "strut", (), 0.0
     if isinstance(part, Loop):
         in_plane = robot.model.dim == 2 and part.kind == "revolute"
@@ -140,7 +140,8 @@ def _ends(
 
 
 def _coincide(ends: list[_HeldEnd], others: list[_HeldEnd], found: Alignment) -> bool:
-    """Whether two loops or struts hold the same, from either end; of an axis no point counts."""
+    """Whether two loops or struts hold the same parts together, taken from either end; points may
+    differ along an axis."""
     return any(
         all(
             x.kind == y.kind
@@ -251,8 +252,8 @@ def _masses(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
 
 
 def _normal(pair: MatchedJoint) -> np.ndarray | None:
-    """The normal of the plane that either body moves in, in the first's axes; along it nothing is
-    told of the robot in the plane. None where both are in space."""
+    """The normal of the plane in which one of two bodies moves, in the first's axes; a planar robot
+    says nothing along it. None where both are in space."""
     z = np.array([0.0, 0.0, 1.0])
     if pair.a.dim == 2:
         return z
@@ -264,7 +265,7 @@ def _shown(vector: np.ndarray) -> str:
 
 
 def _entries(one: np.ndarray, two: np.ndarray) -> str:
-    """The entry that differs most, of both."""
+    """The entry in which two inertia tensors differ most, with both values, as text."""
     if one.shape == (1, 1):
         return f"{one[0, 0]:.6g} and {two[0, 0]:.6g}"
     i, j = np.unravel_index(int(np.abs(one - two).argmax()), one.shape)
@@ -299,7 +300,8 @@ def _limits(found: Alignment, compared: frozenset[str]) -> Iterator[RobotDiffere
 
 
 def _rounding(found: Alignment, key: str) -> float:
-    """The relative difference of a limit that is none; positions are rounded to a few digits."""
+    """The relative difference of two limits that counts as rounding; positions are often written
+    with few digits."""
     return found.tolerances.share * (10.0 if key in ("lower", "upper") else 1.0)
 
 
@@ -374,8 +376,8 @@ def _rotors(found: Alignment, pair: MatchedJoint) -> Iterator[RobotDifference]:
 
 # ------------------------------------------------------------ struts
 def _struts(found: Alignment, _: frozenset[str]) -> Iterator[RobotDifference]:
-    """Struts between other points, and the numbers of those between the same; a robot without any
-    is another one."""
+    """Differences of struts: those without counterpart between the same points, and differing
+    numbers of the others."""
     own = [(strut, _ends(found.a, strut, {})) for strut in found.a.model.struts]
     others = [(strut, _ends(found.b, strut, _stand_for(found))) for strut in found.b.model.struts]
     for strut, ends in own:

@@ -185,8 +185,8 @@ def _findings(facts: RobotFacts) -> tuple[Finding, ...]:
 
 
 def _lines(facts: RobotFacts, line: FileLine) -> set[tuple[str, int | None]]:
-    """Files and lines of the elements that begin on a line, with those inside; of the whole file
-    where none is known."""
+    """File and line of each element that begins on a line, and of those inside it; of every element
+    of the file where the line is None."""
     if facts.root is None:
         return {_place(facts, line)}
     return {
@@ -198,7 +198,7 @@ def _lines(facts: RobotFacts, line: FileLine) -> set[tuple[str, int | None]]:
 
 
 def _place(facts: RobotFacts, line: FileLine) -> tuple[str, int | None]:
-    """File and line, which may be those of a file that is included."""
+    """File and line of a place, which may be in an included file."""
     return (line.file, line.line) if isinstance(line, IncludedLine) else (facts.file, line)
 
 

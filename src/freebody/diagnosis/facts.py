@@ -1,5 +1,5 @@
-"""Facts of a robot's file, each with its place: links with inertias and shapes, joints with axes
-and limits, as they are written.
+"""Facts of a robot's file, each with its line: links with inertias and shapes, joints with axes and
+limits, as they are written.
 
 Nothing is refused here. What no reader would take, such as a word in the place of a number, is
 `None` among the facts, and a finding.
@@ -81,7 +81,7 @@ class LinkFacts(Keeps):
 
 @dataclass(frozen=True)
 class JointFacts(Keeps):
-    """A joint as it is written; kind: that of `model.joints`, or the unknown type."""
+    """A joint as it is written in a file; kind: a name of `model.joints`, or the unknown type."""
 
     name: str
     kind: str
@@ -103,16 +103,16 @@ class JointFacts(Keeps):
 
     @property
     def moves(self) -> bool:
-        """Whether it is a joint of one coordinate."""
+        """Whether the joint is revolute, continuous or prismatic, and so has one coordinate."""
         return self.kind in ("revolute", "continuous", "prismatic")
 
     @property
     def turns(self) -> bool:
-        """Whether it turns about its axis."""
+        """Whether the joint turns about its axis."""
         return self.kind in ("revolute", "continuous")
 
     def limit(self, name: str) -> float | None:
-        """A limit, None where it is not given."""
+        """The value of a joint's limit by name; None where it is not given."""
         return self.limits[name].value if name in self.limits else None
 
 
@@ -155,8 +155,8 @@ class RobotFacts(Keeps):
 
     @cached_property
     def carrier(self) -> dict[str, str]:
-        """For each link the one that it is fixed to at last, which a joint moves or which is the
-        base."""
+        """For each link the one to which fixed joints attach it in the end: a link that a joint
+        moves, or the base."""
         found: dict[str, str] = {}
         for link in self.links:
             name, seen = link.name, {link.name}
@@ -170,8 +170,8 @@ class RobotFacts(Keeps):
 
     @cached_property
     def groups(self) -> dict[str, list[tuple[LinkFacts, ArrayPose]]]:
-        """All links that are fixed together, by the one that carries them, with their poses in its
-        frame; without those whose poses are not to be read."""
+        """Links that are fixed together, with their poses, by the link that carries them; links
+        whose pose cannot be read are left out."""
         found: dict[str, list[tuple[LinkFacts, ArrayPose]]] = {}
         for link in self.links:
             pose: ArrayPose | None = np.eye(self.dim), np.zeros(self.dim)

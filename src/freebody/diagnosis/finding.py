@@ -21,7 +21,7 @@ FileLine = int | IncludedLine | None
 
 
 class AttributeChange(NamedTuple):
-    """Another value for an attribute of an element of the file."""
+    """A change to a robot's file: a new value for an attribute of one of its elements."""
 
     element: XmlElement
     attribute: str
@@ -33,8 +33,8 @@ class AttributeChange(NamedTuple):
 
 
 class FoundFault(NamedTuple):
-    """One place where a kind of findings applies: why, on which line, and the changes that mend it
-    where there is one sensible remedy. remedy: in the place of the kind's."""
+    """One place where a fault applies: the reason, the line, and the changes that mend it where
+    there is one sensible remedy; remedy: text in place of the kind's."""
 
     reason: str
     line: FileLine = None
@@ -44,8 +44,8 @@ class FoundFault(NamedTuple):
 
 @dataclass(frozen=True)
 class FindingKind:
-    """A kind of findings: its name, how severe it is, what finds it among the facts of a file, and
-    what is to be done."""
+    """A kind of findings: its name, severity and remedy, and the function that finds it among the
+    facts of a file."""
 
     name: str
     severity: Severity

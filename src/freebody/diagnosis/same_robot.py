@@ -25,7 +25,7 @@ _NAMES = 4
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RobotComparison(InWords, Tabled, ByValue):
-    """Two robots compared: true as a condition if they are one.
+    """The result of comparing two robots; true as a condition if they are the same robot.
 
     differences: where they differ, the first first. regardless: differences of the descriptions
     that make no other robot, in words. joints: names of the joints of the first with those of the
@@ -40,12 +40,12 @@ class RobotComparison(InWords, Tabled, ByValue):
 
     @property
     def same(self) -> bool:
-        """Whether they are one robot."""
+        """Whether the two descriptions are of one robot."""
         return not self.differences
 
     @property
     def first(self) -> RobotDifference | None:
-        """The first difference, None where there is none."""
+        """The first difference between the two robots; None where there is none."""
         return self.differences[0] if self.differences else None
 
     def __bool__(self) -> bool:
@@ -53,7 +53,7 @@ class RobotComparison(InWords, Tabled, ByValue):
 
     @property
     def title(self) -> str:
-        """Whether they are one robot, in a sentence."""
+        """A sentence that says whether the two descriptions are of one robot."""
         a, b = self.names
         if self.same:
             return f"{a} and {b} are the same robot."
@@ -164,7 +164,8 @@ def _model(given: object) -> Model:
 
 # ------------------------------------------------------------ what does not count
 def _regardless(found: Alignment) -> Iterator[str]:
-    """Choices of the descriptions that differ, in words."""
+    """Differences in mere choices of the descriptions (the base's place, joints' zeros and
+    directions), in words."""
     one, two = found.a.model.name, found.b.model.name
     if moved := _off(found.base, found.tolerances):
         yield f"the base of {two!r} stands {moved} from that of {one!r}"
@@ -211,7 +212,7 @@ def _tool(found: Alignment) -> Iterator[str]:
 
 
 def _off(pose: ArrayPose, tolerances: Tolerances) -> str:
-    """A pose in words, "" for none."""
+    """A displacement in words, such as "3 mm and 0.1 rad"; "" where it is within the tolerances."""
     R, p = pose
     angle = float(np.arccos(np.clip(0.5 * (np.trace(R) - 1.0), -1.0, 1.0)))
     parts = []

@@ -1,5 +1,5 @@
-"""Changes of attributes in the text of an XML file: the smallest ones, all other bytes as they
-were."""
+"""Changes of attributes in the text of an XML file: as small as possible, with all other bytes as
+they were."""
 
 from __future__ import annotations
 

@@ -38,7 +38,7 @@ def vector(element: XmlElement | None, attribute: str) -> tuple[float, float, fl
 
 
 def first(element: XmlElement, tag: str) -> XmlElement | None:
-    """The first element of that tag inside."""
+    """The first element of the given tag inside an element; None where there is none."""
     return next(iter(element.all(tag)), None)
 
 

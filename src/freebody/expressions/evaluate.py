@@ -35,8 +35,8 @@ class NoValue(FreebodyError, ValueError):
 
 
 def evaluate(node: Expression, rules: Rules, known: Mapping[Expression, Any] | None = None) -> Any:
-    """The value of an expression by the rules for the types of its nodes; `known`: values of nodes
-    that need not be worked out. Raises NoValue."""
+    """The value of an expression, by the rules for the types of its nodes; `known`: values of nodes
+    that are not computed again. Raises NoValue."""
 
     def at(part: Expression) -> Any:
         if known is not None and (found := known.get(part)) is not None:

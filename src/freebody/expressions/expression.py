@@ -45,7 +45,7 @@ ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
 
 # ---------------------------------------------------------------- building
 def expr(x: Like) -> Expression:
-    """Numbers and names as expressions."""
+    """A number, name or expression as an expression."""
     if isinstance(x, Expression):
         return x
     if isinstance(x, str):
@@ -60,7 +60,7 @@ def num(value: Rational | int, decimal: bool = False) -> Expression:
 
 
 def neg(x: Like) -> Expression:
-    """-x; of a negative its operand."""
+    """The expression -x; the operand where x is itself a negative."""
     x = expr(x)
     if isinstance(x, Negative):
         return x.operand
@@ -76,13 +76,13 @@ def add(*terms: Like) -> Expression:
 
 
 def neg_each(x: Like) -> Expression:
-    """Opposite -x, of a sum term by term."""
+    """The opposite -x of an expression; a sum is negated term by term."""
     x = expr(x)
     return add(*map(neg, x.terms)) if isinstance(x, Sum) else neg(x)
 
 
 def sub(a: Like, b: Like) -> Expression:
-    """a - b; a sum b keeps its brackets."""
+    """The difference a - b; a sum b keeps its brackets."""
     return add(a, neg(b)) if expr(b) != ZERO else expr(a)
 
 
@@ -106,7 +106,7 @@ def mul(*factors: Like) -> Expression:
 
 
 def _factors(factors: Iterable[Expression]) -> Iterable[Expression]:
-    """Single factors of products, with their signs taken apart."""
+    """Single factors of products, with a minus sign as a factor -1 of its own."""
     for factor in factors:
         if isinstance(factor, Negative):
             yield Number(Fraction(-1))
@@ -198,7 +198,7 @@ def eq(*sides: Like) -> Equation:
 
 
 def chain(*sides: Like) -> Equation:
-    """side = side …, each side once: a rule that is its value is not repeated."""
+    """An equation of several sides in which equal sides stand once."""
     return eq(*dict.fromkeys(map(expr, sides)))
 
 
@@ -209,8 +209,8 @@ def size(x: Expression) -> int:
 
 
 def operations(x: Expression) -> dict[str, int]:
-    """The number of additions, multiplications and functions that it takes to compute what is
-    printed."""
+    """The number of additions, multiplications and functions that it takes to evaluate an
+    expression as it is printed."""
     count = {"additions": 0, "multiplications": 0, "functions": 0}
     for node in nodes(x):
         if isinstance(node, Sum):

@@ -1,5 +1,5 @@
 """Kinematics in closed form: a frame's position, velocity, Jacobian and acceleration (2.10-2.24),
-and the Jacobian seen from where its determinant is short.
+and the Jacobian seen from the body where its determinant is shortest.
 
 >>> import freebody as fb
 >>> from freebody.expressions.kinematics import kinematics
@@ -48,7 +48,7 @@ class Kinematics(InTextbookForm):
 
     @cached_property
     def rotation(self) -> PolynomialRows:
-        """Axes of the frame, as columns."""
+        """The frame's rotation matrix, whose columns are its axes."""
         return [[self.symbols.element(x) for x in row] for row in self._pose[0]]
 
     @cached_property
@@ -135,8 +135,8 @@ def _seen_from(tree: Tree, poses: list[Pose], body: int, i: int) -> Pose:
 
 
 def _moved(tree: Tree, column: Column, R: Matrix, p: Vector, ratio: Any) -> Vector:
-    """A column given at a body's origin, in axes R and at a point from which that origin is p
-    away."""
+    """A motion column given at a body's origin, in the axes R and at the point relative to which
+    that origin is at p, times the ratio."""
     space = tree.space
     w, v = space.turn(R, column[0]), times(R, column[1])
     linear = sub(v, space.cross(w, p))

@@ -31,8 +31,8 @@ TIP = "P"
 
 @dataclass(frozen=True)
 class Naming:
-    """The names in one model; n, i, k are bodies' numbers. numbers: whether values stand in place
-    of parameters."""
+    """Printed names of the quantities of one model; n, i, k are numbers of bodies. numbers: whether
+    values stand in place of parameters."""
 
     model: Model
     numbers: bool = False
@@ -41,15 +41,15 @@ class Naming:
 
     @property
     def planar(self) -> bool:
-        """Whether the model is in the plane, where moments and angular velocities are scalars."""
+        """Whether the model is planar, so that moments and angular velocities are scalars."""
         return self.model.dim == 2
 
     def body(self, n: int) -> Body:
-        """Name of the body of a number."""
+        """The body with number n, counted from 1."""
         return self.model.bodies[n - 1]
 
     def parent(self, n: int) -> int:
-        """Number of the body before."""
+        """The number of the body that carries body n."""
         return self.body(n).parent + 1
 
     def children(self, n: int) -> tuple[int, ...]:
@@ -85,16 +85,16 @@ class Naming:
         return tuple(k for k in range(1, len(self.model.bodies) + 1) if self.leader(k) == n)
 
     def place(self, n: int) -> int:
-        """The place of joint n's coordinate among all, from 1: joints that follow others have
-        none."""
+        """The rank of joint n's coordinate among all coordinates, from 1; joints that follow others
+        have none."""
         return n - sum(map(self.follows, range(1, n)))
 
     def driven(self, n: int) -> bool:
-        """Whether a motor acts on joint n, be it that of the joint that it follows."""
+        """Whether a motor acts on joint n, its own or that of the joint that it follows."""
         return not self.body(self.leader(n)).joint.passive
 
     def torque(self, n: int) -> Symbol:
-        """τ of joint n's motor, with the number of its coordinate."""
+        """The symbol τ of joint n's motor, with the rank of its coordinate."""
         return self.letters.symbol(sym_of(f"tau{self.place(n)}"))
 
     def motor(self, n: int) -> Expression:
@@ -102,8 +102,8 @@ class Naming:
         return self.torque(n) if self.driven(n) else ex.ZERO
 
     def joint_moment(self, n: int) -> Expression:
-        """The moment of the body before on body n at joint n: n, but in a turning joint of the
-        plane τ_n or 0, unless other joints follow it."""
+        """The moment of the carrying body on body n at joint n: the symbol n, or for a planar
+        turning joint τ_n or 0, unless other joints follow it."""
         alone = len(self.together(n)) == 1  # others would take a part of the motor's torque
         if self.planar and self.turns(n) and alone and not self._drives(n):
             return self.motor(n)
@@ -114,16 +114,16 @@ class Naming:
         return not all(map(_is_zero, self.body(n).joint.drive.strengths))
 
     def axis(self, n: int) -> Symbol:
-        """z_n, which joint n turns about, or u_n, along which it slides."""
+        """The symbol of joint n's axis: z_n where it turns, u_n where it slides."""
         return vec(f"{self.body(n).kind.axis_letter}{n}")
 
     # ------------------------------------------------------------ forces
     def force(self, i: int, k: int) -> Symbol:
-        """f_{i,k}: by body i on body k."""
+        """The symbol f_{i,k} of the force by body i on body k."""
         return vec(f"f{i}{k}" if i < 10 and k < 10 else f"f{i}_{k}")
 
     def moment(self, i: int, k: int) -> Symbol:
-        """n_{i,k}: by body i on body k."""
+        """The symbol n_{i,k} of the moment by body i on body k."""
         return self.angular(f"n{i}_{k}")
 
     def angular(self, name: str) -> Symbol:
@@ -136,11 +136,12 @@ class Naming:
         return first, second
 
     def loop_force(self, loop: int) -> Symbol:
-        """f of the first frame's body on the second's."""
+        """The symbol of a loop's force, by the first frame's body on the second's."""
         return self._primed(loop, self.force(*self.loop_bodies(loop)))
 
     def loop_moment(self, loop: int) -> Expression:
-        """n of the same, about the origin of the second frame; 0 where the loop transmits none."""
+        """The symbol of a loop's moment about the origin of its second frame, by the first frame's
+        body on the second's; 0 where the loop transmits none."""
         own = self.model.loops[loop]
         if not LOOP_KINDS[own.kind].closure(of_dimension(self.model.dim), own.axis).turns:
             return ex.ZERO
@@ -211,7 +212,7 @@ class Naming:
         return self._named(self.model.loops[loop].distance)
 
     def _one(self, placement: Placement) -> Symbol | None:
-        """The only length in a placement."""
+        """The symbol of the only length in a placement; None where there are several or none."""
         shifts = [
             x
             for step in placement.steps
@@ -223,7 +224,7 @@ class Naming:
 
 
 def _is_zero(x: Quantity) -> bool:
-    """Whether a quantity is 0, named or not."""
+    """Whether a number or parameter is 0."""
     return (x.value if isinstance(x, Parameter) else x) == 0.0
 
 

@@ -34,7 +34,7 @@ class Expression:
     """Names of the fields that are its content, as `dataclass` lists them."""
 
     def __init_subclass__(cls) -> None:
-        """Every node is a frozen data class, and shows itself in a shell by its text."""
+        """Make every subclass a frozen data class that shows itself in a shell by its text."""
         dataclass(frozen=True, eq=False, repr=False)(cls)
 
     def __eq__(self, other: object) -> bool:
@@ -57,7 +57,7 @@ class Expression:
         return tuple(_expressions(self._content()))
 
     def mapped(self, f: Callable[[Expression], Expression]) -> Self:
-        """The node with f of each of its parts in their place; itself where they stay."""
+        """The node with f applied to each of its parts; the node itself where nothing changes."""
         new = list(map(f, self.parts))
         if all(a is b for a, b in zip(new, self.parts, strict=True)):
             return self
@@ -96,14 +96,14 @@ def _expressions(content: tuple[Any, ...]) -> list[Expression]:
 
 
 def _filled(x: Any, rest: Iterator[Expression]) -> Any:
-    """The content of a field, its expressions replaced by the next ones of `rest`."""
+    """A field's content with its expressions replaced by the next ones of `rest`."""
     if isinstance(x, tuple):
         return tuple(_filled(entry, rest) for entry in x)
     return next(rest) if isinstance(x, Expression) else x
 
 
 def nodes(x: Expression) -> Iterator[Expression]:
-    """An expression and all that is in it, each node before its parts."""
+    """An expression and all nodes inside it, each before its parts."""
     waiting = [x]
     while waiting:
         node = waiting.pop()
@@ -124,8 +124,8 @@ class Number(Expression):
 
 
 class Symbol(Expression):
-    """A letter with subscripts, dots and a superscript; `name` is what it is called in code. Bold
-    for vectors."""
+    """A letter with subscripts, dots and a superscript, bold for vectors; `name` is its name in
+    code."""
 
     name: str
     letter: str
@@ -161,7 +161,7 @@ class Quotient(Expression):
 
 
 class Power(Expression):
-    """base to a whole exponent; -1 of a matrix is its inverse."""
+    """A base raised to a whole exponent; -1 of a matrix is its inverse."""
 
     base: Expression
     exponent: int
@@ -237,14 +237,15 @@ class Equation(Expression):
 
 
 class Conditioned(Expression):
-    """An operand under conditions, each an equation: `m₂ = 0, I₂ = 0: τ₁`."""
+    """An expression with the conditions under which it holds, each an equation: `m₂ = 0, I₂ = 0:
+    τ₁`."""
 
     conditions: tuple[Expression, ...]
     operand: Expression
 
 
 class Sourced(Expression):
-    """A term, and a word for where it came from; pages show that by colour and underline."""
+    """A term with a word for its source, which pages show by colour and underline."""
 
     operand: Expression
     source: str

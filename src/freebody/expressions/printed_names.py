@@ -49,7 +49,7 @@ _SHAPE = re.compile(r"([A-Za-z]+?)(c?)_?(\d+(?:_\d+)*)_?([A-Za-z]*)")
 
 
 def sym(name: str, bold: bool = False) -> Expression:
-    """The symbol of a name; sgn_… is the sign of what follows."""
+    """The symbol of a name in code; of a name sgn_x the function sgn applied to the symbol of x."""
     if function_of(name) == SIGN:
         return Function(SIGN, sym(symbol_of(name), bold))
     stem, dots = _without_dots(name)
@@ -64,7 +64,7 @@ def with_letter(name: str) -> str:
 
 
 def vec(name: str) -> Symbol:
-    """The symbol of a vector: bold where there is bold."""
+    """The symbol of a vector's name, in bold."""
     symbol = sym(name, bold=True)
     assert isinstance(symbol, Symbol)
     return symbol
@@ -79,12 +79,14 @@ def entry(letter: str, *indices: int) -> Symbol:
 
 
 def place(i: int, j: int) -> str:
-    """Row and column of an entry in one subscript: 12, above 9 with a comma, 4,11."""
+    """The subscript for row i and column j of an entry: 12, or with a comma where a number is above
+    9, 4,11."""
     return f"{i}{j}" if max(i, j) < 10 else f"{i},{j}"
 
 
 def component(name: Symbol, label: str) -> Symbol:
-    """The symbol of an entry of an array: v of c2 becomes v of c2, x."""
+    """The symbol of a component of a vector: its name and subscript are extended by a label, such
+    as c2 to c2,x."""
     return Symbol(
         f"{name.name}_{label}",
         name.letter,
@@ -102,7 +104,7 @@ def _without_dots(name: str) -> tuple[str, int]:
 
 
 def _parts(stem: str) -> tuple[str, tuple[str, ...]]:
-    """Letter and subscripts of a name without dots."""
+    """The letter and the subscripts of a name without dots."""
     match = _SHAPE.fullmatch(stem)
     if match is None:
         return _letter(stem)
@@ -122,8 +124,8 @@ def _parts(stem: str) -> tuple[str, tuple[str, ...]]:
 
 
 def _letter(word: str) -> tuple[str, tuple[str, ...]]:
-    """A word as letter: Greek by name, one letter as it is, others with the rest as subscript after
-    an underscore."""
+    """The letter and subscript of a word: a Greek letter by its name, a single letter as it is,
+    otherwise the first letter with the rest as subscript."""
     if word in GREEK:
         return GREEK[word], ()
     if word in COMPONENTS:

@@ -22,7 +22,7 @@ from freebody.scalars.trig import Trig
 
 @dataclass(frozen=True, repr=False)
 class Condition(Titled):
-    """A factor of the determinant that vanishes where the arm is singular."""
+    """A condition under which an arm is singular: a factor of the determinant that vanishes."""
 
     factor: Trig
     equation: Equation
@@ -67,7 +67,7 @@ class Determinant:
 
     @property
     def factors(self) -> list[tuple[Trig, int]]:
-        """Factors and exponents, lengths first."""
+        """Factors of the determinant with their exponents, lengths first."""
         return self._product[1]
 
     @property
@@ -77,7 +77,7 @@ class Determinant:
 
     @cached_property
     def expression(self) -> Expression:
-        """The product as it is printed: l1 l2 sin θ2 (2.22)."""
+        """The determinant as a printed product, such as l1 l2 sin θ2 (2.22)."""
         form = self.kinematics.form
         number = form(self.kinematics.symbols.element(self.number))
         return ex.mul(number, *(ex.power(form(f), e) for f, e in self.factors))
@@ -106,7 +106,8 @@ class Determinant:
         )
 
     def _slid(self, factor: Trig) -> tuple[Equation, ...]:
-        """d = …, for a sliding joint that stands in the factor once."""
+        """The solution d = … of a factor that is linear in the position d of a sliding joint; empty
+        where there is none."""
         s = self.kinematics.symbols
         for name in self._moving(factor):
             slope = factor.derivative(name) if name not in s.ring.angles else None
@@ -116,7 +117,8 @@ class Determinant:
         return ()
 
     def _turned(self, factor: Trig) -> tuple[Equation, ...]:
-        """φ = …, for a factor a sin φ + b cos φ, φ a sum of angles."""
+        """The solutions φ = … of a factor a sin φ + b cos φ, where φ is a sum of angles; empty for
+        other factors."""
         angles = self.kinematics.symbols.ring.angles
         parts: defaultdict[str, list[tuple[SymbolPowers, Fraction]]] = defaultdict(list)
         arguments = set()
@@ -140,8 +142,8 @@ class Determinant:
         return (ex.eq(ex.Function("tan", argument), ex.neg(ex.div(form(cosine), form(sine)))),)
 
     def _turned_alone(self, factor: Trig) -> tuple[Equation, ...]:
-        """tan θ = …, for the first joint of a factor a sin θ + b cos θ in which a and b depend on
-        others."""
+        """The solution tan θ = … of a factor a sin θ + b cos θ for its first angle θ, with a and b
+        free of it; empty for other factors."""
         ring, form = self.kinematics.symbols.ring, self.kinematics.form
         for name in self._moving(factor):
             if name not in ring.angles:
@@ -164,8 +166,8 @@ class Determinant:
 
 
 def _readable(factor: Trig) -> Fraction:
-    """A power of ten for a factor with large whole numbers, decimals that were made whole: its
-    largest is below 1."""
+    """A power of ten by which a factor's coefficients are readable where decimals were made large
+    whole numbers; then the largest is below 1."""
     largest = max(abs(c) for _, c in factor.terms())
     return Fraction(1) if largest < 100 else Fraction(1, 10 ** len(str(int(largest))))
 
@@ -175,7 +177,8 @@ def _half_turn() -> Expression:
 
 
 def _joined(texts: list[str]) -> str:
-    """θ = 0 or π: what stands before = is said once."""
+    """The solutions joined to one text, such as "θ = 0 or π": an equal left side is written
+    once."""
     sides = [text.split(" = ") for text in texts]
     if len(sides) > 1 and all(len(row) == 2 and row[0] == sides[0][0] for row in sides):
         return f"{sides[0][0]} = {' or '.join(row[1] for row in sides)}"
@@ -183,8 +186,8 @@ def _joined(texts: list[str]) -> str:
 
 
 def jacobian_determinant(kinematics: Kinematics, rows: Sequence[int]) -> Determinant:
-    """The determinant of chosen rows of J and of the columns that move the frame; as many of one as
-    of the other."""
+    """The determinant of chosen rows of the Jacobian and of the columns that move the frame, of
+    which there must be as many as rows."""
     everything = len(kinematics.J) == len(rows)
     polynomial = (
         shortest_determinant(kinematics.symbols, kinematics.frame)

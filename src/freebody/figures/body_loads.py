@@ -1,4 +1,4 @@
-"""Every force and moment on each body at one instant, and what they add up to.
+"""Every force and moment on each body at one instant, and the residual of their balance.
 
 On body i act: the parent's reaction, the opposite of what it does to its children, those of loops,
 struts, its weight and external wrenches, all called as in the equations (`Naming`). Their sum is
@@ -56,7 +56,7 @@ class Load:
 
 @dataclass(frozen=True)
 class BodyLoads:
-    """All that acts on one body, and its motion."""
+    """All forces and moments on one body, and its motion."""
 
     body: BodyPlace
     loads: tuple[Load, ...]
@@ -71,7 +71,7 @@ class BodyLoads:
 
 
 def moment(arm: Array, force: Array) -> Array:
-    """arm × force: (3,), or (1,) in the plane."""
+    """The moment arm × force: (3,), or (1,) in the plane."""
     if len(arm) == 2:
         return np.array([arm[0] * force[1] - arm[1] * force[0]])
     return np.cross(arm, force)
@@ -100,8 +100,8 @@ def body_loads(
 
 
 def _without_noise(loads: Sequence[Load], size: float) -> list[Load]:
-    """The loads on all bodies of a mechanism of `size` metres, with 0 for what is only rounding
-    beside the largest."""
+    """The loads on all bodies of a mechanism of `size` metres, with values set to 0 that are only
+    rounding beside the largest."""
     force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
     turning = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
     least = NOISE * max(force, turning / size)
@@ -116,8 +116,8 @@ def _without_noise(loads: Sequence[Load], size: float) -> list[Load]:
 
 
 def _named(names: Naming, load: Load) -> Load:
-    """A pin without motor has no moment, but where it could not hold still (or move so) one is
-    missing: it is named."""
+    """The load, with a name given to a moment at a pin without motor that is not 0: there a moment
+    is missing for the state shown."""
     joint = load.joint
     if load.moment_name or not any(load.moment) or joint is None:
         return load
@@ -130,7 +130,8 @@ def _named(names: Naming, load: Load) -> Load:
 def _residuals(
     body: BodyPlace, loads: Sequence[Load], force: Array, turning: Array
 ) -> tuple[float, float]:
-    """The rest of force and moment when the body's motion is taken off."""
+    """The residuals of a body's force balance (N) and moment balance about its centre of mass (N
+    m), given m a and the rate of angular momentum."""
     force = sum((load.force for load in loads), -force)
     arms = ((load, load.place - body.com) for load in loads)
     turning = sum((load.moment + moment(arm, load.force) for load, arm in arms), -turning)
@@ -138,8 +139,8 @@ def _residuals(
 
 
 def _transmitted(names: Naming, pose: Skeleton, wrenches: Array) -> Iterator[tuple[int, Load]]:
-    """(index of the body, load) of what joints and loops transmit: on the child, or the body of a
-    loop's second frame, and the opposite on the other."""
+    """Pairs (index of the body, load) of the wrenches transmitted by joints and loops: on the child
+    or the body of the loop's second frame, and the opposite on the other body."""
     called, d = [*(body.name for body in pose.bodies), "the ground"], pose.dim
 
     def pair(

@@ -1,4 +1,4 @@
-"""Colours of the figures, light and dark, as the style sheet that goes with them."""
+"""Colours of the figures, light and dark, and the style sheet that holds them."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def style(dark: str = "@media (prefers-color-scheme:dark)") -> str:
 
 
 def page_colours(dark: bool) -> dict[str, str]:
-    """The palette, for the page around the figures."""
+    """The palette, light or dark, for the page around the figures."""
     return dict(_DARK if dark else _LIGHT)
 
 
@@ -112,7 +112,7 @@ def _sheet(colours: dict[str, str]) -> str:
 
 
 def _colours_only(colours: dict[str, str]) -> str:
-    """The rules that hold colours, only their colours."""
+    """The style sheet's rules that hold colours, reduced to their colours."""
     rules = []
     for rule in _sheet({name: f"@{name}" for name in colours}).replace("\n", "").split("}"):
         selector, _, body = rule.partition("{")

@@ -169,7 +169,8 @@ Element = Line | Arrow | Dimension | Turn | Arc | Mark | Prism | Label | Cells
 
 @dataclass
 class Drawing:
-    """Elements in the order of drawing, a view, and what it is for those who cannot see it."""
+    """A drawing: its elements in the order of drawing, a view, and a text for readers who cannot
+    see it."""
 
     view: View
     title: str
@@ -194,7 +195,7 @@ class Drawing:
         self.elements.extend(elements)
 
     def line(self, points: Iterable[Iterable[float]], name: str, role: str, **how: Any) -> None:
-        """Draw a line through places; how: of `Line`, as in what follows of its element."""
+        """Draw a line through places; how: further fields of `Line`."""
         self.add(Line(tuple(map(point, points)), name, role, **how))
 
     def mark(self, at: Iterable[float], kind: str, name: str, role: str, size: float) -> None:
@@ -202,7 +203,8 @@ class Drawing:
         self.add(Mark(point(at), kind, name, role, size=size))
 
     def write(self, at: Iterable[float], text: str, direction: Iterable[float]) -> None:
-        """Write a formula near a place, in that direction if there is room; once."""
+        """Write a formula near a place, in the given direction if there is room; repeated calls
+        write it once."""
         at, name = point(at), f"label {text}"
         written = (e.at for e in self.elements if isinstance(e, Label) and e.name == name)
         if all(math.dist(at, other) > SAME for other in written):
@@ -226,18 +228,20 @@ class Drawing:
         label: str | None = None,
         **how: Any,
     ) -> None:
-        """Draw a vector; its label is its name in bold, if no other is given."""
+        """Draw a vector; its label is its name in bold unless another one is given."""
         text = bold(name) if label is None else label
         self.add(Arrow(point(start), point(end), name, role, text, point(value), unit, **how))
 
     def position(self, start: Array, end: Array, name: str, aside: float = 0.0) -> None:
-        """Draw a position vector, its label beside its middle; none where it has no length."""
+        """Draw a position vector with a label beside its middle; nothing is drawn where its length
+        is 0."""
         if np.linalg.norm(np.subtract(end, start)) > SAME:
             value = np.subtract(end, start)
             self.arrow(start, end, name, "position", value, "m", beside=0.5, aside=aside)
 
     def ruler(self, about: float, reach: float, unit: str, role: str) -> None:
-        """A scale bar of a round size up to `about`, which is drawn `reach` metres long."""
+        """Draw a scale bar for a round size up to `about` (in `unit`); a bar for `about` itself
+        would be `reach` metres long."""
         size = round_down(about)
         text = metres(size, 2) if role == "length" else f"{significant(size, 1)} {unit}"
         self.rulers.append((size / about * reach, text, role))
@@ -262,7 +266,7 @@ def named(drawings: Sequence[Drawing], name: str, title: str) -> Element:
 
 
 def places(element: Element) -> tuple[WorldPoint, ...]:
-    """World points that an element spans."""
+    """A length in metres as text with its unit."""
     match element:
         case Line():
             return element.points
@@ -286,7 +290,7 @@ def places(element: Element) -> tuple[WorldPoint, ...]:
 
 
 def metres(length: float, digits: int = 3) -> str:
-    """Text of a length with its unit."""
+    """The largest number of the form 1, 2 or 5 times a power of ten that is not above a value."""
     if length >= 0.1:
         return f"{significant(length, digits)} m"
     return f"{significant(1000 * length, digits)} mm"

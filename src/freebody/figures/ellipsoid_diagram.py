@@ -71,7 +71,7 @@ def _ellipsoid(
 
 
 def outline(axes: Array, view: View, count: int = 73) -> Array:
-    """Points (count, dim) about 0 of an ellipse, or of what is seen as the rim of an ellipsoid.
+    """Points (count, dim) around 0 on an ellipse, or on the visible outline of an ellipsoid.
 
     The point A n, with A the axes as columns and n a unit vector, is on the rim where the normal
     there, along A⁻ᵀ n, is at right angles to the line of sight t: n ⊥ adj(A) t.

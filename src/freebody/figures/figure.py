@@ -1,4 +1,4 @@
-"""Several drawings on one sheet: what is shown, saved, and asked for its elements."""
+"""A figure: several drawings on one sheet, which can be shown, saved, and searched for elements."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ class Figure(Titled):
     drawings: tuple[Drawing, ...]
     columns: int = 2
     width: float = WIDE
-    """Width of one drawing, pixels."""
+    """The figure as SVG text that stands alone."""
     tallest: float = TALL
     caller: str = "a figure"
-    """The function that made the figure, for errors."""
+    """One picture with all drawings of the figure on a sheet."""
     level: float = 1.0
     """Height of the common edge on which drawings in a row stand: the lower one (1), where captions
     are, or the upper one (0)."""
@@ -54,7 +54,7 @@ class Figure(Titled):
 
     @property
     def drawing(self) -> Drawing:
-        """The only drawing; with several take one of `drawings`."""
+        """The only drawing of the figure; raises an error where there are several."""
         if len(self.drawings) != 1:
             raise FreebodyError(
                 f"{self.title}: it has {len(self.drawings)} drawings; take one of .drawings, or "
@@ -75,18 +75,18 @@ class Figure(Titled):
         return self.svg
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the figure as an SVG file; its path."""
+        """The path of the SVG file to which the figure is written."""
         return save(self.svg, path, self.caller)
 
 
 def of_one(title: str, drawing: Drawing, caller: str) -> Figure:
-    """A single drawing on a large sheet."""
+    """A figure of a single drawing on a large sheet."""
     return Figure(title, (drawing,), 1, 560.0, 520.0, caller)
 
 
 def sheet(pictures: Sequence[Picture], title: str, columns: int = 2, level: float = 1.0) -> Picture:
-    """Pictures of one width in rows; level 1: on a common lower edge, where captions are, 0: on an
-    upper one."""
+    """A picture of several pictures of equal width, in rows; level 1 aligns their lower edges,
+    where captions are, 0 the upper ones."""
     if len(pictures) == 1:
         return Picture(pictures[0].body, pictures[0].width, pictures[0].height, title)
     body, y, wide = "", 0.0, pictures[0].width
@@ -104,8 +104,8 @@ def to_one_scale(
     drawings: Sequence[Drawing], wide: float = WIDE, tall: float = TALL,
     alike: Sequence[float] | None = None,
 ) -> None:  # fmt: skip
-    """Give drawings the largest scale at which each of them fits. alike: of each, how many metres
-    of it are to be as long on the page as those of the others; default: 1."""
+    """Give drawings the largest scale at which each of them fits its page; alike: for each drawing
+    the length in metres that is drawn equally long in all (default 1)."""
     pairs = list(zip(drawings, alike or [1.0] * len(drawings), strict=True))
     lengths = [natural_scale(drawing, wide, tall) * one for drawing, one in pairs]
     for drawing, one in pairs:
@@ -113,7 +113,7 @@ def to_one_scale(
 
 
 def save(svg: str, path: str | os.PathLike[str], what: str) -> Path:
-    """Write SVG text to a file that ends in .svg; the path."""
+    """The path of the .svg file to which SVG text is written."""
     target = Path(path)
     if target.suffix.lower() != ".svg":
         raise FreebodyError(

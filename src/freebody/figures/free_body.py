@@ -36,7 +36,7 @@ SHOW: dict[int, dict[str, tuple[str, ...]]] = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FreeBodyDiagram(Figure):
-    """The diagrams of one or of all bodies at one instant; shows itself in a notebook."""
+    """The free-body diagrams of one or all bodies at one instant; shows itself in a notebook."""
 
     q: tuple[float, ...] = ()
     """The position at which it was drawn, rad or m."""
@@ -140,8 +140,8 @@ def diagrams(
     labels: str = "both",
     missing: Sequence[str] = (),
 ) -> tuple[Drawing, ...]:
-    """Drawings of bodies, forces to one scale, so that action and reaction are seen to be equal,
-    and lengths where the sizes of the bodies allow it. parts: of `forces.PARTS`; missing:
+    """Drawings of bodies with forces to one scale, so that action and reaction look equal, and
+    lengths to one scale where the bodies' sizes allow it. parts: of `forces.PARTS`; missing:
     parameters for which values were assumed."""
     scales = forces.scales_of(bodies)
     drawings, unheld = [], _unheld(seen, bool(missing) or labels == "names")
@@ -164,8 +164,8 @@ def diagrams(
 def _notes(
     loads: BodyLoads, longer: Sequence[str], labels: str, missing: Sequence[str]
 ) -> list[str]:
-    """Notes on what is nothing, what is drawn longer than to scale, and the balance; or on what was
-    assumed."""
+    """Notes on loads that vanish, on loads drawn longer than to scale, and on the balance or the
+    values assumed."""
     small = [x.name for x in loads.loads if not any(x.force)]
     small += [x.moment_name for x in loads.loads if x.moment_name and not any(x.moment)]
     notes = [f"≈ 0: {', '.join(small)}"] if small else []
@@ -183,8 +183,9 @@ def _notes(
 
 
 def _unheld(seen: Snapshot, unnumbered: bool) -> dict[int, list[str]]:
-    """Efforts, by body, that the joint without motor which carries it would need to be in this
-    state: nothing exerts it. Closed chains are held by their drives. unnumbered: in words alone."""
+    """For each body the efforts that its joint without motor would have to supply in this state,
+    which nothing does; empty for closed chains, whose drives hold them. unnumbered: in words,
+    without values."""
     model, found = seen.model, dict[int, list[str]]()
     if model.loops or not model.passive:
         return found
@@ -206,7 +207,7 @@ def _unheld(seen: Snapshot, unnumbered: bool) -> dict[int, list[str]]:
 
 
 def _parts(dim: int, show: str | Sequence[str]) -> list[str]:
-    """Parts of `forces.PARTS` that are asked for."""
+    """The parts of `forces.PARTS` that a choice by name stands for."""
     chosen = chosen_of(f"free_body_diagram of a model in {dim}D", show, SHOW[dim])
     return [part for name in chosen for part in SHOW[dim][name]]
 

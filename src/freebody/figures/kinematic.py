@@ -1,5 +1,5 @@
-"""A robot drawn in one pose: with the names of its geometry, its vectors, its velocities or its
-accelerations (`kinematic_diagram`), or with its numbers, fainter poses and the way of its tip."""
+"""`kinematic_diagram`: a robot drawn in one pose with the names of its geometry, its vectors,
+velocities or accelerations, or with joint numbers, fainter poses and the path of its tip."""
 
 from __future__ import annotations
 
@@ -142,7 +142,7 @@ def robot_drawing(
 
 
 def _numbered(drawing: Drawing, seen: Snapshot) -> None:
-    """The frame of the tip, and the numbers of the joints."""
+    """Draw the frame of the tip and the numbers of the joints."""
     pose = seen.pose
     if pose.tip is not None and pose.tip_rotation is not None:
         axes, size = [f"tip {name}" for name in "xyz"], 0.1 * seen.size

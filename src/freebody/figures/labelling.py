@@ -1,4 +1,4 @@
-"""Labels of drawings: what stands beside an element (its name, its value, or both), and where.
+"""Labels of drawings: what they show (an element's name, its value, or both), and where they stand.
 
 Each label tries places around its anchors and takes the one with least overlap.
 """
@@ -24,7 +24,8 @@ LABELS = ("names", "values", "both")
 
 
 def labels_of(caller: str, model: Model, labels: str | None) -> str:
-    """One of `LABELS`; default: both where the model has all its values, else names.
+    """The kind of labels, one of `LABELS`; by default both names and values where the model has all
+    values, else names.
 
     Raises UnknownNameError, and MissingValueError where values are asked for that are not there.
     """
@@ -38,7 +39,7 @@ def labels_of(caller: str, model: Model, labels: str | None) -> str:
 
 
 def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) -> tuple[str, ...]:
-    """The choices that `show` names, each once, as one name or several.
+    """The choices named in `show`, as one name or several, each once.
 
     Raises UnknownNameError for one that is not known, FreebodyError for what is no name.
     """
@@ -52,7 +53,7 @@ def chosen_of(caller: str, show: str | Iterable[str], known: Collection[str]) ->
 
 
 def quantity(element: Element) -> str:
-    """An element's value with its unit, of a vector its magnitude; "" where it has none."""
+    """An element's value with its unit as text, of a vector its magnitude; "" where it has none."""
     match element:
         case Arrow(value=value, unit=unit) if value and unit:
             size = value[0] if len(value) == 1 else float(np.linalg.norm(value))
@@ -68,7 +69,7 @@ def quantity(element: Element) -> str:
 
 
 def beside(element: Element, labels: str) -> tuple[str, str]:
-    """Label of an element: a formula and plain text after it."""
+    """The label of an element: a formula, and the plain text behind it."""
     name = element.text if isinstance(element, Label) else getattr(element, "label", "")
     value = quantity(element) if name and labels != "names" else ""
     if not value:
@@ -102,7 +103,8 @@ it."""
 
 @dataclass(frozen=True)
 class Wanted:
-    """A label that looks for a place: a formula and plain text after it."""
+    """A label that needs a place: its formula, the plain text behind it, and the anchors that it
+    may stand at."""
 
     text: str
     css: str
@@ -115,8 +117,8 @@ class Wanted:
 
 @dataclass
 class Crowd:
-    """Things on the page already: points of lines to keep clear of, boxes of text, and the page's
-    edge."""
+    """The page as far as it is taken: points of lines to keep clear of, boxes of text, and the
+    page's edge."""
 
     width: float
     height: float
@@ -124,7 +126,7 @@ class Crowd:
     boxes: list[Box] = field(default_factory=list)
 
     def keep_clear(self, a: complex, b: complex, half_width: float = 0.0) -> None:
-        """Points along a segment, or along both edges of a bar."""
+        """Mark points along a segment, or along both edges of a bar, as taken."""
         length = abs(b - a)
         n = max(int(length / RULE["spacing"]), 1)
         across = 1j * (b - a) / length * half_width if length else 0.0
@@ -132,9 +134,8 @@ class Crowd:
             self.points += [a + (b - a) * k / n + side for k in range(n + 1)]
 
     def settle(self, wanted: Sequence[Wanted]) -> list[Box]:
-        """Boxes for all: one after the other, then each once more among the others, until none
-        moves; from the first to the last and from the last to the first, of which the cheaper is
-        kept."""
+        """Boxes of all wanted labels: placed one after the other, then again among the others until
+        none moves, in both orders, of which the cheaper result is kept."""
         choices = [_candidates(w) for w in wanted]
         choices = [(boxes, prices + self._fixed(boxes)) for boxes, prices in choices]
         order = range(len(choices))
@@ -146,7 +147,7 @@ class Crowd:
     def _settled(
         self, choices: Sequence[tuple[Array, Array]], order: Iterable[int]
     ) -> tuple[float, list[Box]]:
-        """The price of all, and their boxes."""
+        """The total price of placing labels in a given order, and their boxes."""
         placed: dict[int, Box] = {}
         total = 0.0
         for _ in range(1 + RULE["sweeps"]):
@@ -169,8 +170,8 @@ class Crowd:
         return float(total[best]), (left, top, right, bottom)
 
     def _fixed(self, boxes: Array) -> Array:
-        """The price of a place whatever the other labels do: being off the page, and lines under
-        the text."""
+        """The price of each box that does not depend on other labels: for leaving the page and for
+        covering lines."""
         left, top, right, bottom = boxes.T
         edge, (wide, high) = RULE["edge"], RULE["beside"]
         outside = np.maximum(0, edge - left) + np.maximum(0, edge - top)
@@ -184,7 +185,8 @@ class Crowd:
 
 
 def _candidates(wanted: Wanted) -> tuple[Array, Array]:
-    """Boxes around the anchors (k, 4), and how far each is from what is wanted."""
+    """Candidate boxes (k, 4) of a label around its anchors, and the price of each for its distance
+    from the preferred place."""
     half = complex(wanted.width + 2, RULE["above"] + RULE["below"]) / 2
     boxes, prices = [], []
     for rank, (anchor, way) in enumerate(wanted.anchors):
@@ -209,8 +211,8 @@ def overlaps(boxes: Array, other: Box, apart: Sequence[float] = tuple(RULE["apar
 
 
 def leader(anchor: complex, box: Box) -> complex | None:
-    """The point at which the line from an anchor to a text meets its box; None of a text that
-    stands near."""
+    """The point at which the line from an anchor meets a label's box; None for a label near its
+    anchor, which needs no line."""
     left, top, right, bottom = box
     x, y = min(max(anchor.real, left), right), min(max(anchor.imag, top), bottom)
     return complex(x, y) if abs(complex(x, y) - anchor) > RULE["leader"] else None

@@ -55,7 +55,8 @@ def singularity_diagram(
 def _curves(
     drawing: Drawing, model: Model, loci: Sequence[Locus], name: str, kind: str, frame: str | None
 ) -> None:
-    """The tip's path along each locus; one that several working modes share is drawn once."""
+    """Draw the tip's path along each locus; a path that several working modes share is drawn
+    once."""
     drawn: list[np.ndarray] = []
     for locus in loci:
         tip = forward_kinematics(model, locus.q, frame)[:, :2, 2]
@@ -71,7 +72,7 @@ def _curves(
 
 
 def _same(a: np.ndarray, b: np.ndarray) -> bool:
-    """Whether every fifth point of a lies on b, to half the spacing of b's."""
+    """Whether every fifth point of polyline a lies on b, within half the spacing of b's points."""
     spacing = np.linalg.norm(np.diff(b, axis=0), axis=1).max(initial=_POINT)
     away = np.linalg.norm(a[::5, None] - b[None], axis=-1).min(axis=1)
     return len(b) > 1 and bool((away < spacing).all())

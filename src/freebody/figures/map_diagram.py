@@ -30,7 +30,7 @@ def map_diagram(
     *,
     title: str = "",
 ) -> Figure:
-    """A slice of the workspace coloured by what a map has there, and the robot in it.
+    """A slice of the workspace coloured by a map's values, and the robot in it.
 
     Parameters
     ----------
@@ -77,7 +77,8 @@ def map_diagram(
 
 
 def _steps(caller: str, grid: Array) -> tuple[Array, Array]:
-    """The steps from a column to the next, and from a row to the next."""
+    """The vectors between neighbouring columns and between neighbouring rows of a grid; raises an
+    error where the grid is not even and flat."""
     m, n = grid.shape[:2]
     across, up = (grid[0, -1] - grid[0, 0]) / (n - 1), (grid[-1, 0] - grid[0, 0]) / (m - 1)
     j, i = np.arange(n)[None, :, None], np.arange(m)[:, None, None]
@@ -93,7 +94,7 @@ def _steps(caller: str, grid: Array) -> tuple[Array, Array]:
 
 
 def _cells(corner: Array, across: Array, up: Array, numbers: np.ndarray) -> Cells:
-    """The part of a grid around the cells that have a colour."""
+    """The cells of a grid, reduced to the part around those that have a colour."""
     rows, columns = (np.flatnonzero((numbers >= 0).any(axis=k)) for k in (1, 0))
     if len(rows):
         corner = corner + rows[0] * up + columns[0] * across
@@ -103,7 +104,8 @@ def _cells(corner: Array, across: Array, up: Array, numbers: np.ndarray) -> Cell
 
 
 def _view(links: list[tuple[Array, Array]], across: Array, up: Array) -> View:
-    """The view in which the slice is seen well, and of several such the robot too."""
+    """The view in which a slice is seen well, and of several such the one in which the robot is,
+    too."""
     if len(across) == 2:
         return FLAT
     normal = np.cross(across, up)
@@ -115,7 +117,7 @@ def _view(links: list[tuple[Array, Array]], across: Array, up: Array) -> View:
 
 
 def coloured(values: Array, title: str) -> tuple[np.ndarray, ColourKey]:
-    """The number of each value's colour, -1 for NaN, and the key."""
+    """The index of each value's colour (-1 for NaN), and the colour key."""
     there = np.isfinite(values)
     known = np.unique(values[there])
     if not len(known):
@@ -135,8 +137,8 @@ def coloured(values: Array, title: str) -> tuple[np.ndarray, ColourKey]:
 
 
 def _edges(low: float, high: float) -> Array:
-    """Round values, the first not above low, the last not below high: as many as there are colours
-    for."""
+    """Round values that divide a range into colour steps, the first not above low, the last not
+    below high, in as many steps as the colours allow."""
     for most in range(2 * MAP, 1, -1):
         inner = ticks(low, high, most)
         if len(inner) > 1:

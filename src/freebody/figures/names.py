@@ -1,5 +1,5 @@
-"""Names in a drawing: as `Naming` has them in the equations. Joints are the points O, A, B, …, the
-tip is P."""
+"""Names in a drawing, equal to those that `Naming` gives in equations. Joints are the points O, A,
+B, …, the tip is P."""
 
 from __future__ import annotations
 
@@ -31,11 +31,12 @@ class DrawingNames:
     tip: str = TIP
 
     def on(self, symbol: str, n: int, prefix: str = "") -> str:
-        """A symbol with the subscript of body n."""
+        """A symbol with the number of body n as subscript, behind a prefix."""
         return indexed(symbol, f"{prefix}{n}")
 
     def coordinate(self, body: BodyPlace, order: int = 0) -> str:
-        """The joint's coordinate, or its rate of an order; "" where it has none of its own."""
+        """The name of a joint's coordinate, or of its rate of a given order; "" where it has no
+        coordinate of its own."""
         name = self.naming.coordinate(body.number)
         return label(self.naming.letters(sym(name + _ENDINGS[order]))) if name else ""
 
@@ -48,17 +49,19 @@ class DrawingNames:
         return label(self.naming.inertia(n))
 
     def axis(self, body: BodyPlace) -> str:
-        """The direction of a joint."""
+        """The name of a joint's axis or direction of sliding."""
         return label(self.naming.axis(body.number))
 
     def reach(self, body: BodyPlace, end: End, letter: str = "s") -> str:
-        """The vector from a joint to where something hangs."""
+        """The name of the vector from a body's joint to one of its ends: a child's joint or the
+        tip."""
         n = body.number
         name = self.naming.to_tip(n) if end.child is None else self.naming.reach(n, end.child + 1)
         return label(replace(name, letter=letter))
 
     def length(self, body: BodyPlace, end: End) -> str:
-        """The length of the vector that `reach` names; "" where it has no name."""
+        """The name of the length of the vector from a body's joint to an end; "" where it has
+        none."""
         child = None if end.child is None else end.child + 1
         return self._length(self.naming.length(child, end.name), self.on("l", body.number))
 
@@ -77,17 +80,18 @@ class DrawingNames:
         return self._length(self.naming.centre_length(body.number), self.on("l", body.number, "c"))
 
     def _length(self, name: Symbol | None, pattern: str) -> str:
-        """The model's name; where it has none that of the pattern, if no other quantity has it."""
+        """The model's name of a length; else the pattern's, unless another quantity has it already;
+        else ""."""
         taken = {label(sym(x)) for x in self.naming.model.parameters}
         return label(name) if name is not None else "" if pattern in taken else pattern
 
     def acting(self, load: Load, body: BodyPlace) -> tuple[str, str]:
-        """Names of a force and its moment on a body."""
+        """The names of a force and its moment on a body."""
         return load.name, load.moment_name
 
     def point(self, pose: Skeleton, n: int) -> str:
-        """The name of joint n: its own where that is a capital letter, else the next that nothing
-        else in the model has.
+        """The letter of joint n: its own name where that is a capital letter, else the next letter
+        that nothing else in the model has.
 
         O is kept for the origin, so that letters start with A where joint 1 is elsewhere.
         """
@@ -102,7 +106,7 @@ class DrawingNames:
 
 
 def is_letter(name: str) -> bool:
-    """Whether a name is a capital letter, as points have them."""
+    """Whether a name is a single capital letter, as names of points are."""
     return len(name) == 1 and name.isupper()
 
 

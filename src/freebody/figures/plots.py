@@ -1,5 +1,5 @@
-"""Curves over time as small SVG pictures: axes with units, one curve a quantity, its peak marked,
-limits dashed."""
+"""Curves over time as small SVG pictures: axes with units, one curve for each quantity, its peak
+marked, limits dashed."""
 
 from __future__ import annotations
 
@@ -75,8 +75,8 @@ def plot(what: Plot) -> Picture:
 
 
 def _to_print(what: Plot) -> Plot:
-    """Values as the axis has them: logarithms, or with a power of ten taken out of what is too
-    small or large to be printed there."""
+    """The plot with values as the axis prints them: logarithms, or with a power of ten taken out of
+    numbers too small or large to print."""
     curves = {name: np.asarray(curve, dtype=float) for name, curve in what.curves.items()}
     if what.log:
         logs = {k: np.log10(np.maximum(np.abs(x), 1e-300)) for k, x in curves.items()}
@@ -142,14 +142,14 @@ class _Axes:
         return bottom - (np.asarray(value) - low) / (high - low) * (bottom - top)
 
     def level(self, css: str, value: float, title: str = "") -> str:
-        """SVG line across the plot at a value."""
+        """An SVG line across the plot at a value."""
         left, _, right, _ = self.box
         return line(css, f"M{left:.1f} {float(self.y(value)):.1f}H{right:.1f}", title)
 
 
 def _range(what: Plot) -> tuple[float, float]:
-    """Lowest and highest of the axis: all curves, zero where it is near, a limit where a curve
-    comes near it."""
+    """The lowest and highest value of the axis, so that it holds all curves, zero where it is near,
+    and limits that a curve comes near."""
     values = np.concatenate(list(what.curves.values()))
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 1.0)
@@ -200,7 +200,7 @@ def _raised(level: float) -> str:
 
 
 def tick(value: float, all_values: Sequence[float]) -> str:
-    """The number at a tick, with as many decimals as the step needs."""
+    """The number printed at a tick, with as many decimals as the step between ticks needs."""
     step = all_values[1] - all_values[0] if len(all_values) > 1 else 1.0
     size = max(abs(v) for v in all_values) if all_values else 1.0
     if abs(value) < 1e-9 * max(size, step):
@@ -214,7 +214,7 @@ def tick(value: float, all_values: Sequence[float]) -> str:
 
 
 def _peak(axes: _Axes, what: Plot, curve: Array) -> str:
-    """The value of the first curve farthest from zero."""
+    """The mark and the printed value of the first curve where it is farthest from zero, as SVG."""
     k = int(np.argmax(np.abs(curve)))
     if abs(curve[k]) < 1e-12:
         return ""

@@ -23,7 +23,8 @@ from freebody.trees.public_calls import single_vector
 
 @dataclass(frozen=True)
 class End:
-    """A place of a body where something hangs: a child (its index) or a frame (its name)."""
+    """A place of a body at which something is attached: a child (its index) or a frame (its
+    name)."""
 
     name: str
     child: int | None
@@ -32,7 +33,7 @@ class End:
 
 @dataclass(frozen=True)
 class DrawnJoint:
-    """A joint in the world, or what closes a loop: places (dim,)."""
+    """A joint in the world, or the place where a loop closes: places (dim,)."""
 
     index: int
     """Index of the body that it carries; of a loop, of the one with its second frame; -1: the
@@ -53,7 +54,7 @@ class DrawnJoint:
 
     @property
     def symbol(self) -> str:
-        """Name of the joint's symbol."""
+        """The name of the joint's symbol in drawings."""
         return self.name
 
 
@@ -67,7 +68,7 @@ class BodyPlace(DrawnJoint):
 
     @property
     def number(self) -> int:
-        """Bodies count from 1 in print; 0 is the ground."""
+        """The body's number in print, counted from 1; 0 is the ground."""
         return self.index + 1
 
     @property
@@ -76,8 +77,8 @@ class BodyPlace(DrawnJoint):
 
     @property
     def outline(self) -> tuple[tuple[Array, Array], ...]:
-        """Segments of its stick: from its joint to where others hang, else to its centre of
-        mass."""
+        """Segments of the body's stick: from its joint to where children or frames are attached,
+        else to its centre of mass."""
         far = [end.place for end in self.ends if np.linalg.norm(end.place - self.origin) > SAME]
         if not far and self.mass > 0 and np.linalg.norm(self.com - self.origin) > SAME:
             far = [self.com]
@@ -104,7 +105,7 @@ class StrutPlace:
 
 @dataclass(frozen=True)
 class Skeleton:
-    """All bodies; `tip` is None where the robot has no single tip."""
+    """All bodies of a robot in one pose; `tip` is None where the robot has no single tip."""
 
     dim: int
     bodies: tuple[BodyPlace, ...]
@@ -117,7 +118,7 @@ class Skeleton:
 
     @property
     def places(self) -> Array:
-        """Every joint, end and the base, (k, dim)."""
+        """The places (k, dim) of every joint, every end and the base."""
         found = [np.zeros(self.dim)]
         for body in self.bodies:
             ends = (end.place for end in body.ends)
@@ -148,7 +149,7 @@ def skeleton(model: Model, q: ArrayLike) -> Skeleton:
 
 
 def _pose(world: list[tuple[Array, Array]], body: int, R: Any, p: Any) -> tuple[Array, Array]:
-    """A pose given in a body of the tree (-1: the base), in the world."""
+    """A pose given in a body of the tree (-1: the base), expressed in the world."""
     above, origin = world[body]
     return above @ np.asarray(R, dtype=float), origin + above @ np.asarray(p, dtype=float)
 
@@ -202,7 +203,7 @@ def _first(tree: Tree, i: int) -> int:
 
 
 def _leaves(model: Model, tree: Tree, places: dict, at: int) -> list[End]:
-    """The tip and the leaves that this body carries; of several at one place the first."""
+    """The tip and the leaf frames that a body carries; of several at one place the first."""
     names = [*filter(None, [model.tip]), *(leaf for leaf in model.leaves if leaf != model.tip)]
     ends: list[End] = []
     for name in names:

@@ -41,7 +41,7 @@ _RATES, _SECOND = (0.9, 1.1, -0.8), (1.5, 1.0, -1.0)
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """A model and its state: q (nq,) rad or m; qd, qdd (nv,); wrenches on it as for
+    """A model and its state: q (nq,) in rad or m; qd, qdd (nv,); wrenches on it as for
     `inverse_dynamics`."""
 
     model: Model
@@ -55,11 +55,11 @@ class Snapshot:
 
     @cached_property
     def drawn(self) -> tuple[BodyPlace, ...]:
-        """The bodies, but those that stand for nothing."""
+        """The bodies that are drawn, without those that stand for nothing real."""
         return tuple(body for body in self.pose.bodies if body.index not in self.links)
 
     def is_held(self, body: BodyPlace) -> bool:
-        """Whether a body hangs on a joint that is drawn."""
+        """Whether a body is attached to its parent by a joint that is drawn."""
         return body.parent not in self.links
 
     @cached_property
@@ -78,13 +78,13 @@ class Snapshot:
         return body_loads(self.names.naming, self.pose, self.q, self.qd, self.qdd, self.wrenches)
 
     def end(self, body: BodyPlace) -> Array | None:
-        """The end of a body: the joint of its first child (after a slide), else at the tip; or
-        nowhere."""
+        """The far end of a body: the joint of its first child (after a slide), else the tip; None
+        where there is neither."""
         return next((place for _, place in self.reaches(body)), None)
 
     def reaches(self, body: BodyPlace) -> list[tuple[End, Array]]:
-        """The ends of the vectors s from a body's joint: its children (after a slide), and the tip
-        it carries; to its first leaf where it has neither."""
+        """The ends of the vectors s from a body's joint: its children's joints (after a slide) and
+        the tip it carries; its first leaf where it has neither."""
         found = [
             (end, self.pose.bodies[end.child].origin) for end in body.ends if end.child is not None
         ]
@@ -105,7 +105,7 @@ class Snapshot:
         return np.asarray(found)[: self.model.dim]
 
     def acceleration_at(self, body: BodyPlace, place: Array) -> Array:
-        """Acceleration (dim,) of that point, m/s²."""
+        """Acceleration (dim,) of the point of a body that is at `place`, m/s², world axes."""
         local = body.rotation.T @ (place - body.origin)
         found = acceleration(self.model, self.q, self.qd, self.qdd, self._frame(body), local)
         return np.asarray(found)[: self.model.dim]
@@ -128,8 +128,8 @@ def snapshot(
     caller: str = "a drawing",
     notation: BookNotation | str | PathLike[str] | None = None,
 ) -> Snapshot:
-    """A snapshot; parameters without value and a state that is not given are chosen so that the
-    drawing is clear. caller: for errors. notation: whose letters stand in it, as for
+    """A snapshot of a model; parameters without value and a state that is not given are chosen so
+    that the drawing is clear. caller: for errors; notation: whose letters label it, as for
     `check`."""
     shown = with_values(model)
 
@@ -152,7 +152,7 @@ def snapshot(
 
 
 def _seen_well(model: Model) -> Array:
-    """A pose that shows all parts; of a closed chain its home, or near that pose one at which all
+    """A pose that shows all parts well; of a closed chain its home, or near it a pose at which all
     loops are closed."""
     if not model.loops:
         return clear_pose(model)
@@ -185,7 +185,8 @@ def _consistent_rates(model: Model, q: Array) -> Array:
 
 
 def _consistent_second(model: Model, q: Array, qd: Array, wrenches: FrameWrenchTable) -> Array:
-    """Accelerations that the loops allow; of an arm's joints without motor those that need none."""
+    """Accelerations that a closed chain's loops allow, or for which an arm's joints without motor
+    need no torque."""
     second = _cycled(model, _SECOND)
     if model.loops:
         return loop_acceleration(model, q, qd, second)
@@ -213,8 +214,8 @@ def with_values(model: Model) -> Model:
 
 
 def _typical(name: str, given: Mapping[str, float | None]) -> float:
-    """Metres, kg or kg m²: links grow shorter outwards, centres of mass are halfway along links of
-    given lengths; products of inertia are 0."""
+    """A typical value (m, kg or kg m²) for a parameter by its name: links grow shorter outwards,
+    centres of mass are halfway along links of given lengths, products of inertia are 0."""
     if re.search(r"(xy|xz|yz)$", name):
         return 0.0
     length = given.get(f"l{name[2:]}") if name.startswith("lc") else None

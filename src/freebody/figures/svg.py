@@ -47,7 +47,7 @@ Anchor = tuple[complex, complex]
 
 @dataclass
 class Page:
-    """An SVG picture in the making: the way from metres to pixels, and what has been written so
+    """An SVG picture being built: the map from metres to pixels, and what has been written so
     far."""
 
     drawing: Drawing
@@ -58,17 +58,17 @@ class Page:
     wanted: list[Wanted]
 
     def at(self, place: Sequence[float]) -> complex:
-        """Pixels of a place of the world; y down."""
+        """The pixels of a place in the world; y points down."""
         return self.shift + self.scale * self.drawing.view.on_page(place)
 
     def towards(self, direction: Sequence[float] | None, default: complex = 1.0) -> complex:
-        """A direction of the world on the page, unit length; to the right where it points at the
-        viewer."""
+        """The unit direction on the page of a direction in the world; to the right where that
+        points at the viewer."""
         way = default if direction is None else self.drawing.view.on_page(direction)
         return way / abs(way) if abs(way) > 1e-9 else 1.0
 
     def want(self, element: Element, css: str, anchors: Sequence[Anchor]) -> None:
-        """Ask for room for what stands beside an element."""
+        """Request a place for the label beside an element, near the given anchors."""
         formula, after = labelling.beside(element, self.drawing.labels)
         if formula or after:
             wide = text.formula_width(formula) + text.width(after, _VALUE)
@@ -78,8 +78,9 @@ class Page:
         self, e: Turn | Arc | Mark, css: str, r: float, start: float, sweep: float,
         shares: Sequence[float],
     ) -> None:  # fmt: skip
-        """Keep clear of an arc of r pixels around an element's place, from the direction `start`
-        over `sweep` (rad), and ask for room outside it at shares of its length."""
+        """Keep labels clear of an arc of r pixels around an element's place, from the direction
+        `start` over `sweep` (rad), and request a place for the element's label outside it at given
+        fractions of its length."""
 
         def on(share: float) -> Anchor:
             way = svg_symbols.towards(start + sweep * share)
@@ -100,8 +101,8 @@ class Picture:
     title: str
 
     def text(self, css: bool = True, place: str = "") -> str:
-        """The SVG document. css: with a style sheet, to stand alone. place: attributes x and y,
-        inside another."""
+        """The SVG document as text. css: with a style sheet, to stand alone. place: attributes x
+        and y, for use inside another document."""
         style = f"<style>{colours.style()}</style>" if css else ""
         size = f'width="{self.width:g}" height="{self.height:.0f}"'
         title = escape(self.title, quote=True)
@@ -111,7 +112,8 @@ class Picture:
         )
 
     def inline(self) -> str:
-        """Inside an HTML page, which has the style sheet and knows SVG without its namespace."""
+        """The SVG element for use inside an HTML page, which has the style sheet and needs no
+        namespace."""
         return self.text(css=False).replace(f" {XMLNS}", "", 1)
 
 
@@ -133,7 +135,8 @@ def picture(drawing: Drawing, width: float = 560.0, tallest: float = 460.0) -> P
 
 
 def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, float, list[Box]]:
-    """The page with all but the labels, its height, and where the labels go."""
+    """(page, height, boxes): the page with everything drawn but the labels, its height, and the
+    places of the labels."""
     page, height = _fit(drawing, width, tallest)
     for element in drawing.elements:
         _DRAW[type(element)](page, element)
@@ -141,7 +144,7 @@ def laid_out(drawing: Drawing, width: float, tallest: float) -> tuple[Page, floa
 
 
 def natural_scale(drawing: Drawing, width: float, tallest: float) -> float:
-    """Pixels a metre at which the drawing just fits."""
+    """The scale in pixels per metre at which the drawing just fits."""
     span = _bounds(drawing)[1] - _bounds(drawing)[0]
     return float(min((width - 2 * _MARGIN) / span[0], (tallest - 2 * _MARGIN) / span[1]))
 
@@ -199,7 +202,7 @@ def _arrow(page: Page, e: Arrow) -> None:
 
 
 def _beside(a: complex, b: complex, aside: float) -> tuple[complex, complex]:
-    """A segment moved some pixels to its left."""
+    """The ends of a segment moved by some pixels to its left."""
     if not aside or a == b:
         return a, b
     left = -1j * aside * (b - a) / abs(b - a)
@@ -207,12 +210,13 @@ def _beside(a: complex, b: complex, aside: float) -> tuple[complex, complex]:
 
 
 def _sides(aside: float) -> tuple[float, float]:
-    """The side on which the label of something moved aside stands, and the other one; 1: left."""
+    """The sides to try for a label, the preferred first: 1 left, -1 right; something moved aside
+    has its label on that side."""
     return (1.0, -1.0) if aside >= 0 else (-1.0, 1.0)
 
 
 def _along(a: complex, b: complex, side: float, share: float) -> list[Anchor]:
-    """Anchors on a side of a segment, about a share of its length."""
+    """Anchors for a label on one side of a segment, around a fraction of its length."""
     shares = (share, share + 0.15, share - 0.15)
     return [(a + k * (b - a), -1j * side * (b - a)) for k in shares]
 
@@ -306,7 +310,8 @@ def _leader(wanted: Wanted, box: Box) -> str:
 
 
 def _corners(drawing: Drawing, page: Page, height: float) -> list[str]:
-    """Heading above; below, scale bars to the left and the world's axes to the right."""
+    """The SVG of the drawing's corners: heading above; below, scale bars on the left and the
+    world's axes on the right."""
     heading = escape(drawing.heading)
     out = [svg_symbols.words("name", 12 + 20j, heading)] if heading else []
     at = complex(14.0, height - 10.0)

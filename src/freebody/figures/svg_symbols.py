@@ -1,4 +1,4 @@
-"""SVG text: lines, circles, words, and of them the symbols of textbooks. Places on the page are
+"""Symbols of textbooks as SVG text, made of lines, circles and words. Places on the page are
 complex numbers x + iy, in pixels, y down; so are directions, of length 1."""
 
 from __future__ import annotations

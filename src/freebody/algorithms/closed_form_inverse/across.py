@@ -92,7 +92,8 @@ class Across(Recipe):
         return (place,), clear
 
     def _last_turns(self, s: Sequence[Screw], X: WantedMotion) -> list[PlacedBranch]:
-        """The first two joints bring a point of the third's axis home, the third turns the rest."""
+        """Branches of three turning joints: the first two bring a point of the third joint's axis
+        to its place, the third turns the rest."""
         l3 = line(s[2])
         seen, home = X.direction(mark(l3)), numbers(s[2].p)
         found = []
@@ -102,7 +103,8 @@ class Across(Recipe):
         return found
 
     def _turn_between_slides(self, s: Sequence[Screw], X: WantedMotion) -> PlacedBranch:
-        """P R P: the turn is given; what the two slides must do is linear."""
+        """The branch of a turning joint between two slides: the turn follows from the wanted
+        rotation, the two shifts from linear equations."""
         l1, l2, l3 = map(line, s)
         x2 = known_turn(l2, X.direction(mark(l2)), mark(l2))
         second, zero = x2.direction(l3.w), (0.0, 0.0, 0.0)

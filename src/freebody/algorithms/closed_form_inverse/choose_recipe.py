@@ -118,7 +118,8 @@ def _six(s: Sequence[Screw], length: float) -> Recipe | None:
 
 
 def _simplest(found: Sequence[Recipe]) -> Recipe | None:
-    """The first; a quartic where there is nothing else."""
+    """The first of the recipes that are found; one that solves a quartic only where there is no
+    other."""
     return min(found, key=lambda one: one.by_quartic, default=None)
 
 
@@ -170,8 +171,8 @@ def _in_layers(s: Sequence[Screw], normal: Array) -> bool:
 
 
 def _regular(s: Sequence[Screw], turned: bool, length: float) -> bool:
-    """Whether joints across a normal are as many as they have to do, and do not repeat each
-    other."""
+    """Whether joints that move across a normal are exactly as many as the task needs, and none
+    repeats what another one does."""
     if len(s) == 3 and turned and any(x.turning for x in s):
         if s[2].turning or s[0].turning:
             first, second, last = s if s[2].turning else s[::-1]
@@ -193,6 +194,7 @@ def _straightened(screws: Sequence[Screw]) -> list[Screw]:
 
 
 def _may_meet(screws: Sequence[Screw]) -> bool:
-    """Whether axes turn, none of them nearly parallel to the next."""
+    """Whether all axes turn and none is nearly parallel to the next, so that two neighbours may
+    meet in a point."""
     crossed = all(float(np.linalg.norm(np.cross(a.w, b.w))) > NEARLY for a, b in pairwise(screws))
     return crossed and all(s.turning for s in screws)

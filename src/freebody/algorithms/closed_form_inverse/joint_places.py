@@ -116,8 +116,8 @@ def at_pair(l: AxisLine, y: Scalar, x: Scalar) -> tuple[JointPlace, Scalar]:
 
 
 def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> JointBranch:
-    """The turn that brings u (across the axis) nearest to v; at rest where one of them is as good
-    as along the axis."""
+    """The turn about axis l that brings u (at right angles to the axis) nearest to v; the angle at
+    rest where u or v is nearly along the axis."""
     y, x, beside = dot(times(l.around, u), v), dot(u, v), times(l.across, v)
     shorter = minimum(dot(u, u), dot(beside, beside))
     free = less(shorter, (_ON_AXIS * length) ** 2)
@@ -129,16 +129,16 @@ def _aimed(l: AxisLine, u: Vector, v: Vector, length: float) -> JointBranch:
 def either(
     l: AxisLine, base: JointPlace, sine: Scalar, cosine: Scalar, clear: Scalar
 ) -> list[JointBranch]:
-    """The turns by an angle more and by an angle less than the base."""
+    """Two branches of a joint: the base's turn and a further angle (given by sine and cosine), in
+    either direction."""
     s, c = base.sine, base.cosine
     ss, sc, cs, cc = s * sine, s * cosine, c * sine, c * cosine
     return [(JointPlace(l, sc + cs, cc - ss), clear), (JointPlace(l, sc - cs, cc + ss), clear)]
 
 
 def bent(above: Scalar, below: Scalar, cosine: Scalar) -> tuple[Scalar, Scalar, Scalar]:
-    """(sine, cosine, how clear) of the angle with 1 - cosine = above and 1 + cosine = below, each
-    given as it has lost nothing by cancellation; the nearest one there is where these are below
-    0."""
+    """(sine, cosine, margin of existence) of the angle with 1 - cosine = above and 1 + cosine =
+    below, both given free of cancellation; the nearest angle where above or below is negative."""
     square = above * below
     return sqrt(maximum(square, 0.0)), minimum(maximum(cosine, -1.0), 1.0), square
 
@@ -174,7 +174,7 @@ def turn_by(l: AxisLine, x: Scalar) -> JointPlace:
 
 
 def least(*clear: Scalar) -> Scalar:
-    """The smallest of the margins, which is that of the whole."""
+    """The smallest of several margins of existence, which is that of the whole branch."""
     found = clear[0]
     for x in clear[1:]:
         found = minimum(found, x)

@@ -44,8 +44,8 @@ class JointRanges:
     repeats: Sequence[bool]
 
     def inside(self, k: int, x: Scalar) -> Scalar:
-        """1 where x is within the limits of entry k, else 0; of an angle that is `wrapped` into
-        limits a turn or more apart always 1."""
+        """1 where the joint position x is within the limits of entry k of q, else 0; always 1 for
+        an angle whose limits are a turn or more apart, since it is `wrapped` into them."""
         low, high = self.low[k], self.high[k]
         flag: Scalar = 1.0
         if self.repeats[k] and high - low >= 2 * pi:
@@ -57,8 +57,8 @@ class JointRanges:
         return flag
 
     def wrapped(self, k: int, x: Scalar) -> Scalar:
-        """An angle within half a turn of a position within the limits, a turn farther where that
-        leads into them: past the one it does not go, so that only the other is looked at."""
+        """The angle x, or x a whole turn farther where that leads into the limits of entry k of q;
+        x is within half a turn of a position inside them."""
         low, high = self.low[k], self.high[k]
         narrow = high - low < 2 * pi
         if isfinite(low):
@@ -82,8 +82,8 @@ def solutions(
     held: Scalar | None = None,
     in_front: bool = True,
 ) -> tuple[list[Vector], Vector, Vector, Scalar]:
-    """(q by branches, residuals, 1 where within the limits, how many there are, or -1 where that is
-    not clear).
+    """(q of each branch, residuals, 1 for each branch within the joints' limits, the number of
+    solutions, -1 where that number is not sure).
 
     R, p: in space; reference: q next to which angles are wrapped; rest: q of the joints that do
     not move the frame. in_front: whether solutions stand before the branches there are none of.
@@ -143,7 +143,8 @@ def _coordinate(
     reference: Scalar,
     held: Scalar | None,
 ) -> Scalar:
-    """The entry k of q for the place of its joint."""
+    """Entry k of q that puts its joint at a given place; an angle is taken next to the reference
+    and within the limits where that is possible."""
     (at,) = (i for i, index in enumerate(arm.chain.index) if index == k)
     if not known.repeats[k] or (held is not None and arm.held == k):
         return arm.coordinate(at, place.value(), held)
@@ -155,7 +156,8 @@ def _coordinate(
 
 
 def _in_front(found: Sequence[tuple[Vector, Scalar]]) -> tuple[list[Vector], Scalar]:
-    """The rows that are valid before all others, in their order, and how many; the others NaN."""
+    """Rows with the valid ones moved to the front in their order, the others NaN; and the number of
+    valid rows."""
     size = len(found[0][0])
     rows: list[list[Scalar]] = [[0.0] * size for _ in found]
     count: Scalar = 0.0
@@ -168,7 +170,8 @@ def _in_front(found: Sequence[tuple[Vector, Scalar]]) -> tuple[list[Vector], Sca
 
 
 def _in_place(found: Sequence[tuple[Vector, Scalar]]) -> tuple[list[Vector], Scalar]:
-    """The rows where they are, those that are not valid NaN; and how many are."""
+    """Rows in their places, those that are not valid replaced by NaN; and the number of valid
+    rows."""
     rows, count = [], 0.0
     for row, valid in found:
         none = sqrt(valid - 0.5)  # NaN, which is no constant of a program

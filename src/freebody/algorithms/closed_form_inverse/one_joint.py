@@ -39,8 +39,8 @@ def at_height(
 
 
 def _of_size(clear: Scalar, size: Scalar) -> Scalar:
-    """The measure of a branch's existence where the point goes round a circle of a (relative) size:
-    on the axis a quotient by it says nothing."""
+    """The margin of a branch's existence where a point moves on a circle of this relative radius; 0
+    where the point is on the axis, where a quotient by the radius says nothing."""
     return least(where(less(size, 1e-9), 0.0, clear), size)
 
 

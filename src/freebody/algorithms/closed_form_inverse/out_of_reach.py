@@ -18,8 +18,9 @@ _LONGEST = 0.5
 def closer(
     lines: Sequence[AxisLine], c: Vector, x: Vector, damping: Scalar, goal: Vector
 ) -> tuple[Vector, Scalar, Scalar]:
-    """(x, damping, the square of the distance left) after one damped Newton step that brings c
-    nearer to the goal, else none. Lengths in units of the arm's."""
+    """(x, damping, square of the distance left) after one damped Newton step of the joint positions
+    x that brings the point c nearer to the goal; x as it was where the step does not. Lengths are
+    relative to the arm's."""
     steps = _newton(lines, c, x, damping, goal)
     trial = tuple(a + b for a, b in zip(x, steps, strict=True))
     before, after = (_square(lines, c, y, goal) for y in (x, trial))
@@ -38,7 +39,8 @@ def _square(lines: Sequence[AxisLine], c: Vector, x: Vector, goal: Vector) -> Sc
 def _newton(
     lines: Sequence[AxisLine], c: Vector, x: Vector, damping: Scalar, goal: Vector
 ) -> Vector:
-    """The step, by the second derivatives of half the square of the distance."""
+    """The damped Newton step of the joint positions, from the second derivatives of half the
+    squared distance to the goal."""
     places = [turn_by(l, value) for l, value in zip(lines, x, strict=True)]
     stages, point = _speeds(places, c)
     n, error = len(lines), sub(point, goal)
@@ -61,8 +63,8 @@ def _newton(
 
 
 def _speeds(places: Sequence[JointPlace], c: Vector) -> tuple[list[list[Vector]], Vector]:
-    """For each joint the speeds of c by it and by those that it carries, in the axes of what
-    carries it; and where c comes to."""
+    """For each joint the velocities of the point c per unit rate of that joint and of those beyond
+    it, in the axes of the body that carries the joint; and the point's position."""
     stages: list[list[Vector]] = []
     carried: list[Vector] = []
     for place in reversed(places):

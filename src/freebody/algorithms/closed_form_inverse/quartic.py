@@ -51,7 +51,8 @@ class QuarticArm:
     by_quartic: ClassVar[bool] = True
 
     def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
-        """The places of all three joints."""
+        """Branches of three joints that bring the point c to p, each with the places of all
+        three."""
         l1, l2 = line(self.s1), line(self.s2)
         found = []
         for third, clear in self._third(c, p):
@@ -79,7 +80,8 @@ class QuarticArm:
         return found
 
     def _between(self, c3: Vector, p: Vector) -> tuple[Vector, Scalar]:
-        """y from the linear conditions, and how far its distance from joint 1 is from its due."""
+        """The point y between joints 2 and 3 that solves the linear conditions, and the excess of
+        its squared distance from joint 1 over what that must be."""
         s1, s2 = self.s1, self.s2
         if s1.turning and s2.turning:
             o1, o2 = nearest_points(s1, s2)
@@ -129,7 +131,8 @@ def zeros(values: Vector) -> list[tuple[Scalar, Scalar, Scalar]]:
 
 
 def _half(sine: Scalar, cosine: Scalar) -> tuple[Scalar, Scalar]:
-    """Sine and cosine of half an angle, the cosine not negative."""
+    """Sine and cosine of half an angle that is given by its sine and cosine; the cosine is not
+    negative."""
     larger = sqrt(0.5 * (1.0 + absolute(cosine)))
     smaller = 0.5 * absolute(sine) / larger
     acute = less_equal(0.0, cosine)
@@ -183,9 +186,9 @@ def _over(x: Scalar, y: Scalar) -> Scalar:
 def _polished(
     s: Scalar, c: Scalar, clear: Scalar, coefficients: tuple[Scalar, ...]
 ) -> tuple[Scalar, Scalar, Scalar]:
-    """Nearer to a zero by steps of Newton, none of them long; where there is none, none, since they
-    would lead to another one. And how far (squared, roughly) the next zero is, by slope and
-    curvature."""
+    """A zero of the polynomial improved by a few short Newton steps, none where no zero exists
+    since they would lead to another one; and roughly the squared distance to the next zero, by
+    slope and curvature."""
     a0, a1, b1, a2, b2 = coefficients
     slope: Scalar = 0.0
     double_c, double_s = 1.0, 0.0

@@ -83,15 +83,16 @@ class Recipe(ABC):
 
     @property
     def by_quartic(self) -> bool:
-        """Whether one of its joints is found from a polynomial of degree four."""
+        """Whether the recipe finds one of its joints from a polynomial of degree four."""
         return False
 
     def reached(self, X: WantedMotion) -> ReachCondition | None:
-        """The condition under which a target is within reach: screws bring a point to another one;
-        None where that is not what decides."""
+        """The condition under which a target is within reach, that some screws bring one point to
+        another; None where reach depends on something else."""
         return None
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar] | None:
-        """Squares of the distances (m²) that X is from what can be had with the joint that decides
-        at x (rad), by the ways of the others; None where `reached` tells."""
+        """Squares of the distances (m²) between the wanted motion X and what the other joints can
+        reach, branch by branch, with the deciding joint at x (rad); None where `reached` gives the
+        condition."""
         return None

@@ -1,5 +1,5 @@
-"""The recipes of arms with a wrist, or with three parallel axes; seen from the tip, or with a joint
-more."""
+"""Recipes for arms with a spherical wrist or three parallel axes, for such arms seen from the tip,
+and for arms with one joint more."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ from freebody.spatial import dot, sub
 
 @dataclass(frozen=True, eq=False)
 class PositionByThree(Recipe):
-    """Three joints that bring the point c to its place."""
+    """The recipe that places the point c with three joints, whatever the orientation is."""
 
     arm: ThreeJointArm | QuarticArm
     screws: Sequence[Screw]
@@ -60,7 +60,7 @@ class PositionByThree(Recipe):
 
 @dataclass(frozen=True, eq=False)
 class OrientationByThree(Recipe):
-    """Three turning joints and the orientation of the frame."""
+    """The recipe that turns the frame into its orientation with three turning joints."""
 
     wrist: Wrist
 
@@ -140,8 +140,8 @@ class ThreeParallel(Recipe):
     def _level(
         self, X: WantedMotion, x1: JointPlace
     ) -> list[tuple[JointPlaces, WantedMotion, Scalar]]:
-        """Joints 5 and 6 where what is left for joints 2 to 4 turns about their axes; what is left;
-        and how clear that is."""
+        """The places of joints 5 and 6 for which the rest of the motion turns about the parallel
+        axes of joints 2 to 4, with that rest and the margin of each branch's existence."""
         l2, l5, l6 = map(line, (self.screws[1], self.screws[4], self.screws[5].undone()))
         aim = X.inverse().direction(x1.direction(l2.w))  # R6ᵀ R5ᵀ w
         found = []
@@ -153,8 +153,8 @@ class ThreeParallel(Recipe):
         return found
 
     def gaps(self, X: WantedMotion, x: Scalar) -> list[Scalar]:
-        """Squares of distances with joint 1 at x: from the height at which the axes are parallel to
-        the plane of the arm, and from the ring that two joints reach in it."""
+        """Squares of two distances with joint 1 at x (rad): from the height at which the axes are
+        parallel to the arm's plane, and from the ring that two joints reach in that plane."""
         s2, s3, s4 = self.screws[1:4]
         l2, upper, fore = line(s2), off_axis(s2, s3.p), off_axis(s3, s4.p)
         found = []
@@ -199,8 +199,8 @@ class SeenFromTip(Recipe):
 
 @dataclass(frozen=True, eq=False)
 class OneJointHeld(Recipe):
-    """A joint more than a recipe has, the first or the last of the chain, at a position that is
-    given: the redundancy of an arm of seven joints."""
+    """A recipe for an arm of one joint more than the recipe solves, such as an arm of seven joints:
+    the first or last joint of the chain is held at a given position."""
 
     rest: Recipe
     screw: Screw

@@ -46,7 +46,7 @@ class Branches:
 
     @cached_property
     def count(self) -> int:
-        """The number of branches side by side."""
+        """The number of branches that the recipe computes side by side."""
         with np.errstate(all="ignore"):
             one = np.float64(1.0)
             home = tuple(tuple(one * x for x in row) for row in self.chain.R)
@@ -96,12 +96,12 @@ class Branches:
         return self.recipe.reached(X)
 
     def gaps(self, R: Matrix, p: Vector, x: Scalar) -> list[Scalar] | None:
-        """Squares of the distances of a frame's pose from what can be had with the deciding joint
-        at x; see `Recipe.gaps`."""
+        """The squares of distances between a frame's pose and what the arm can reach with the
+        deciding joint at x; see `Recipe.gaps`."""
         return self.recipe.gaps(self.wanted(R, p), x)
 
     def _held_at(self, held: Scalar) -> Scalar:
-        """The position of the joint itself where its entry of q is `held`."""
+        """The position of the held joint itself where its entry of q is `held`."""
         k = list(self.chain.index).index(self.held)
         return float(self.chain.ratio[k]) * held + float(self.chain.offset[k])
 
@@ -114,7 +114,8 @@ class Branches:
         return ((a, b, 0.0), (c, e, 0.0), (0.0, 0.0, 1.0)), (x, y, 0.0)
 
     def wanted(self, R: Matrix, p: Vector) -> WantedMotion:
-        """T T(0)⁻¹; of a point the shift that brings the frame to it from zero."""
+        """The motion T T(0)⁻¹ that the joints have to make for a pose T; for a target that is a
+        point, the shift that brings the frame to it from zero."""
         home = numbers(self.chain.p)
         if self.kind == "position":
             return WantedMotion(tuple(map(numbers, np.eye(3))), sub(p, home))
@@ -150,8 +151,8 @@ class Branches:
 
 
 def _unless_free(places: JointPlaces, clear: Scalar) -> Scalar:
-    """The measure of a branch's existence: with a joint that could stand elsewhere too, not at all
-    clear."""
+    """The margin of a branch's existence; 0 where one of its joints could as well stand
+    elsewhere."""
     for place in places:
         clear = where(place.free, 0.0, clear)
     return clear
@@ -178,7 +179,7 @@ def branches(tree: Tree, frame: str, rows: tuple[int, ...]) -> Branches | None:
 
 
 def places_beside(tree: Tree) -> list[Scalar]:
-    """q of the joints that do not move the frame: 0, of a quaternion no turn."""
+    """Values of q for the joints that do not move the frame: 0, and no turn for quaternions."""
     q: list[Scalar] = [0.0] * tree.nq
     for body in tree.bodies:
         if body.primitive.nq > body.primitive.nv:

@@ -125,8 +125,8 @@ class JointPair:
 
 @dataclass(frozen=True, eq=False)
 class ThreeJointArm:
-    """Three joints with e1 e2 e3 c = p; `third`: the places of joint 3 for p, from what joints 1
-    and 2 leave alone."""
+    """Three joints with e1 e2 e3 c = p; `third` gives the places of joint 3 for p, from conditions
+    that joints 1 and 2 cannot change."""
 
     third: Callable[[Vector, Vector], list[JointBranch]]
     pair: JointPair
@@ -135,7 +135,8 @@ class ThreeJointArm:
     by_quartic: ClassVar[bool] = False
 
     def ways(self, c: Vector, p: Vector) -> list[PlacedBranch]:
-        """The places of all three joints."""
+        """Branches of three joints that bring the point c to p, each with the places of all
+        three."""
         if self.reverse:
             c, p = p, c
         ways = []
@@ -199,7 +200,7 @@ def arm(screws: Sequence[Screw], c: Array, length: float) -> ThreeJointArm | Qua
 
 
 def _moved_point(s: Screw, length: float) -> Array:
-    """A point that a joint moves, as targets do."""
+    """A point off the axis of joint s, which the joint moves as it would move a target."""
     other = np.eye(3)[int(np.argmin(np.abs(s.w)))]
     return s.p + length * np.asarray(np.cross(s.w, other), dtype=float)
 
@@ -211,7 +212,8 @@ class Wrist:
     screws: Sequence[Screw]
 
     def ways(self, turned: Callable[[Vector], Vector]) -> list[PlacedBranch]:
-        """The places of all three; turned: what R makes of a vector."""
+        """Branches of a wrist's three joints, each with the places of all three; turned: the
+        function that applies R to a vector."""
         l4, l5, l6 = map(line, self.screws)
         aim, across = turned(l6.w), mark(l6)
         seen = turned(across)

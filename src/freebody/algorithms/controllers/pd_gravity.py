@@ -9,7 +9,7 @@ from freebody.spatial import Vector
 
 
 def at_rest(tree: Tree, q: Vector) -> Vector:
-    """g + springs: what holds the robot still."""
+    """The torques g + springs that hold the robot still."""
     still = (0.0,) * tree.nv
     return rnea(tree, q, still, still).tau
 

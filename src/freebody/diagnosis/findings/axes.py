@@ -72,7 +72,7 @@ def _absent(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _origins(facts: RobotFacts) -> Iterator[tuple[str, XmlElement, tuple[float, ...]]]:
-    """All <origin> of joints and inertias, with their angles."""
+    """Each <origin> of a joint or link, with the part's name and its angles (rad)."""
     for what, parts in (("joint", facts.joints), ("link", facts.links)):
         for part in parts:
             for element in elements_in(part.element) if part.element else ():
@@ -82,8 +82,8 @@ def _origins(facts: RobotFacts) -> Iterator[tuple[str, XmlElement, tuple[float, 
 
 
 def _rounded(facts: RobotFacts) -> Iterator[tuple[float, FoundFault]]:
-    """Right angles that are written with few digits, with how far they are off (rad); those of
-    shapes do no harm."""
+    """Findings of right angles that are written with few digits, with their error (rad); origins of
+    shapes are left out, since they do no harm."""
     for where, element, angles in _of_frames(facts):
         words = element.attributes.get("rpy", "").split()
         mended = [_right(word, x) for word, x in zip(words, angles, strict=False)]

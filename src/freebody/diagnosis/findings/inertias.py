@@ -34,8 +34,8 @@ _UNITS = {1e4: "kg cm²", 1e6: "kg mm²", 1e7: "g cm²", 1e9: "g mm²"}
 
 
 class _Weighed(NamedTuple):
-    """A moving link with mass, its numbers in its axes, second moments about the centre of mass,
-    and its size (m)."""
+    """A moving link with mass: mass, centre of mass and inertia tensor in the link's axes, second
+    moments about the centre of mass, and the link's size (m)."""
 
     link: LinkFacts
     mass: float
@@ -64,7 +64,7 @@ def _weighed(facts: RobotFacts) -> list[_Weighed]:
 
 
 def _size(facts: RobotFacts, name: str) -> float:
-    """How far a link reaches from its origin (m): to the joints that it carries, around its
+    """How far a link extends from its origin (m), judged by the joints that it carries and by its
     shapes."""
     ends = [norm(x.pose[1]) for x in facts.joints if x.parent == name and x.pose is not None]
     link = facts.link[name]
@@ -79,8 +79,8 @@ def _written(facts: RobotFacts) -> Iterator[tuple[LinkFacts, Inertia]]:
 
 
 def _faulty(facts: RobotFacts) -> Iterator[tuple[LinkFacts, str, bool]]:
-    """Links with inertias that no rigid body has, why, and whether that matters: more than what
-    measured ones break the triangle inequality by, and felt in some motion."""
+    """Links with inertias that no rigid body has, the reason, and whether it matters: the triangle
+    inequality is broken by more than measurements would, and some motion feels it."""
     unfelt = unfelt_links(facts.model) if facts.model and not facts.model.missing else set()
     for link, inertia in _written(facts):
         fault = inertia.fault()
@@ -99,8 +99,8 @@ def _impossible(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _nearest(link: LinkFacts) -> tuple[AttributeChange, ...]:
-    """The changes by which a tensor becomes the nearest one that some rigid body has: its second
-    moments are made positive. None where the mass is wrong, or all of it."""
+    """Changes that replace an inertia tensor by the nearest one of a rigid body, with positive
+    second moments; empty where the mass or the whole tensor is wrong."""
     written = link.inertial
     element = (
         next(iter(written.element.all("inertia")), None) if written and written.element else None
@@ -270,7 +270,8 @@ def _twins(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _invariants(a: Inertia, b: Inertia) -> Iterator[tuple[str, Array, Array]]:
-    """Numbers that mirrored bodies have in common, of both."""
+    """The names and values, for both of two bodies, of numbers that mirrored bodies have in
+    common."""
     (m, c, S), (n, d, T) = a.numbers(), b.numbers()
     yield "masses", np.array([m]), np.array([n])
     size = np.sqrt(max(float(np.trace(S)), 0.0) / m) + norm(c)

@@ -91,8 +91,8 @@ def _no_range(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _degrees(facts: RobotFacts) -> Iterator[FoundFault]:
-    """Limits of turning joints that are degrees; where most are too large for radians, and none is
-    too large for degrees, all of the file are."""
+    """Findings of turning joints whose limits are written in degrees: those too large for radians;
+    all of the file's, where most are and none is too large for degrees."""
     turning = {x.name: max(map(abs, _bounds(x))) for x in _ranged(facts) if _bounds(x)}
     turning = {name: x for name, x in turning.items() if facts.joint[name].turns}
     large = [name for name, x in turning.items() if _MANY_TURNS < x <= _MOST_DEGREES]
@@ -105,7 +105,8 @@ def _degrees(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _in_radians(joint: JointFacts) -> tuple[AttributeChange, ...]:
-    """The changes of a joint's range, and of a speed that no radians are, from degrees."""
+    """Changes that convert a joint's range from degrees to radians, and its speed limit where that
+    is too large for rad/s."""
     numbers = [joint.limits[key] for key in ("lower", "upper") if key in joint.limits]
     fast = joint.limits.get("velocity")
     if fast and fast.value is not None and _FAST < fast.value <= _MOST_DEGREES:
@@ -134,8 +135,8 @@ def _pushes(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _holds(facts: RobotFacts) -> Iterator[FoundFault]:
-    """Joints whose dry friction their motor cannot overcome, or whose damping it cannot at the
-    speed that is allowed."""
+    """Findings of joints whose motor cannot overcome their dry friction, or their damping at the
+    highest speed allowed."""
     for joint in facts.joints:
         effort, speed = joint.limit("effort"), joint.limit("velocity")
         if not effort or effort < 0.0:

@@ -47,7 +47,7 @@ def _odd(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _renamed(facts: RobotFacts, what: str, name: str, new: str) -> Iterator[AttributeChange]:
-    """All places where a link or joint is named."""
+    """The changes that rename a link or joint at every place where it is named."""
     if facts.root is None:
         return
     for element in elements_in(facts.root):
@@ -90,7 +90,8 @@ def _two_joints(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _apart(facts: RobotFacts) -> Iterator[FoundFault]:
-    """Links that no joint connects to the base, and circles, which have no base."""
+    """Findings of links that no joint connects to the base, and of links that hang on each other in
+    a circle, without a base."""
     children: dict[str, list[str]] = {}
     for joint in facts.joints:
         children.setdefault(joint.parent, []).append(joint.child)

@@ -1,4 +1,5 @@
-"""Findings on what is written: numbers that are none, elements and attributes that nobody reads."""
+"""Findings on what is written in a file: values that are not numbers, and elements and attributes
+that nobody reads."""
 
 from __future__ import annotations
 
@@ -38,7 +39,7 @@ _KNOWN = {
 
 
 def _structure(facts: RobotFacts) -> Iterator[XmlElement]:
-    """The elements of links and joints that the dynamics depend on, with those of shapes."""
+    """The elements inside the links and joints of a file, those of shapes included."""
     for part in (*facts.links, *facts.joints):
         if part.element is not None:
             yield from elements_in(part.element)
@@ -81,7 +82,7 @@ def _is_number(word: str) -> bool:
 
 
 def _mended(word: str) -> str:
-    """A number with a decimal comma, with a point."""
+    """The number with a point in place of its decimal comma."""
     pointed = word.replace(",", ".")
     single = word.count(",") == 1 and "." not in word and _is_number(pointed)
     return pointed if single else word

@@ -1,5 +1,5 @@
-"""Findings that the readers themselves tell: a file that they refuse, equal elements twice, and
-what they make up or leave out that moves bodies."""
+"""Findings that the readers themselves report: a file that they refuse, repeated elements, and
+whatever they make up or leave out that affects the motion."""
 
 from __future__ import annotations
 

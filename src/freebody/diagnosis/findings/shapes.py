@@ -29,8 +29,8 @@ _PRODUCTS = 0.02
 
 
 class _FilledLinks(NamedTuple):
-    """Links that are fixed together, the heaviest first: mass, com and tensor as written, and
-    volume, centre and tensor of their shapes at density 1."""
+    """Links that are fixed together, the heaviest group first: mass, centre and tensor as written,
+    and volume, centre and tensor of their shapes at density 1."""
 
     link: LinkFacts
     mass: float
@@ -72,8 +72,8 @@ def _unknown_package(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _solids(facts: RobotFacts) -> list[_FilledLinks]:
-    """Links that are fixed together, where all their shapes can be filled: meshes too, where their
-    files are there and trimesh is installed; without what weighs next to nothing."""
+    """Groups of links that are fixed together and whose shapes can all be filled, meshes included
+    where their files and trimesh are there; groups of almost no mass are left out."""
     return kept(facts, "solids", _found_solids, facts)
 
 
@@ -120,7 +120,7 @@ def _density(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _second(tensor: Array, mass: float) -> Array:
-    """Second moments about the centre for each unit of mass (m²)."""
+    """Second moments of mass about the centre per unit of mass (m²), from an inertia tensor."""
     return (0.5 * np.trace(tensor) * np.eye(3) - tensor) / mass
 
 
@@ -150,7 +150,8 @@ def _unlike(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _signs(facts: RobotFacts) -> Iterator[FoundFault]:
-    """Products of inertia that are those of the shapes with the other sign, on most links."""
+    """Findings of files where the products of inertia of most links have the opposite sign of their
+    shapes' products."""
     votes = {1: 0, -1: 0}
     first = None
     for solid in _solids(facts):

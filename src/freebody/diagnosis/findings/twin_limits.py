@@ -1,4 +1,4 @@
-"""Findings on joints that are left and right."""
+"""Findings on pairs of left and right joints that differ."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Names as structured values: letter, index, dots, and how they are written. What needs a name's
-letter or number asks here, and takes no name apart itself."""
+"""Names as structured values: letter, index, dots, and how they are written. All code that needs a
+name's letter or number asks here."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ _PLACES = frozenset((*digits, *"ihk"))
 
 @dataclass(frozen=True)
 class Atom:
-    """θ̇₁ is the letter theta with the index 1 and a dot; R2_1 has the indices 2 and 1."""
+    """A name taken apart: θ̇₁ is the letter theta with the index 1 and a dot; R2_1 has the indices
+    2 and 1."""
 
     letter: str
     index: tuple[str, ...] = ()
@@ -27,7 +28,7 @@ class Atom:
 
     @property
     def figures(self) -> str:
-        """All figures of the index, "" where it has none."""
+        """All digits of the index; "" where it has none."""
         return "".join(c for part in self.index for c in part if c.isdigit())
 
     @property
@@ -37,12 +38,12 @@ class Atom:
 
     @property
     def is_figures(self) -> bool:
-        """Whether the index consists of figures, in one part or several."""
+        """Whether the index consists of digits, in one part or several."""
         return bool(self.index) and all(part.isdigit() for part in self.index)
 
     @property
     def ending(self) -> str:
-        """The end of the name that tells its dots, _d or _dd."""
+        """The ending of the name that stands for its dots: _d, _dd or nothing."""
         return "_" + "d" * self.dots if self.dots else ""
 
 
@@ -75,8 +76,8 @@ def spellings(letter: str, k: str, dots: int) -> Iterable[str]:
 
 
 def undotted(name: str) -> str:
-    """The name of which a rate or an acceleration has the name, as code has it: theta1 of
-    theta1_dd; any other name itself."""
+    """The coordinate's name from that of its rate or acceleration, in the spelling of code: theta1
+    of theta1_dd; any other name itself."""
     return name.removesuffix(atom(name).ending)
 
 
@@ -86,8 +87,8 @@ def unprimed(name: str) -> str:
 
 
 def between(name: str) -> tuple[str, ...]:
-    """The letter, the place above and the place below of a name between two bodies, R2_1, or Ri_h
-    with letters for the numbers of links; () of any other name."""
+    """The letter, the upper and the lower place of a name that relates two bodies, such as R2_1 or
+    Ri_h (with letters for link numbers); () for any other name."""
     own = atom(name)
     parts = (own.letter, *own.index)
     if len(parts) == len(own.letter) == 2:
@@ -96,6 +97,6 @@ def between(name: str) -> tuple[str, ...]:
 
 
 def numbered(name: str) -> tuple[str, str]:
-    """A name in two parts: without the figures at its end, and those figures."""
+    """The name without the digits at its end, and those digits."""
     stem = name.rstrip(digits)
     return stem, name[len(stem) :]

@@ -1,5 +1,5 @@
-"""Characters into lexemes: a letter with its marks, a figure, a command, a sign. Blanks, comments
-and what says nothing are between them, and each lexeme knows whether such stood before it."""
+"""Characters into lexemes: letters with their marks, digits, commands, signs. Blanks, comments and
+marks without meaning lie between lexemes, and each knows whether such stood before it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ KINDS = (
 
 
 class Lexeme(NamedTuple):
-    """A piece of a text, and where it stands."""
+    """A lexeme: a piece of a text, with its place there."""
 
     kind: str
     text: str
@@ -31,7 +31,7 @@ class Lexeme(NamedTuple):
 
     @property
     def command(self) -> str:
-        """The name of a command, else ""."""
+        """The name of a LaTeX command; "" for any other lexeme."""
         return self.text[1:] if self.kind == "command" else ""
 
 
@@ -93,7 +93,7 @@ class Lexemes(Sequence[Lexeme]):
 
     @cached_property
     def places(self) -> dict[str, list[int]]:
-        """The lexemes of each text and of each kind, which is written behind a %."""
+        """The indices of the lexemes of each text, and of each kind under its name behind a %."""
         found: dict[str, list[int]] = {}
         for k, x in enumerate(self.items):
             found.setdefault(x.text, []).append(k)
@@ -102,25 +102,25 @@ class Lexemes(Sequence[Lexeme]):
 
     @cached_property
     def depths(self) -> list[int]:
-        """Number of brackets that are open in front of each lexeme, and behind the last; negative
-        where more were closed."""
+        """The number of brackets open in front of each lexeme, and behind the last; negative where
+        more were closed."""
         return list(accumulate((_DEEPENING.get(x.text, 0) for x in self.items), initial=0))
 
     def at(self, place: int) -> int:
-        """The first lexeme that begins there or later."""
+        """The index of the first lexeme that begins at a place of the text or later."""
         return bisect_left(self._starts, place)
 
     def between(self, start: int, end: int) -> range:
-        """The lexemes that begin between two places of the text."""
+        """The indices of the lexemes that begin between two places of the text."""
         return range(self.at(start), self.at(end))
 
     def closing(self, k: int) -> int | None:
-        """The brace that closes the one at k."""
+        """The index of the brace that closes the one at lexeme k; None where nothing does."""
         return self._closings.get(k)
 
     @cached_property
     def _closings(self) -> dict[int, int]:
-        """Braces that are closed, and those that close them."""
+        """The index of the closing brace for each opening brace that is closed."""
         found, opened = dict[int, int](), list[int]()
         for k, x in enumerate(self.items):
             if x.text == "{":

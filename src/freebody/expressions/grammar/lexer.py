@@ -29,7 +29,7 @@ class WrittenFigures(NamedTuple):
 
     @property
     def digits(self) -> int:
-        """Number of digits that count, which zeros in front do not."""
+        """The number of significant digits, zeros in front not counted."""
         return len(self.mantissa.replace(".", "").lstrip("0"))
 
 
@@ -58,19 +58,20 @@ class Token:
 
 
 class Grammar(Protocol):
-    """A language as the lexer needs it."""
+    """The part of a language that the lexer needs: its functions and its words."""
 
     @property
     def functions(self) -> Collection[str]:
-        """The words that are functions."""
+        """The words of the language that are functions."""
         ...
 
     def begins(self, x: Lexeme) -> bool:
-        """Whether a word begins with a lexeme."""
+        """Whether a word of the language may begin with a lexeme."""
         ...
 
     def word(self, source: Source, at: int) -> words.Cut:
-        """The word there; raises the error for one that is none."""
+        """The word that begins at a lexeme; raises the error for a word that the language does not
+        know."""
         ...
 
 
@@ -114,7 +115,7 @@ def tokens(source: Source, language: Grammar, piece: Span | None = None) -> list
 
 
 def sides(line: Iterable[Token]) -> list[list[Token]]:
-    """Tokens parted at signs of equality."""
+    """Tokens of a line, split at the signs of equality."""
     found: list[list[Token]] = [[]]
     for token in line:
         if token.kind == "equals":
@@ -125,7 +126,8 @@ def sides(line: Iterable[Token]) -> list[list[Token]]:
 
 
 def _names(cut: words.Cut, language: Grammar) -> Iterator[Token]:
-    """The names that a word is made of, with the power that stood before its subscript."""
+    """Tokens of the names and numbers that a word consists of, with the power that stood before its
+    subscript."""
     for name, start, end in cut.pieces:
         if name.isdigit():
             yield Token("number", name, start, end, Fraction(name))
@@ -147,8 +149,8 @@ def numbers(lexemes: Lexemes) -> Iterator[tuple[Match, WrittenFigures]]:
 
 
 def _number(source: Source, k: int, found: list[Token]) -> int:
-    """A number, or a full stop; of the bare figures of \\frac12 only the first. It returns the next
-    lexeme."""
+    """The index behind a number or full stop, whose token is appended to `found`; of bare digits
+    behind \\frac, as in \\frac12, only the first is taken."""
     lexemes = source.lexemes
     match = _NUMBER.at(lexemes, k)
     if match is None:
@@ -169,7 +171,7 @@ def _number(source: Source, k: int, found: list[Token]) -> int:
 
 
 def _power(source: Source, k: int, found: list[Token]) -> int:
-    """Figures written high; it returns the next lexeme."""
+    """The index behind figures in superscript, whose token is appended to `found`."""
     lexemes, stop = source.lexemes, _POWER.end(source.lexemes, k)
     digits = "".join(table.HIGH[x.text] for x in lexemes[k:stop])
     if not digits.removeprefix("-").isdigit() or len(digits) > 9:
@@ -181,7 +183,7 @@ def _power(source: Source, k: int, found: list[Token]) -> int:
 
 
 def _mark(source: Source, x: Lexeme, language: Grammar) -> Token:
-    """Operators, brackets, commands and the like."""
+    """The token of an operator, bracket, command or other mark."""
     text, span = x.text, (x.start, x.end)
     if text in _SIGNS:
         kind, own, *value = _SIGNS[text]

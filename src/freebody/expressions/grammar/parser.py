@@ -34,7 +34,7 @@ _STARTS = ("name", "function", "open", "fraction", "partial", "begin")
 
 
 class Parser(ABC):
-    """Reads one side of an equation."""
+    """A parser of one side of an equation, from tokens to a tree."""
 
     implied_products = True
     """Whether factors may stand side by side without a sign."""
@@ -72,7 +72,7 @@ class Parser(ABC):
         return self.token.kind == "operator" and self.token.text in texts
 
     def fail_here(self, expected: str) -> NoReturn:
-        """Raise the error that something else was expected."""
+        """Raise the error that something else than the next token was expected."""
         token = self.token
         found = "the line ends" if token.kind == "stop" else f"there is {self.source[token.span]!r}"
         self.source.fail(f"{found} where {expected} is expected", token.span)
@@ -184,7 +184,7 @@ class Parser(ABC):
                 return product_of(factors)
 
     def _is_behind_number(self) -> bool:
-        """Whether the next token stands behind a number, such as .5 in 2.0.5."""
+        """Whether the next token directly follows a number, as .5 does in 2.0.5."""
         return self.tokens[self.at - 1].kind == "number"
 
     def _number_behind(self, token: Token) -> None:
@@ -217,7 +217,7 @@ class Parser(ABC):
         return Transposed(node, span=(node.span[0], self.take().end))
 
     def degrees(self, node: Expression) -> Expression:
-        """The operand that was read, in radians where a sign of degrees follows."""
+        """The operand converted from degrees to radians where a degree sign follows."""
         if self.token.kind != "degree":
             return node
         span = (node.span[0], self.take().end)

@@ -33,7 +33,7 @@ _Firsts = frozenset[str] | None
 
 @dataclass(frozen=True)
 class Match:
-    """Lexemes that a pattern describes."""
+    """A match of a pattern: the lexemes that it describes."""
 
     lexemes: Lexemes
     start: int
@@ -41,21 +41,21 @@ class Match:
     captures: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
     def __contains__(self, name: str) -> bool:
-        """Whether something was kept by that name, and is not nothing."""
+        """Whether the match has a non-empty capture of that name."""
         start, stop = self.captures.get(name, (0, 0))
         return stop > start
 
     def items(self, name: str) -> list[Lexeme]:
-        """The lexemes that were kept by a name."""
+        """The lexemes of a named capture."""
         return self.lexemes.items[slice(*self.captures.get(name, (0, 0)))]
 
     def __getitem__(self, name: str) -> str:
-        """The text that was kept by a name, without blanks."""
+        """The text of a named capture, without blanks."""
         return plain(self.items(name))
 
     @property
     def text(self) -> str:
-        """The lexemes as text without blanks."""
+        """The text of the matched lexemes, without blanks."""
         return plain(self.lexemes[self.start : self.stop])
 
     @property
@@ -75,14 +75,14 @@ class LexemePattern:
         self._run = item.step(lambda lexemes, k, end, kept: k)
 
     def at(self, lexemes: Lexemes, k: int, end: int | None = None) -> Match | None:
-        """The match that begins at k, if there is one; `end`: the lexeme at which the text ends for
-        it."""
+        """The match that begins at lexeme k, or None; `end`: the lexeme at which the searched text
+        ends."""
         kept: Captures = {}
         stop = self._run(lexemes, k, len(lexemes) if end is None else end, kept)
         return Match(lexemes, k, stop, kept) if stop >= 0 else None
 
     def end(self, lexemes: Lexemes, k: int) -> int:
-        """The end of the match that begins at k; k where there is none."""
+        """The index behind the match that begins at lexeme k; k where there is none."""
         match = self.at(lexemes, k)
         return match.stop if match else k
 
@@ -98,7 +98,7 @@ class LexemePattern:
                 stop = max(match.stop, k + 1)
 
     def found_in(self, lexemes: Lexemes, start: int = 0, end: int | None = None) -> bool:
-        """Whether the pattern describes something in a stretch."""
+        """Whether the pattern matches anywhere in a stretch of lexemes."""
         return next(self.all(lexemes, start, end), None) is not None
 
     def _candidates(self, lexemes: Lexemes, start: int, end: int) -> Iterator[int] | range:
@@ -114,7 +114,7 @@ _OF_NAMES = frozenset(kind[1:] for kind in CLASSES["name"])
 
 
 def _touches(lexemes: Lexemes, k: int, end: int) -> bool:
-    """Whether there is a lexeme, and no blank before it."""
+    """Whether there is a lexeme at k, with no blank before it."""
     return k < end and not lexemes[k].apart
 
 
@@ -162,7 +162,7 @@ class _PatternItem:
 
 
 class _Reader:
-    """The reader of one pattern's text."""
+    """The reader of a pattern's text, which builds the pattern."""
 
     def __init__(self, text: str):
         self.text = text
@@ -246,7 +246,7 @@ _ZERO = {name: _zero(test) for name, test in _PLACES.items()}
 
 
 def _single(body: str, glued: bool) -> _PatternItem:
-    """A class, another pattern or a text."""
+    """The item of a pattern for one lexeme class, another pattern or a literal text."""
     if body == "~":
         return _ZERO["glued"]
     if body[0] == "%" and len(body) > 1:
@@ -288,7 +288,8 @@ def _class(name: str) -> tuple[_Test, _Firsts]:
 
 
 def _members(name: str) -> set[str]:
-    """The texts of a class, and its kinds behind a %."""
+    """The texts of a lexeme class and of the classes in it; kinds of lexemes are written with a %
+    in front."""
     if name not in CLASSES:
         assert name in KINDS, name
         return {f"%{name}"}
@@ -349,7 +350,7 @@ def _either(ways: list[_PatternItem]) -> _PatternItem:
 
 
 def _repeated(item: _PatternItem, low: int, high: int) -> _PatternItem:
-    """An item as often as it can be there, else less often."""
+    """A pattern's item repeated between `low` and `high` times, as often as possible."""
     if item.single is not None:
         return _repeated_single(item, item.single, low, high)
 

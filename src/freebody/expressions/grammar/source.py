@@ -41,8 +41,8 @@ class UnreadableError(FreebodyError, ValueError):
 
 @dataclass(frozen=True)
 class Source:
-    """A text, accents decomposed: θ̇ is θ and a dot. What it is, how long it may be and the error
-    that says what is wrong with it are a subclass's."""
+    """A text to be read, with accents decomposed: θ̇ is θ and a dot. Subclasses say what the text
+    is, how long it may be, and which error reports what is wrong."""
 
     text: str
 
@@ -53,7 +53,7 @@ class Source:
 
     @classmethod
     def of(cls, text: str) -> Self:
-        """The text, unless it is too long."""
+        """The source of a text; raises an error where the text is too long."""
         if len(text) > cls.longest:
             raise cls.error(
                 f"the {cls.what} has {len(text)} characters; at most {cls.longest} are read"
@@ -67,30 +67,30 @@ class Source:
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """The text's letters, figures, commands and signs."""
+        """The text's lexemes: letters, digits, commands and signs."""
         return Lexemes.of(self.text)
 
     @cached_property
     def words(self) -> dict[int, Any]:
-        """The words that were spelt, by the lexeme that they begin with."""
+        """The words spelt so far, by the index of the lexeme that they begin with."""
         return {}
 
     def plain(self, span: Span) -> str:
-        """A piece as it is read, without blanks: 2.5e-3 of 2.5·10⁻³."""
+        """A piece of the text as it is understood, without blanks: 2.5e-3 for 2.5·10⁻³."""
         lexemes = self.lexemes
         return "".join(lexemes[k].text for k in lexemes.between(*span))
 
     def __getitem__(self, span: Span) -> str:
-        """A piece as it is written, on one line."""
+        """A piece of the text as it was written, on one line."""
         return " ".join(unicodedata.normalize("NFC", self.shown[span[0] : span[1]]).split())
 
     def part(self, at: int) -> tuple[str, int]:
-        """The part of the text that this place is in, in words, and where it begins; of a text in
-        one piece "" and 0."""
+        """The name of the part of the text that a place lies in, and where that part begins; "" and
+        0 for a text in one piece."""
         return "", 0
 
     def place(self, at: int) -> tuple[int, int]:
-        """Line and column, from 1; dots above letters take no column."""
+        """Line and column of a place in the text, from 1; dots above letters take no column."""
         before = self.shown[self.part(at)[1] : at]
         start = before.rfind("\n") + 1
         return before.count("\n") + 1, _width(before[start:]) + 1
@@ -104,7 +104,8 @@ class Source:
         )
 
     def caret(self, span: Span) -> str:
-        """The line, cut at "…" where it is long, and below it carets under the piece."""
+        """The line of the text, shortened with "…" where it is long, and below it carets under a
+        piece."""
         start = self.shown.rfind("\n", 0, span[0]) + 1
         end = self.shown.find("\n", span[0])
         end = len(self.shown) if end < 0 else end

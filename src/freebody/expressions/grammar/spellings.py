@@ -1,4 +1,4 @@
-"""Lexemes in one spelling: what the table of spellings finds is put in other words."""
+"""Lexemes rewritten to one spelling: alternative spellings from a table are replaced."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from freebody.expressions.grammar.tables.spellings import LABEL, SPELLINGS
 
 
 class _SpellingRow:
-    """A row of the table of spellings."""
+    """A row of the table of spellings: a pattern, and the spelling that replaces its matches."""
 
     def __init__(self, find: str, put: str, remark: str = ""):
         self.pattern = LexemePattern(find)
@@ -21,7 +21,7 @@ class _SpellingRow:
         self.literal = {x: scanned(x) for x in self.put if x[0] not in "$#␣" and "$" not in x}
 
     def applied(self, lexemes: Lexemes) -> Lexemes:
-        """Lexemes with what is found in the other spelling."""
+        """The lexemes with each match of the row's pattern replaced by its standard spelling."""
         found = list(self.pattern.all(lexemes))
         if not found:
             return lexemes
@@ -73,8 +73,8 @@ _ROWS = [_SpellingRow(*row) for row in SPELLINGS]
 
 @lru_cache(maxsize=4)
 def in_one_spelling(text: str) -> Lexemes:
-    """The lexemes of a text with each formula that has another spelling here in that; those of the
-    last few texts are kept, as several readers ask for them in turn."""
+    """The lexemes of a text in standard spelling; results for the last few texts are kept, since
+    several readers ask for them in turn."""
     lexemes = Lexemes.of(text)
     for row in _ROWS:
         lexemes = row.applied(lexemes)

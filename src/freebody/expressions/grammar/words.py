@@ -38,8 +38,8 @@ _ONE_LETTER = "a dot or bar needs a single letter under it, such as \\dot{\\thet
 
 @dataclass
 class Word:
-    """A run of letters, figures and marks in plain spelling, with where each character comes
-    from."""
+    """A run of letters, digits and marks in plain spelling, with the place in the source where each
+    character comes from."""
 
     start: int
     at: int
@@ -54,7 +54,7 @@ class Word:
     """A power that stood before the subscript, as in l²₁."""
 
     def add(self, plain: str, origin: int, cut: bool = True) -> None:
-        """Put one more unit behind the word."""
+        """Append one more unit to the word, from the lexeme at `origin`."""
         if cut:
             self.cuts.add(len(self.plain))
         self.plain += plain
@@ -62,7 +62,7 @@ class Word:
 
 
 def letter(x: Lexeme) -> str:
-    """The plain spelling of a letter with its marks; of anything else ""."""
+    """The plain spelling of a letter with its marks; "" for any other lexeme."""
     return _letter(x.text) if x.kind == "letter" else ""
 
 
@@ -80,7 +80,7 @@ def begins(x: Lexeme) -> bool:
 
 
 class _Speller:
-    """Reads one word, or one inside another."""
+    """A reader of one word, which may stand inside another one."""
 
     def __init__(self, source: Source, at: int):
         self.source, self.items = source, source.lexemes.items
@@ -137,7 +137,8 @@ class _Speller:
         return True
 
     def _marks(self) -> str:
-        """Marks that stand apart from their letter."""
+        """The marks that follow a letter as separate lexemes, in plain spelling; they are used
+        up."""
         marks = ""
         while self.word.at < len(self.items) and self._next.kind == "mark" and not self._next.apart:
             marks += table.MARKS.get(self._next.text, "")
@@ -145,8 +146,8 @@ class _Speller:
         return marks
 
     def _subscript(self) -> None:
-        """Read what follows underscores: a group in braces, or one letter, with which no name
-        begins."""
+        """Read a subscript behind underscores: a group in braces, or a single letter that begins no
+        name."""
         word = self.word
         while word.at < len(self.items) and self._next.text == "_":
             self._take()
@@ -284,7 +285,8 @@ WordPiece = tuple[str, int, int]
 
 @dataclass(frozen=True)
 class Cut:
-    """A word as known names and numbers, a power that stood inside, and the lexeme behind it."""
+    """A word as a list of known names and numbers, with a power that stood inside and the index of
+    the lexeme behind it."""
 
     pieces: list[WordPiece]
     power: int | None
@@ -294,8 +296,8 @@ class Cut:
 def cut(
     source: Source, word: Word, known: Collection[str], functions: Collection[str]
 ) -> list[WordPiece] | None:
-    """A word as the fewest known names; a number may follow a function (cos2θ1). None where there
-    is no way."""
+    """The word cut into the fewest known names; a number may follow a function (cos2θ1). None where
+    that is impossible."""
     if word.plain in known or word.plain in functions:
         return [(word.plain, word.start, word.end)]
     if not 0 < len(word.plain) <= _LONGEST:
@@ -318,8 +320,8 @@ def cut(
 def _shortest_ways(
     word: Word, known: Collection[str], functions: Collection[str]
 ) -> list[list[int]]:
-    """The ways to cut a word into the fewest pieces, by their ends: none, the only one, or two of
-    several."""
+    """Ways to cut a word into the fewest known pieces, each as the list of their ends; at most two,
+    which suffice to see an ambiguity."""
     best: dict[int, list[list[int]]] = {0: [[0]]}  # by the place that they reach
     for i in sorted(word.cuts):
         for j in sorted({*word.cuts, len(word.plain)}):

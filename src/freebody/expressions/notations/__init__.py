@@ -1,1 +1,2 @@
-"""Notations of courses and books: letters, angles, parameters given by formulas. A file each."""
+"""Notations of courses and books (letters, angles, parameters given by formulas), each in a file of
+its own."""

@@ -1,4 +1,4 @@
-"""Printed equations in the letters of a notation: what `check` reads in it."""
+"""Printed equations in the letters of a notation: those that `check` reads with that notation."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ _ANY = frozenset(ascii_lowercase)
 
 @dataclass(frozen=True, eq=False)
 class Lettering(ByValue):
-    """Symbols of one model as a notation has them; `parameters` are the model's own names, which
-    are no letters of quantities."""
+    """The symbols of one model in the letters of a notation; `parameters` are the model's own
+    names, which never stand for quantities."""
 
     notation: BookNotation
     parameters: frozenset[str] = frozenset()
@@ -52,15 +52,15 @@ class Lettering(ByValue):
 
     @cached_property
     def taken(self) -> tuple[str, ...]:
-        """Names of the notation that the model has itself."""
+        """Names in the notation that the model already uses itself."""
         stems = {numbered(name)[0] for name in self.parameters}
         meanings = self.notation.names
         return tuple(sorted((set(meanings) - set(meanings.values())) & stems))
 
     @cached_property
     def names(self) -> Mapping[str, str]:
-        """Parameters and coordinates that are called otherwise, and how; all or none, as a name
-        that the model has itself may stand for something else in the notation."""
+        """The notation's names for parameters and coordinates that it renames; none at all where
+        the model already uses one of these names."""
         found: dict[str, str] = {}
         for name, meaning in () if self.taken else self.notation.names.items():
             new = spelt(name)
@@ -72,7 +72,7 @@ class Lettering(ByValue):
 
     @cached_property
     def alone(self) -> frozenset[str]:
-        """Letters of the energies: no name of a parameter is one of them."""
+        """The letters of energies, which no renamed parameter may take."""
         letters = self.notation.all_letters
         return frozenset(
             letter for kind in LETTERED if kind.is_energy for letter in letters[kind.name][:1]
@@ -99,7 +99,8 @@ class Lettering(ByValue):
         return self
 
     def _meant(self, meaning: str) -> Iterator[tuple[str, str]]:
-        """The names that a meaning is one of, each with the number that it carries."""
+        """The model's names that a meaning in the notation covers, each with the number to
+        append."""
         for own in (*self.coordinates, *sorted(self.parameters)):
             stem, number = numbered(own)
             of_all = number and own in self.coordinates and meaning == "q"
@@ -120,11 +121,11 @@ class Lettering(ByValue):
 
     @cached_property
     def waves(self) -> Mapping[str, str]:
-        """Letters of sines and cosines, {"cos": "c"}."""
+        """The letters of sines and cosines in short form, such as {"cos": "c"}."""
         return {x: spelt(name) for name, x in self.notation.names.items() if x in ("sin", "cos")}
 
     def __call__(self, x: Expression) -> Expression:
-        """An expression in these letters."""
+        """An expression in the letters of the notation."""
         if isinstance(x, Symbol):
             return self.symbol(x)
         if isinstance(x, Function) and x.name in self.waves and (k := self._numbers(x.argument)):
@@ -132,19 +133,19 @@ class Lettering(ByValue):
         return x.mapped(self)
 
     def line(self, line: Equation) -> Equation:
-        """An equation in these letters."""
+        """An equation in the letters of the notation."""
         return line.mapped(self)
 
     def _numbers(self, angle: Expression) -> str:
-        """The numbers of the angles in a sum of the model's angles, rising, of one digit each; else
-        ""."""
+        """The numbers of the model's angles in a sum, in rising order and of one digit each; "" for
+        any other expression."""
         terms = angle.terms if isinstance(angle, Sum) else (angle,)
         names = [x.name if isinstance(x, Symbol) else "" for x in terms]
         plain = all(x in _ANGLES and x in self.coordinates for x in names)
         return "".join(x[-1] for x in sorted(set(names))) if plain else ""
 
     def symbol(self, x: Symbol) -> Symbol:
-        """A symbol; vectors keep theirs."""
+        """A symbol in the letters of the notation; vectors keep their own."""
         if x.bold:
             return x
         stem = undotted(x.name)
@@ -154,7 +155,8 @@ class Lettering(ByValue):
         return x if new is None else _made(new, "", x)
 
     def _of_all(self, name: str) -> str | None:
-        """The name of a quantity, such as T1 or T_i, or of any parameter, l_i."""
+        """The notation's name for a quantity, such as T1 or T_i, or for a general parameter, such
+        as l_i; None for others."""
         own = atom(name)
         of_any = len(own.index) == 1 and own.index[0] in _ANY
         is_name = own.letter and not own.dots and (own.is_figures or not own.index or of_any)
@@ -172,12 +174,13 @@ class Lettering(ByValue):
         return None
 
     def sentence(self, text: str) -> str:
-        """A sentence; names from files stay as they are."""
+        """A sentence with its symbols in the letters of the notation; names that come from files
+        stay as they are."""
         plain = in_parts(text, self.words, lambda name: f"{MARK}{name}{MARK}")
         return unicodedata.normalize("NFC", plain)
 
     def words(self, text: str) -> str:
-        """A sentence without such names."""
+        """Text without names from files, with its symbols in the letters of the notation."""
         text, made, at = unicodedata.normalize("NFD", text), "", 0
         for match in _IN_WORDS.all(Lexemes.of(text)):
             start, end = match.span
@@ -186,7 +189,8 @@ class Lettering(ByValue):
         return made + text[at:]
 
     def _word(self, match: Match) -> str:
-        """A symbol of a sentence, as the sentence writes symbols."""
+        """A symbol found in a sentence, in the letters of the notation and in the sentence's way of
+        writing."""
         (first,) = match.items("letter")
         own, low = atom(letter(first)), match["low"]
         number = "".join(LOW.get(x.text, x.text) for x in match.items("low") if x.text != "_")
@@ -199,13 +203,14 @@ class Lettering(ByValue):
 
 
 def _is_printable(name: str) -> bool:
-    """Whether a plain name consists of letters and perhaps a number behind them."""
+    """Whether a plain name consists of letters, perhaps with a number behind them."""
     stem, _ = numbered(name)
     return stem.isascii() and stem.isalpha()
 
 
 def _made(name: str, ending: str, old: Symbol) -> Symbol:
-    """The symbol of a plain name, its first letter with the rest as subscript."""
+    """The symbol of a plain name: its first letter with the rest as subscript, and the dots of the
+    old symbol."""
     stem, parts = atom(name).letter, atom(name).index
     if stem in GREEK:
         letter, more = GREEK[stem], ""
@@ -244,8 +249,8 @@ def lettered_for(lettering: Lettering, printed: Iterable[Expression]) -> Letteri
 
 
 def _without_ambiguous_functions(lettering: Lettering, called: Iterable[Symbol]) -> Lettering:
-    """The letters without short sines and cosines, where one of them is also a letter of these
-    symbols."""
+    """The lettering without short forms of sine and cosine where one of their letters, such as s in
+    s_1, already names one of the given symbols."""
     letters = {x.letter for x in called if x.low and x.low[0].isdigit()}
     names = lettering.notation.names
     short = {x for x, y in names.items() if y in ("sin", "cos")}
@@ -256,7 +261,8 @@ def _without_ambiguous_functions(lettering: Lettering, called: Iterable[Symbol])
 
 
 def _with_another(lettering: Lettering, one: Symbol, other: Symbol) -> Lettering:
-    """The letters with the next one for one of two symbols that are called alike."""
+    """The lettering with the next letter for one of two symbols that would print alike; raises
+    FreebodyError where there is no other letter."""
     notation = lettering.notation
     for symbol in (one, other):
         kind = KIND_OF.get(symbol.letter)

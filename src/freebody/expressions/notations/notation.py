@@ -53,7 +53,7 @@ Weights = tuple[tuple[int, ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class BookNotation(ByValue):
-    """A notation: letters, names, angles and parameters of a course or a book."""
+    """A course's or book's notation: letters, names, angles and parameters."""
 
     name: str
     title: str = ""
@@ -73,7 +73,7 @@ class BookNotation(ByValue):
     """The form in which terms are printed, one of `TERMS`."""
 
     def __post_init__(self) -> None:
-        """Refuse letters that are none: they are printed and read."""
+        """Refuse letters that cannot be both printed and read."""
         for letter in (letter for letters in self.letters.values() for letter in letters):
             if not (letter.isalpha() and spelt(letter)):
                 raise FreebodyError(
@@ -85,7 +85,8 @@ class BookNotation(ByValue):
 
     @property
     def all_letters(self) -> Mapping[str, tuple[str, ...]]:
-        """The letters of all kinds: those that are given to one are no other's."""
+        """The letters of every kind of quantity; a letter assigned to one kind is removed from the
+        others."""
         taken = {letter for letters in self.letters.values() for letter in letters}
         usual = {
             family: tuple(letter for letter in letters if letter not in taken)
@@ -95,13 +96,14 @@ class BookNotation(ByValue):
 
     @property
     def printed_kinds(self) -> tuple[str, ...]:
-        """The kinds without accelerations whose letters are printed, and so read as these."""
+        """The kinds whose letters this notation prints for terms without accelerations."""
         own = _PRINTED.get(self.terms, ())
         return tuple(kind.name for kind in own if kind.name in self.letters)
 
     @property
     def quarter_turns(self) -> int:
-        """The right angles by which the direction of zero is turned from x."""
+        """The number of right angles by which the zero direction of angles is turned from the x
+        axis."""
         return ZEROS[self.zero]
 
 
@@ -147,7 +149,7 @@ def _texts(top: TomlTable, key: str) -> Mapping[str, str]:
 
 @lru_cache(maxsize=32)
 def preset(name: str) -> BookNotation:
-    """The notation of that name; raises UnknownNameError."""
+    """The bundled notation of that name; raises UnknownNameError."""
     if name not in PRESETS:
         raise UnknownNameError("notation", name, "the notations", PRESETS)
     folder = resources.files("freebody.expressions.notations")
@@ -159,8 +161,8 @@ def notation_of(
     given: str | PathLike[str] | BookNotation | None,
     parameters: Mapping[str, str | float] | None = None,
 ) -> BookNotation:
-    """A notation by name, a user's own by its file, or itself; None for that of the notes.
-    parameters: further ones that are given by formulas or numbers."""
+    """A notation by name, from a user's file, or as given; None for that of the notes. parameters:
+    further parameters that are given by formulas or numbers."""
     is_dict = isinstance(parameters, Mapping) and all(isinstance(x, str) for x in parameters)
     if parameters is not None and not is_dict:
         raise FreebodyError(
@@ -188,8 +190,8 @@ def notation_of(
 def angles_of(
     caller: str, notation: BookNotation, model: Model, absolute: bool = False
 ) -> tuple[Weights | None, tuple[int, ...]]:
-    """B of θ = B φ, where θ are the model's coordinates and φ the notation's, or None where they
-    are the same; and by how many right angles each of φ is 0 elsewhere, or ().
+    """(B, turns) with θ = B φ between the model's coordinates θ and the notation's φ, B None where
+    they are equal; turns: right angles by which each φ has another zero, or ().
 
     Raises FreebodyError for robots whose angles are not written so.
     """
@@ -204,8 +206,8 @@ def angles_of(
 
 
 def turned_by(caller: str, model: Model) -> Weights:
-    """B of θ = B φ for absolute angles, each in the sense of its own joint: each turn of a planar
-    tree is that of its body less that of the body before. Drawings have anticlockwise ones only."""
+    """The matrix B of θ = B φ for absolute angles φ of a planar tree: each joint's angle is that of
+    its body minus that of the body before, each counted in the sense of its own joint."""
     if model.dim != 2:
         raise FreebodyError(
             f"{caller}: absolute angles belong to robots in the plane; {model.name!r} is in space."

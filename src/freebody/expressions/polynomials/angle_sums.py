@@ -1,6 +1,5 @@
-"""A polynomial's terms with its sines and cosines as products, gathered into sines and cosines of
-sums of angles, and two of these as a product again: cos a + cos b = 2 cos ½(a+b) cos ½(a-b), and so
-on.
+"""Sums and products of sines and cosines: a polynomial's products written with sums of angles, and
+pairs of such terms as products again: cos a + cos b = 2 cos ½(a+b) cos ½(a-b), and so on.
 
 With b = 0 these are 1 + cos 2x = 2 cos²x and 1 - cos 2x = 2 sin²x.
 """
@@ -48,8 +47,8 @@ def raw(x: Trig) -> Raw:
 
 
 def as_products(terms: Raw, angles: tuple[str, ...]) -> TrigTerms:
-    """Products of powers of sines and cosines; a (1 - cos²) that the normal form spelt out is sin²
-    again."""
+    """The terms as products of powers of sines and cosines; sin² is restored where the normal form
+    wrote (1 - cos²)."""
     result: TrigTerms = {}
     for powers, coefficient in terms:
         wave = tuple(
@@ -63,7 +62,7 @@ def as_products(terms: Raw, angles: tuple[str, ...]) -> TrigTerms:
 
 
 def _with_squares(terms: TrigTerms) -> TrigTerms:
-    """a X - a X cos²x written a X sin²x."""
+    """The terms with a X - a X cos²x written as a X sin²x."""
     result = dict(terms)
     for (monomial, wave), coefficient in terms.items():
         for k, (f, argument, exponent) in enumerate(wave):
@@ -84,7 +83,8 @@ def _with_squares(terms: TrigTerms) -> TrigTerms:
 
 
 def gathered(terms: Raw, angles: tuple[str, ...], blocks: AngleBlocks) -> TrigTerms:
-    """Sines and cosines of sums of the angles of a block, each with its first multiple positive."""
+    """The terms with sines and cosines of sums of the angles within each block, the first multiple
+    in each sum positive."""
     state: dict[tuple[SymbolPowers, TrigProduct, Exponents], Fraction] = {}
     for powers, coefficient in terms:
         exponents = tuple((powers.get(f"sin_{x}", 0), powers.get(f"cos_{x}", 0)) for x in angles)
@@ -107,7 +107,7 @@ def gathered(terms: Raw, angles: tuple[str, ...], blocks: AngleBlocks) -> TrigTe
 
 
 def _rest(powers: dict[str, int], angles: tuple[str, ...]) -> SymbolPowers:
-    """The monomial without its sines and cosines."""
+    """The part of a monomial without sines and cosines."""
     waves = {f"{f}_{x}" for x in angles for f in ("sin", "cos")}
     return tuple((name, e) for name, e in powers.items() if name not in waves)
 
@@ -141,7 +141,7 @@ def _in_sums_of_angles(
 
 
 def _next_angle(laurent: _InPowers) -> _InPowers:
-    """The sine and cosine of one more angle written by powers of z."""
+    """A polynomial with the sine and cosine of its next angle replaced by powers of z."""
     wider: _InPowers = defaultdict(lambda: (0, 0))
     for (multiples, ((s, c), *later)), (re, im) in laurent.items():
         if s % 2:  # times -i
@@ -155,7 +155,8 @@ def _next_angle(laurent: _InPowers) -> _InPowers:
 
 @lru_cache(maxsize=256)
 def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
-    """(z - 1/z)^sines (z + 1/z)^cosines, up to i^sines; sines is 0 or 1."""
+    """The Laurent polynomial (z - 1/z)^sines (z + 1/z)^cosines, which is i^sines times the wanted
+    product; sines is 0 or 1."""
     powers = {0: 1}
     for sign in (-1,) * sines + (1,) * cosines:
         wider: defaultdict[int, int] = defaultdict(int)
@@ -167,8 +168,8 @@ def _laurent(sines: int, cosines: int) -> tuple[tuple[int, int], ...]:
 
 
 def paired(terms: TrigTerms, blocks: AngleBlocks) -> TrigTerms:
-    """Gathered terms, two of them made one product wherever their coefficients and angles allow
-    it."""
+    """The terms with two of them replaced by one product wherever their coefficients and angles
+    allow it."""
     block_of = {x: k for k, block in enumerate(blocks) for x in block}
     candidates: defaultdict[tuple, list[tuple[TrigProduct, _Multiples]]] = defaultdict(list)
     for (monomial, wave), value in terms.items():
@@ -191,7 +192,8 @@ def _join(
     f: str,
     rows: list[tuple[TrigProduct, _Multiples]],
 ) -> None:
-    """Replaces pairs of rows, first come first served."""
+    """Replace pairs of terms by their products in `result`, in the order in which they are
+    found."""
     left = [row for row in rows if (monomial, row[0]) in result]
     while left:
         wave, a = left.pop(0)
@@ -209,7 +211,8 @@ def _join(
 
 
 def _halves(a: _Multiples, b: _Multiples) -> tuple[_Multiples, _Multiples] | None:
-    """½(a + b) and ½(a - b), if they are whole."""
+    """The half sum ½(a + b) and half difference ½(a - b) of two angle sums; None where they are not
+    whole."""
     names = list(dict.fromkeys([*a, *b]))
     total = {x: a.get(x, 0) + b.get(x, 0) for x in names}
     if any(k % 2 for k in total.values()):
@@ -220,8 +223,8 @@ def _halves(a: _Multiples, b: _Multiples) -> tuple[_Multiples, _Multiples] | Non
 
 
 def _product(f: str, plus: _Multiples, minus: _Multiples, equal: bool) -> tuple[int, TrigProduct]:
-    """f(a) + f(b) (or f(a) - f(b) where not `equal`) as sign · 2 · product of functions of ½(a+b)
-    and ½(a-b)."""
+    """The sign and the functions of ½(a+b) and ½(a-b) whose product, times 2, is f(a) + f(b), or
+    f(a) - f(b) where not `equal`."""
     kinds = {
         ("cos", True): (1, "cos", "cos"),
         ("cos", False): (-1, "sin", "sin"),

@@ -30,7 +30,7 @@ def times(A: Sequence[Sequence[Trig]], B: Sequence[Sequence[Trig]], s: Symbols) 
 
 
 def collected(x: Trig, names: Collection[str]) -> dict[SymbolPowers, Trig]:
-    """A polynomial by its products of the generators named: what stands with each."""
+    """A polynomial grouped by products of the named generators: the coefficient of each product."""
     rows: dict[SymbolPowers, list[tuple[dict[str, int], Fraction]]] = {}
     for powers, coefficient in x.terms():
         key = tuple(sorted((name, k) for name, k in powers.items() if name in names))

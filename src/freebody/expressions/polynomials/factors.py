@@ -24,8 +24,8 @@ _MANY = 8  # odd factors of one kind from which on they are paired in the order 
 
 @dataclass(frozen=True)
 class _Half:
-    """A factor as polynomial in the t of each angle; degree: of the form in S and C that it stands
-    for, by angle."""
+    """A factor as a polynomial in t, the tangent of half of each angle; degree: its degree in sine
+    and cosine of each half angle."""
 
     poly: Any
     degree: tuple[int, ...]
@@ -35,7 +35,7 @@ class _Half:
 
     @property
     def parity(self) -> Parity:
-        """The half angles in which a polynomial is odd."""
+        """The half angles in which the factor is odd, as 1 or 0 for each."""
         return tuple(d % 2 for d in self.degree)
 
 
@@ -61,8 +61,8 @@ def factored(x: Trig) -> tuple[Fraction, list[tuple[Trig, int]]]:
 
 
 def _halves(ring: TrigRing, x: Trig) -> list[tuple[_Half, int]]:
-    """The irreducible factors of x in half angles. A generator cos(x) serves as t, as no sines and
-    cosines are left."""
+    """The irreducible factors of x in half angles, with exponents. The generator cos(x) serves as
+    t, since no sines and cosines are left."""
     n = len(ring.angles)
     poly, degrees = _in_tangents(ring, x)
     _, rows = poly.factor()
@@ -83,7 +83,8 @@ def _halves(ring: TrigRing, x: Trig) -> list[tuple[_Half, int]]:
 
 
 def _in_tangents(ring: TrigRing, x: Trig) -> tuple[Any, tuple[int, ...]]:
-    """x · Π (1 + t²)^d, a polynomial in t, and the degrees 2 d in S and C."""
+    """(polynomial, degrees): x · Π (1 + t²)^d as a polynomial in t = tan of half of each angle, and
+    its degrees 2 d in half-angle sines and cosines."""
     n = len(ring.angles)
     rows = [(powers, c) for powers, c in x.poly.to_dict().items()]
     d = [max((m[2 * k] + m[2 * k + 1] for m, _ in rows), default=0) for k in range(n)]
@@ -111,7 +112,8 @@ def _in_tangents(ring: TrigRing, x: Trig) -> tuple[Any, tuple[int, ...]]:
 
 # ---------------------------------------------------------------- back to whole angles
 def _whole(ring: TrigRing, halves: Counter[_Half]) -> list[tuple[tuple[_Half, ...], int]]:
-    """Groups of half-angle factors that are whole together, with exponents."""
+    """Groups of half-angle factors whose products are polynomials in whole angles, with
+    exponents."""
     groups = [((half,), e) for half, e in halves.items() if not any(half.parity)]
     by_parity: dict[Parity, Counter[_Half]] = {}
     for half, e in halves.items():
@@ -128,8 +130,8 @@ def _whole(ring: TrigRing, halves: Counter[_Half]) -> list[tuple[tuple[_Half, ..
 def _paired(
     ring: TrigRing, odd: Counter[_Half]
 ) -> tuple[list[tuple[tuple[_Half, ...], int]], list[_Half]]:
-    """Pairs of different factors first, the shortest products; then squares; at most one is
-    left."""
+    """Pairs of odd factors with exponents (different factors first, those with the shortest
+    products, then squares), and the factors left over, at most one."""
     groups: list[tuple[tuple[_Half, ...], int]] = []
     odd = Counter(odd)
     choices = list(combinations(odd, 2))
@@ -153,7 +155,8 @@ def _cost(x: Trig) -> tuple[int, int]:
 
 
 def _leftover(left: list[_Half]) -> list[tuple[tuple[_Half, ...], int]]:
-    """Factors of different parities, in the smallest sets that are whole together."""
+    """Groups of left-over factors, as small as possible, whose products are polynomials in whole
+    angles."""
     groups: list[tuple[tuple[_Half, ...], int]] = []
     size = 2
     while left and size <= len(left):

@@ -87,8 +87,8 @@ class Order:
 
     @cached_property
     def moving(self) -> frozenset[str]:
-        """Names of velocities, accelerations, signs of velocities, and of what the model itself
-        does not hold."""
+        """Names of velocities, accelerations, signs of velocities, and of all symbols that are not
+        the model's own."""
         names = self.symbols.coordinates
         signs = (sign_of(x + RATE) for x in names)
         return frozenset(

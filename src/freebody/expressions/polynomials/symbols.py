@@ -34,7 +34,7 @@ RATE, SECOND = "_d", "_dd"
 
 
 class TrigReader(QuantityReader):
-    """Reads parameters as generators of a ring, and numbers exactly."""
+    """A reader of parameters as generators of a ring, and of numbers exactly."""
 
     combines = False
 
@@ -45,7 +45,8 @@ class TrigReader(QuantityReader):
         formulas: Formulas = (),
         own: Mapping[str, ParameterFormula] | None = None,
     ):
-        """own: formulas of the model, for parameters that are no generators."""
+        """Take over the ring, with further formulas; numbers: whether values stand in place of
+        parameters; own: the model's formulas for parameters that are no generators."""
         self.ring = ring
         self.numbers = numbers
         self.own = own or {}
@@ -85,14 +86,15 @@ class TrigReader(QuantityReader):
         return tuple(self._plain(x) for x in rational_axis(axis)) if len(axis) == 3 else axis
 
     def _plain(self, x: Fraction | float) -> Scalar:
-        """0 and ±1 as floats, which fold; anything else in the ring."""
+        """The floats 0 and ±1, which simplify at once, where x is one of them; any other number as
+        an element of the ring."""
         return float(x) if x in (0, 1, -1) else Trig(self.ring, self.ring.constant(x), 0)
 
 
 @dataclass(frozen=True, eq=False)
 class Symbols(ByValue):
-    """Coordinates θ_i (turning), d_i (sliding) and the like, numbered by joint from 1, their rates,
-    the tree over the ring."""
+    """A model's symbols: coordinates θ_i (turning), d_i (sliding) and the like, numbered by joint
+    from 1, their rates, and the tree over the ring."""
 
     model: Model
     ring: TrigRing
@@ -130,16 +132,17 @@ class Symbols(ByValue):
 
     @cached_property
     def tree(self) -> Tree:
-        """The model in numbers over the ring."""
+        """The model's tree with elements of the ring as its numbers."""
         return lower(self.model, self.reader)
 
     @property
     def is_rewritten(self) -> bool:
-        """Whether the symbols are others than the model's: by formulas, or of other angles."""
+        """Whether the symbols differ from the model's own: by formulas, or by other angles."""
         return bool(self.formulas or self.turned or any(self.quarters))
 
     def require_plain(self, what: str) -> None:
-        """Refuse what is written in the model's own symbols only."""
+        """Raise an error where `what` is available in the model's own symbols only and these are
+        rewritten."""
         if self.is_rewritten:
             raise FreebodyError(
                 f"{what}: the derivation of {self.model.name!r} has angles or parameters of a "
@@ -165,7 +168,7 @@ class Symbols(ByValue):
         return self.of_joints(self.own(SECOND))
 
     def followed(self, given: Mapping[str, Trig]) -> dict[str, Trig]:
-        """Values of parameters: those given, and those of the model's formulas."""
+        """The given values of parameters, with those that follow from the model's formulas."""
         found, reader = dict(given), TrigReader(self.ring, self.reader.numbers)
 
         def read(q: Quantity) -> Scalar:
@@ -179,16 +182,17 @@ class Symbols(ByValue):
         return found
 
     def own(self, ending: str) -> list[Trig]:
-        """The symbols of the coordinates, their rates or their accelerations."""
+        """The symbols of the coordinates, or with an ending those of their rates or
+        accelerations."""
         return [self.ring[x + ending] for x in self.coordinates]
 
     def of_joints(self, values: Sequence[Trig]) -> tuple[Trig, ...]:
-        """Values along the joints' coordinates from those along φ: B φ."""
+        """Values along the joints' coordinates, B φ, from values along the notation's angles φ."""
         rows = self.turned
         return tuple(values) if rows is None else tuple(self._sum(row, values) for row in rows)
 
     def of_angles(self, forces: Sequence[Trig]) -> list[Trig]:
-        """Forces along the joints' coordinates as those along φ: Bᵀ τ."""
+        """Forces along the notation's angles, Bᵀ τ, from forces along the joints' coordinates."""
         rows = self.turned
         if rows is None:
             return list(forces)
@@ -289,7 +293,8 @@ def symbols(
 
 
 def coordinate_names(model: Model) -> tuple[str, ...]:
-    """theta_i and d_i by joint, the name itself of a slide called x, y or z."""
+    """Names of the coordinates: theta_i and d_i by joint, or the slide's own name where it is x, y
+    or z."""
     for body in model.bodies:
         if body.kind.quaternion is not None:
             raise FreebodyError(
@@ -301,8 +306,8 @@ def coordinate_names(model: Model) -> tuple[str, ...]:
 
 
 def names_by_body(model: Model) -> list[tuple[str, ...]]:
-    """Names of the coordinate of each body's joint; none of one that follows another or has several
-    coordinates."""
+    """The name of the coordinate of each body's joint; none for a joint that follows another or has
+    several coordinates."""
     names: list[tuple[str, ...]] = []
     parameters = {p.name for p in each_parameter(model)}
     i = 0
@@ -373,7 +378,7 @@ def _ring(
 
 
 def _angle_parameters(model: Model) -> set[str]:
-    """Names of parameters that are angles of constant turns."""
+    """Names of the parameters by which constant placements are turned."""
     placements = [body.joint.placement for body in model.bodies]
     placements += [part.placement for body in model.bodies for part in body.inertias]
     placements += [frame.placement for frame in model.frames]

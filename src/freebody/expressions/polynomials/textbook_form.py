@@ -44,17 +44,17 @@ InertiaGroups = dict[str, TrigTerms]
 
 @dataclass(frozen=True)
 class Layout:
-    """Polynomials of one model as expressions."""
+    """The printed layout of one model's polynomials, which become expressions."""
 
     symbols: Symbols
 
     @cached_property
     def order(self) -> Order:
-        """The kinds and the order of the symbols."""
+        """The kinds of the model's symbols, and their order in print."""
         return Order(self.symbols)
 
     def symbol(self, name: str) -> Expression:
-        """A generator as it is printed."""
+        """A generator of the ring as it is printed."""
         return sym(name)
 
     def form(self, x: Trig) -> Expression:
@@ -62,12 +62,13 @@ class Layout:
         return ex.add(*(term for _, term in self.by_rates(x)))
 
     def is_negative(self, x: Trig) -> bool:
-        """Whether the form of a polynomial begins with a minus."""
+        """Whether the printed form of a polynomial begins with a minus."""
         form = self.form(x)
         return isinstance(form.terms[0] if isinstance(form, ex.Sum) else form, ex.Negative)
 
     def by_rates(self, x: Trig) -> list[tuple[SymbolPowers, Expression]]:
-        """The parts of a polynomial by their product of rates, each with those rates behind it."""
+        """The printed parts of a polynomial by their product of rates, each with those rates behind
+        it."""
         parts: defaultdict[SymbolPowers, Raw] = defaultdict(list)
         for powers, coefficient in raw(x):
             rates = self._sorted((n, e) for n, e in powers.items() if n in self.order.moving)
@@ -81,7 +82,7 @@ class Layout:
         return rows
 
     def _times_rates(self, groups: InertiaGroups, rates: SymbolPowers) -> Expression:
-        """Expression number · (terms) · rates."""
+        """The expression number · (terms) · rates, from terms grouped by inertia."""
         content = self.content(
             {(((n, 1), *m), w): c for n, terms in groups.items() for (m, w), c in terms.items()}
         )
@@ -93,8 +94,8 @@ class Layout:
         return ex.mul(self.order.number(content), coefficient, *self._monomial(rates))
 
     def rate_rank(self, rates: SymbolPowers) -> tuple:
-        """Accelerations, squares of velocities, products, none, single velocities, signs,
-        components of loads."""
+        """The sort key of a product of rates: accelerations, squares of velocities, products, none,
+        single velocities, signs, components of loads."""
         names = [n for n, e in rates for _ in range(e)]
         extra = self.symbols.extra
         if any(n in extra for n in names):
@@ -111,8 +112,8 @@ class Layout:
         return kind, order
 
     def by_inertia(self, terms: Raw) -> InertiaGroups:
-        """The factors of each mass and moment of inertia, and under "" what has none, in the order
-        of the bodies."""
+        """Terms grouped by the mass or moment of inertia in them, in the order of the bodies; terms
+        without any are under ""."""
         groups: defaultdict[str, Raw] = defaultdict(list)
         for powers, coefficient in terms:
             name = next((n for n in powers if n in self.order.inertial), "")
@@ -125,8 +126,8 @@ class Layout:
         return {name: self._shortest(groups[name]) for name in order}
 
     def _shortest(self, terms: Raw) -> TrigTerms:
-        """The form with the fewest terms: sums of angles (all, or those of parallel axes), or
-        products."""
+        """The terms in the form with the fewest: with sums of all angles, with sums of angles about
+        parallel axes, or with products."""
         angles, blocks = self.order.angles, self.order.blocks
         sums = gathered(terms, angles, (angles,))
         forms = [sums]
@@ -139,7 +140,8 @@ class Layout:
         return ex.add(*(self._group(name, terms) for name, terms in groups.items()))
 
     def _group(self, name: str, terms: TrigTerms) -> Expression:
-        """inertia · number · common symbols · (the rest)."""
+        """The expression inertia · number · common symbols · (the rest), from the terms of one mass
+        or moment of inertia."""
         common = self._common(terms)
         content = self.content(terms)
         inside = {(_without(m, common), w): c / content for (m, w), c in terms.items()}
@@ -153,8 +155,8 @@ class Layout:
         return ex.mul(self.order.number(content), *front, rest)
 
     def _common(self, terms: TrigTerms) -> SymbolPowers:
-        """Symbols that all terms share; none where a term without angles would keep others (lc² + l
-        lc cos θ stays)."""
+        """The symbols that all terms share; none where a term without angles would keep others (lc²
+        + l lc cos θ stays)."""
         exponents = [dict(monomial) for monomial, _ in terms]
         shared = {n: min(e.get(n, 0) for e in exponents) for n in exponents[0]}
         common = self._sorted((n, e) for n, e in shared.items() if e)
@@ -184,7 +186,7 @@ class Layout:
         )
 
     def _by_products(self, terms: TrigTerms) -> Expression:
-        """Σ polynomial · wave, what has no angle first."""
+        """The expression Σ polynomial · function of angles, terms without angles first."""
         groups: defaultdict[TrigProduct, Poly] = defaultdict(dict)
         for (monomial, wave), coefficient in terms.items():
             groups[wave][monomial] = coefficient
@@ -197,7 +199,7 @@ class Layout:
         return ex.add(*rows)
 
     def scaled(self, poly: Poly, functions: list[Expression]) -> Expression:
-        """number · common symbols · (the rest) · functions."""
+        """The expression number · common symbols · (the rest) · functions."""
         flat: TrigTerms = {(m, ()): c for m, c in poly.items()}
         common, content = self._common(flat), self.content(flat)
         rest = self.poly({_without(m, common): c / content for m, c in poly.items()})
@@ -207,8 +209,8 @@ class Layout:
 
     # ------------------------------------------------------------ polynomials without angles
     def poly(self, poly: Poly) -> Expression:
-        """A polynomial by falling degree, with a square completed, or as a product: the
-        shortest."""
+        """The expression of a polynomial: by falling degree, with a square completed, or as a
+        product, whichever is shortest."""
         forms = [self._plain(poly)]
         if len(poly) > 2:
             square = self._square(poly)
@@ -232,8 +234,8 @@ class Layout:
         return ex.add(*(ex.mul(self.order.number(poly[m]), *self._monomial(m)) for m in order))
 
     def _factors(self, poly: Poly) -> tuple[Fraction, list[tuple[Poly, int]]]:
-        """number · Π factor^exponent, factors in whole numbers, each with its first term
-        positive."""
+        """The number and the factors with exponents of a polynomial; coefficients are whole, and
+        the first term of each factor is positive."""
         x = self.symbols.ring.polynomial((dict(m), c) for m, c in poly.items())
         content, factors = x.leading_coefficient, []
         for factor, exponent in x.factors():
@@ -246,8 +248,8 @@ class Layout:
     def _square(
         self, poly: Poly
     ) -> tuple[tuple[SymbolPowers, SymbolPowers, Fraction], Poly, Poly] | None:
-        """(A x², A / number, number), x + b and the rest of A (x + b)² + rest, where that has fewer
-        terms: of the first symbol x that allows it."""
+        """The square completed in the first symbol x for which that saves terms: (A x², A / number,
+        number), x + b, and the rest of A (x + b)² + rest; None where no symbol does."""
         names = sorted(
             {n for m in poly for n, _ in m},
             key=lambda n: (n not in self.symbols.coordinates, self.order.rank(n)),
@@ -258,7 +260,8 @@ class Layout:
     def _completed(
         self, poly: Poly, x: str
     ) -> tuple[tuple[SymbolPowers, SymbolPowers, Fraction], Poly, Poly] | None:
-        """The square completed in one symbol, as above."""
+        """The square completed in the symbol x: (A x², A / number, number), x + b, and the rest of
+        A (x + b)² + rest; None where that is impossible or saves no terms."""
         squares = [(m, c) for m, c in poly.items() if dict(m).get(x) == 2]
         if len(squares) != 1 or any(dict(m).get(x, 0) > 2 for m in poly):
             return None
@@ -292,7 +295,7 @@ class Layout:
         return [ex.power(self.symbol(n), e) for n, e in self._sorted(monomial)]
 
     def monomial_rank(self, monomial: SymbolPowers) -> tuple:
-        """Falling degree, then as in a dictionary."""
+        """The sort key of a monomial: by falling degree, then by its symbols in their order."""
         ranked = [(self.order.rank(n), -e) for n, e in self._sorted(monomial)]
         return -sum(e for _, e in monomial), ranked
 
@@ -301,7 +304,8 @@ class Layout:
 
 
 class InTextbookForm:
-    """Closed forms of a model in `symbols`: how they are printed, and their numbers."""
+    """Closed forms of a model in `symbols`: the base of results that can be printed and
+    evaluated."""
 
     symbols: Symbols
 
@@ -315,7 +319,8 @@ class InTextbookForm:
         return self.layout.form(x)
 
     def evaluate(self, quantity: Any, q: Any, qd: Any = None, qdd: Any = None) -> Array:
-        """Numbers of one of the above at q, qd, qdd (..., n), with the model's parameter values."""
+        """Values of a polynomial, or of lists of polynomials, at q, qd, qdd (..., n), with the
+        model's parameter values."""
         return self.symbols.evaluate(quantity, q, qd, qdd)
 
 
@@ -325,7 +330,7 @@ def starts_with_minus(x: Expression) -> bool:
 
 
 def _is_short(x: Fraction) -> bool:
-    """Whether a decimal is printed with all its digits."""
+    """Whether a fraction has a short decimal, which prints all its digits."""
     return Fraction(f"{float(x):.6g}") == x
 
 
@@ -341,7 +346,8 @@ def _divides(divisor: SymbolPowers, monomial: SymbolPowers) -> bool:
 
 
 def product_rank(wave: TrigProduct, angles: tuple[str, ...]) -> tuple:
-    """Few functions first, then few angles, small multiples, inner joints, cosines before sines."""
+    """The sort key of a product of functions: few functions first, then few angles, small
+    multiples, inner joints, cosines before sines."""
     total = sum(abs(k) * e for _, argument, e in wave for _, k in argument)
     used = sorted(angles.index(x) for _, argument, _ in wave for x, _ in argument)
     signs = [(-k, e, f) for f, argument, e in wave for _, k in argument]

@@ -18,8 +18,8 @@ _EQUATION = "an equation between the robot's quantities"
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """Everything that is common to quantities of one kind, such as all entries of the mass
-    matrix."""
+    """A kind of quantities, such as all entries of the mass matrix: everything that is common to
+    them."""
 
     name: str
     """Name in the equations of motion, such as M; of other kinds a word."""
@@ -121,11 +121,12 @@ class Kind:
     """Whether c_1 or V_1 may stand in it as a sum of velocity terms."""
 
     def titled(self, index: Sequence[int], joint: str) -> str:
-        """Words for an entry with these indices."""
+        """The words for the entry with these indices, of a joint where the kind belongs to
+        joints."""
         return self.words.format(*index, joint=joint)
 
     def unit_of(self, turns: Sequence[bool]) -> Unit | None:
-        """The unit of an entry whose joints turn or slide."""
+        """The unit of an entry, given whether each of its joints turns."""
         return self.unit(turns) if callable(self.unit) else self.unit
 
     @property

@@ -1,5 +1,4 @@
-"""Units as powers of kg, m and s, apart from kinds, of which some have the same names; and their
-texts."""
+"""Units as powers of kg, m and s, and their texts; several kinds of quantities share a unit."""
 
 from __future__ import annotations
 
@@ -29,7 +28,8 @@ _TEXTS = {
 
 
 def si_text(unit: Unit, angular: bool = False) -> str:
-    """The SI unit: N m, rad/s, kg m²; angular: whether a turn is named by radians."""
+    """The SI unit as text, such as N m, rad/s or kg m²; angular: whether a turn is named by
+    radians."""
     text = _TEXTS.get(unit, "")
     return unit_text(unit) if not text or ("rad" in text and not angular) else text
 

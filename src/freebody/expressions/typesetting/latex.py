@@ -33,7 +33,7 @@ _PATTERN = re.compile("|".join(f"({pattern})" for pattern, _ in _SIZES))
 
 
 def width_of(string: str) -> float:
-    """About how wide a formula is, in letters."""
+    """The approximate width of a LaTeX formula, in letters."""
     total = 0.0
     for match in _PATTERN.finditer(string):
         total += _SIZES[(match.lastindex or 1) - 1][1]
@@ -63,7 +63,7 @@ def _gap(before: Expression, after: Expression) -> str:
 
 
 def _script(mark: str, text: str) -> str:
-    """A sub- or superscript, in braces where it is longer than a character."""
+    """A sub- or superscript with its mark, in braces where it is longer than one character."""
     return f"{mark}{text}" if len(text) == 1 else f"{mark}{{{text}}}" if text else ""
 
 
@@ -78,7 +78,7 @@ def _letter(letter: str, bold: bool) -> str:
 
 
 def _low(text: str) -> str:
-    """A subscript: indices such as i−1 are formulas, names are not."""
+    """A LaTeX subscript: indices such as i−1 as a formula, other text escaped."""
     return text if re.fullmatch(r"[A-Za-z0-9+−-]*", text) else tex_math(text)
 
 

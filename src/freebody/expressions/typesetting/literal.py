@@ -53,7 +53,7 @@ def literal(name: str) -> str:
 
 
 def in_parts(sentence: str, words: Callable[[str], str], name: Callable[[str], str]) -> str:
-    """A sentence set by `words`, the names in it by `name`."""
+    """A sentence with its plain words mapped by `words` and the names marked in it by `name`."""
     parts = sentence.split(MARK)
     return "".join(name(part) if k % 2 else words(part) for k, part in enumerate(parts))
 
@@ -91,8 +91,7 @@ def printable(name: str) -> str:
 
 
 def declared(document: str) -> list[str]:
-    r"""Lines for a preamble that let pdfTeX set letters it does not know, as [U+5173]; others have
-    fonts for them."""
+    r"""Lines of a LaTeX preamble that let pdfTeX print letters without a font as [U+5173]."""
     foreign = sorted(
         {c for c in document if c > _KNOWN and not "\u2000" <= c <= "\u206f" and c not in TEX}
     )

@@ -42,14 +42,16 @@ def mathml(node: Expression, display: bool = True) -> str:
 
 
 def _width(string: str) -> float:
-    """About how wide it is, in letters; scripts are smaller, elements take no room."""
+    """The approximate width of a MathML string in letters; scripts are smaller, tags take no
+    room."""
     full = len(_TAGS.sub("", string))
     scripts = sum(len(_TAGS.sub("", low)) for low in _LOW.findall(string))
     return 0.85 * (full - 0.4 * scripts) + 0.8 * string.count('form="infix"')
 
 
 def _in_elements(lines: list[str]) -> list[str]:
-    """Terms with a source as elements of their class; a term that is broken is one in each line."""
+    """Lines in which each term with a source is an element of the source's class; a term broken
+    over lines is one element in each."""
     made, source = [], ""
     for line in lines:
         text = _opened(source) if source else ""
@@ -68,7 +70,8 @@ _SIGN = re.compile('(^|<mrow class="[^"]*">)?<mo form="infix">')
 
 
 def _short(sign: re.Match[str]) -> str:
-    """A sign where a line begins is told that it stands between terms; others need not be."""
+    """The opening tag of a sign, without the attribute that only a sign at the start of a line
+    needs."""
     return "<mo>" if sign[1] is None else sign[0]
 
 
@@ -98,8 +101,8 @@ def _symbol(node: Symbol, high: str) -> str:
 
 
 def _low(parts: tuple[str, ...]) -> str:
-    """Digits with their commas as numbers, which are not spaced, letters in italics, words upright;
-    a row only around several."""
+    """A subscript in MathML: digits with their commas as numbers, letters in italics, words
+    upright; in an <mrow> where there are several."""
     runs = re.findall(r"[\d,]+|[^\W\d_]{3,}|.", ",".join(parts))
     elements = [f"<mn>{x}</mn>" if x[0] in ",0123456789" else f"<mi>{escape(x)}</mi>" for x in runs]
     return elements[0] if len(elements) == 1 else f"<mrow>{''.join(elements)}</mrow>"

@@ -27,7 +27,7 @@ def _symbol(node: Symbol, high: str) -> str:
 
 
 def _raised(high: str) -> str:
-    """A superscript: digits as such, letters behind a ^."""
+    """A superscript as text: raised digits, or other characters behind a ^."""
     return f"^{high}" if high and high != "T" and high[0].isalpha() else high.translate(_HIGH)
 
 

@@ -75,7 +75,7 @@ def precedence(node: Expression) -> int:
 
 
 def is_call(node: Expression) -> bool:
-    """Whether an expression is a function or its power, whose argument may stand without
+    """Whether an expression is a function or a power of one, so that its argument may stand without
     brackets."""
     return isinstance(node, Function) or (
         isinstance(node, Power) and isinstance(node.base, Function)
@@ -83,14 +83,15 @@ def is_call(node: Expression) -> bool:
 
 
 def _called(node: Expression) -> Function:
-    """The function of a call, see `is_call`."""
+    """The function of an expression for which `is_call` is true."""
     function = node.base if isinstance(node, Power) else node
     assert isinstance(function, Function)
     return function
 
 
 def _has_factors(argument: Expression) -> bool:
-    """Whether a factor behind an argument without brackets reads as another factor of it."""
+    """Whether an argument without brackets would read on into a following factor, as products,
+    fractions and products of vectors do."""
     if isinstance(argument, Product):
         return sum(not isinstance(factor, Number) for factor in argument.factors) > 1
     return isinstance(argument, Quotient | Cross | Dot)
@@ -98,8 +99,8 @@ def _has_factors(argument: Expression) -> bool:
 
 @dataclass(frozen=True, kw_only=True)
 class Notation:
-    """A notation as templates of what stands around the pieces, in the order in which they are put
-    in, and functions where a template does not do.
+    """A typesetting notation: templates of the text around the pieces of each kind of node, and
+    functions where a template is not enough.
 
     A matrix or column: what is around it, between its rows, and between the entries of a row.
     """
@@ -178,7 +179,7 @@ class Typesetter:
         self.notation = notation
 
     def __call__(self, node: Expression, level: int = EQUATION) -> str:
-        """The string, with `BREAK` where a line may end."""
+        """The string of an expression in the notation, with `BREAK` where a line may end."""
         string = self._rules[type(node)](self, node)
         if precedence(node) >= level:
             return string
@@ -188,11 +189,11 @@ class Typesetter:
         return form.format(string)
 
     def whole(self, node: Expression, level: int = EQUATION) -> str:
-        """A node that is not to be broken."""
+        """The string of an expression that is not to be broken into lines."""
         return self(node, level).replace(BREAK, self.notation.space)
 
     def line(self, node: Expression) -> str:
-        """A whole formula in one line."""
+        """The string of a whole formula on one line."""
         return self._finished([self.whole(node)])[0]
 
     def lines(self, node: Expression, room: float) -> list[str]:
@@ -343,7 +344,7 @@ class Typesetter:
 
 
 def _signed(term: Expression) -> tuple[bool, Expression]:
-    """Whether a term is negative, and what stands behind its sign."""
+    """Whether a term is negative, and the term without its sign."""
     if isinstance(term, Negative):
         return True, term.operand
     if isinstance(term, Number) and term.value < 0:
@@ -359,8 +360,8 @@ class _LinePart:
 
 
 def broken(string: str, width: float, measure: Callable[[str], float] = len) -> list[str]:
-    """Lines of at most `width`, as far as the breaks allow; a line is left where the fewest
-    brackets are open."""
+    """The string in lines of at most `width`, as far as its breaks allow; breaks outside brackets
+    are preferred."""
     pieces, depth = [], 0
     for text in string.split(BREAK):
         pieces.append(_LinePart(text, depth))
@@ -374,7 +375,7 @@ def broken(string: str, width: float, measure: Callable[[str], float] = len) -> 
 
 
 def _fitting(pieces: list[_LinePart], width: float, measure: Callable[[str], float]) -> int:
-    """The number of pieces that go on the next line."""
+    """The number of pieces that are put on the next line."""
     sizes = []
     total = 0.0
     for piece in pieces:

@@ -1,4 +1,4 @@
-"""Free bodies: one alone with all that acts on it, or with all that it carries."""
+"""Layers of free bodies: one body with all loads on it, or one with all bodies that it carries."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _SEEN = 0.7  # of its length: what a view has to show of a body
 # ---------------------------------------------------------------- how long arrows are
 @dataclass(frozen=True)
 class Scale:
-    """The largest force (N) and moment (N m) on some bodies, and how long they are drawn,
-    metres."""
+    """The scale of loads in a drawing: the largest force (N) and moment (N m), and the length at
+    which these are drawn (m)."""
 
     force: float
     moment: float
@@ -45,15 +45,16 @@ class Scale:
         return place + share * self.longest * value / size
 
     def lengthened(self, arrows: Iterable[Arrow]) -> list[str]:
-        """Names of the forces and moments among arrows that are drawn longer than to scale, lest
-        they be too short to be seen."""
+        """Names of the forces and moments that are drawn longer than to scale so that they can be
+        seen."""
         largest = dict(zip(_LOADS, (self.force, self.moment), strict=True))
         loads = [arrow for arrow in arrows if arrow.unit in largest]
         return [x.name for x in loads if np.linalg.norm(x.value) < _SHORTEST * largest[x.unit]]
 
 
 def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
-    """The scale on which all forces of some bodies are drawn."""
+    """The scale on which the forces of all given bodies are drawn; longest: the length of the
+    largest one (m)."""
     loads = [load for body in bodies for load in body.loads]
     force = max((float(np.linalg.norm(load.force)) for load in loads), default=0.0)
     moment = max((float(np.linalg.norm(load.moment)) for load in loads), default=0.0)
@@ -61,8 +62,8 @@ def scale_of(bodies: Iterable[BodyLoads], longest: float) -> Scale:
 
 
 def scales_of(bodies: Sequence[BodyLoads]) -> tuple[Scale, ...]:
-    """Scales of bodies each drawn alone: forces to one scale on the page, lengths where the sizes
-    of the bodies allow it. `longest` is what is to be of equal length on the page."""
+    """One scale for each of several bodies that are drawn alone: forces compare on the page, and
+    lengths too where the bodies' sizes allow it."""
     sizes, whole = [size_of(body) for body in bodies], scale_of(bodies, 1.0)
     if max(sizes) <= _ALIKE * min(sizes):
         sizes = [max(sizes)] * len(sizes)
@@ -81,7 +82,7 @@ def size_of(loads: BodyLoads) -> float:
 # ---------------------------------------------------------------- one body
 @of_each
 def _points(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """Names of a body's joints and of the tip."""
+    """Write the names of a body's joints and of the tip."""
     along, names = seen.heading(body), seen.names
     drawing.write(body.origin, names.point(seen.pose, body.number), -along)
     for child in _children(seen, body):
@@ -94,14 +95,14 @@ def _points(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 @of_each
 def _axes(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """The axes of a body's joints."""
+    """Draw the axes of a body's joints."""
     longest = _AXIS * size_of(seen.loads[body.index])
     geometry.axes(drawing, seen, (body, *_children(seen, body)), longest=longest)
 
 
 @of_each
 def _angles(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """The angle of a body's joint."""
+    """Draw the angle of a body's joint."""
     geometry.angles(drawing, seen, (body,), longest=_ANGLE * size_of(seen.loads[body.index]))
 
 
@@ -124,8 +125,8 @@ BOOK = {2: ("points", "centres", "s", "sc"), 3: ("axes", "centres", "s", "sc")}
 def alone(
     seen: Snapshot, body: BodyPlace, show: Sequence[str], scale: Scale, inertia: bool = False
 ) -> Drawing:
-    """A body where it is, with the forces on it. show: names of `PARTS`; inertia: with m a_c, the
-    sum of the forces."""
+    """A drawing of a body in its pose, with the forces on it. show: names of `PARTS`; inertia: with
+    m a_c, the sum of the forces."""
     title = f"Free-body diagram of body {body.number}, {body.name}"
     drawing, loads = Drawing(_view(seen, body), title), seen.loads[body.index]
     _stick(drawing, seen, body)
@@ -158,7 +159,7 @@ def _view(seen: Snapshot, body: BodyPlace) -> View:
 
 
 def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """A body and the joints that it is cut at."""
+    """Draw a body and the joints at which it is cut free."""
     closing = _closing(seen, body)
     if seen.model.dim == 2:
         drawing.add(*structure.link(body), *structure.joint(body))
@@ -175,7 +176,7 @@ def _stick(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def _closing(seen: Snapshot, body: BodyPlace) -> list[DrawnJoint]:
-    """The loops that close at a body, where they meet the body."""
+    """The loops that close at a body, at the places where they meet it."""
     loops = seen.pose.loops
     first = [replace(loop, origin=loop.carrier) for loop in loops if loop.parent == body.index]
     return [*first, *(replace(x, carrier=x.origin) for x in loops if x.index == body.index)]
@@ -188,8 +189,8 @@ def _children(seen: Snapshot, body: BodyPlace) -> list[BodyPlace]:
 
 
 def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
-    """A guide to where a force acts off the stick: on a slider along its rail, on a frame beside
-    it."""
+    """Draw a guide line to a force that acts beside the body's bar, such as on a slider along its
+    rail."""
     ends = [body.origin, body.com, *(end.place for end in body.ends)]
     nearest = min(ends, key=lambda place: float(np.linalg.norm(place - load.place)))
     if np.linalg.norm(nearest - load.place) > SAME:
@@ -197,7 +198,7 @@ def _reach(drawing: Drawing, body: BodyPlace, load: Load) -> None:
 
 
 def _side_by_side(drawing: Drawing, longest: float) -> None:
-    """Move forces and moments that would lie on each other on the page apart, across their common
+    """Move apart forces and moments that would lie on each other on the page, across their common
     line."""
     lanes: list[tuple[complex, complex, int]] = []
 
@@ -232,8 +233,8 @@ def act(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, roles: Sequence[str] = tuple(FORCES),
     scale: Scale | None = None,
 ) -> None:  # fmt: skip
-    """The forces and moments on a body: of its parent, its children, its weight, from outside;
-    default scale: one for all bodies of a robot."""
+    """Draw the forces and moments on a body that have the given roles: of its parent, its children,
+    its weight, from outside. The default scale is one for all bodies of a robot."""
     scale = scale_of(seen.loads, 0.38 * seen.size) if scale is None else scale
     for load in seen.loads[body.index].loads:
         if load.role not in roles or (load.role == "weight" and not seen.names.weights):
@@ -256,8 +257,8 @@ def act(
 
 
 def _facing(seen: Snapshot, body: BodyPlace, load: Load) -> tuple[float, float]:
-    """Radius, and the direction of the middle, of a moment in the plane: on the outer side of the
-    body's end."""
+    """The radius (pixels) and the direction (degrees) of the arc of a moment in the plane, on the
+    outer side of the body's end."""
     at_joint = np.linalg.norm(load.place - body.origin) < SAME
     outward = seen.heading(body) * (-1.0 if at_joint and load.role != "counter" else 1.0)
     radius = 27.0 if at_joint and load.role == "counter" else 19.0
@@ -266,8 +267,8 @@ def _facing(seen: Snapshot, body: BodyPlace, load: Load) -> tuple[float, float]:
 
 # ---------------------------------------------------------------- several bodies
 def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
-    """A body of a planar robot with all that hangs on it as one system: the reaction at its joint,
-    all weights, what acts on the tip."""
+    """A drawing of a planar body with all that it carries as one system: the reaction at its joint,
+    all weights, and the loads on the tip."""
     drawing = Drawing(view_of(seen), f"All that joint {first.number} of {seen.model.name} carries")
     system = _subtree(seen, first)
     for body in system:
@@ -287,15 +288,16 @@ def carried(seen: Snapshot, first: BodyPlace) -> Drawing:
 
 
 def _subtree(seen: Snapshot, first: BodyPlace) -> list[BodyPlace]:
-    """A body with all that hangs on it."""
+    """A body and all bodies that it carries."""
     below = [b for b in seen.pose.bodies if b.parent == first.index]
     return [first, *(b for child in below for b in _subtree(seen, child))]
 
 
 # ---------------------------------------------------------------- bodies that nothing holds
 def pushed(seen: Snapshot, body: BodyPlace, thrusts: Mapping[str, str], mass: str) -> Drawing:
-    """A body that nothing holds with its axes, its weight, and thrusts by name along the z axes of
-    frames on it, of such a size that they carry the weight; mass: what it is called."""
+    """A drawing of a body that nothing holds, with its axes, its weight and thrusts along the z
+    axes of frames on it, by name, drawn so long that they carry the weight; mass: its printed
+    name."""
     drawing = Drawing(view_of(seen), f"Body {body.number}, {body.name}, that nothing holds")
     _stick(drawing, seen, body)
     size = 0.5 * size_of(seen.loads[body.index])

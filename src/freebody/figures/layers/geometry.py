@@ -1,6 +1,6 @@
-"""The geometry of a robot: angles, slides and lengths in the plane, joint axes z_i (of slides u_i)
-and what lies between them in space; centres of mass, and position vectors: s_i from joint to joint,
-r to the tip, s_ci and r_ci to the centres of mass."""
+"""Layers of a robot's geometry: angles, slides and lengths in the plane, joint axes z_i (u_i of
+slides) and what lies between them in space; centres of mass, and position vectors: s_i from joint
+to joint, r to the tip, s_ci and r_ci to the centres."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _PARALLEL = 1e-6
 
 @of_each
 def centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """Centres of mass with their names."""
+    """Draw centres of mass with their names."""
     if body.mass > 0:
         along = seen.heading(body)
         away = (along[1], -along[0]) if seen.model.dim == 2 else (0.0, 0.0, -1.0)
@@ -37,8 +37,8 @@ def centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 # ---------------------------------------------------------------- the plane
 @of_each
 def angles(drawing: Drawing, seen: Snapshot, body: BodyPlace, longest: float = math.inf) -> None:
-    """θ_1 from the x axis, further ones from the line of the link before: dashed where an angle
-    starts, an arc with a head where it ends, of a radius of at most `longest` metres."""
+    """Draw joint angles: θ_1 from the x axis, further ones from the line of the link before, with a
+    dashed line where the angle starts and an arc of at most `longest` metres radius."""
     name = seen.names.coordinate(body)
     if not body.kind.turns or not name:
         return
@@ -65,8 +65,8 @@ def _zero_of_angle(seen: Snapshot, body: BodyPlace) -> float:
 
 @of_each
 def slides(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """d_i, from where a slide begins to the joint's block; below lengths of a closed chain that
-    reach below the ground."""
+    """Draw slides' positions d_i, from where a slide begins to the joint's block; those that reach
+    below the ground below the lengths of a closed chain."""
     if body.kind.slides:
         below = body.parent < 0 and bool(seen.pose.loops)
         aside = -(50.0 if below else 20.0) * _clear_side(seen, body)
@@ -77,7 +77,8 @@ def slides(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 def lengths(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, aside: float = 14.0, least: float = _VISIBLE
 ) -> None:
-    """l_i, on the side where no angle is. least: of the robot's size, below which none is drawn."""
+    """Draw link lengths l_i on the side without an angle; least: the fraction of the robot's size
+    below which a length is not drawn."""
     for end in body.ends[:1]:
         name, aside = seen.names.length(body, end), aside * _clear_side(seen, body)
         _dimension(drawing, body.origin, end.place, name, aside, max(least * seen.size, SAME))
@@ -85,8 +86,8 @@ def lengths(
 
 @of_each
 def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float = _VISIBLE) -> None:
-    """l_ci next to each link, l_i farther out, once where they are the same. least: as for
-    `lengths`."""
+    """Draw lengths l_ci to centres of mass next to each link and l_i farther out, once where they
+    are equal; least: the fraction of the robot's size below which none is drawn."""
     name = seen.names.centre_length(body)
     same = any(
         name == seen.names.length(body, end) and np.linalg.norm(end.place - body.com) < SAME
@@ -100,7 +101,7 @@ def all_lengths(drawing: Drawing, seen: Snapshot, body: BodyPlace, least: float 
 
 @of_each
 def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """The distance from the origin to a joint on the ground, drawn below it where the model has a
+    """Draw the distance from the origin to a joint on the ground, below it, where the model has a
     name for it."""
     if body.parent < 0 and not body.kind.slides:
         name = seen.names.on_the_ground(body)
@@ -111,14 +112,14 @@ def of_the_ground(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def of_rods(drawing: Drawing, seen: Snapshot) -> None:
-    """The lengths of rods that close loops."""
+    """Draw the lengths of rods that close loops."""
     for k, loop in enumerate(seen.pose.loops):
         if loop.rod:
             _dimension(drawing, loop.carrier, loop.origin, seen.names.rod(k), 20.0, SAME)
 
 
 def measured_centres(drawing: Drawing, seen: Snapshot) -> None:
-    """Centres of mass to which the model has lengths with names."""
+    """Draw the centres of mass to which the model has named lengths."""
     naming = seen.names.naming
     bodies = [x for x in seen.drawn if naming.centre_length(x.number) is not None]
     centres(drawing, seen, bodies)
@@ -132,7 +133,8 @@ def _dimension(
 
 
 def _clear_side(seen: Snapshot, body: BodyPlace) -> float:
-    """1: left of a body, -1: right of it; an angle is drawn behind the turn that made it."""
+    """The side of a body without its joint's angle, on which lengths are drawn: 1 left, -1
+    right."""
     if seen.model.dim == 3:
         return 1.0
     if body.kind.slides:
@@ -147,8 +149,8 @@ def links(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, aside: float = 0.0, letter: str = "s",
     least: float = _VECTOR,
 ) -> None:  # fmt: skip
-    """s_i, from the joint of body i to the next, or to the tip. least: of the robot's size, below
-    which none is drawn in space."""
+    """Draw vectors s_i from the joint of body i to the next, or to the tip; least: the fraction of
+    the robot's size below which none is drawn in space."""
     plane = seen.model.dim == 2
     shortest, aside = (0.0, aside) if plane else (max(least * seen.size, SAME), 0.0)
     for end, place in seen.reaches(body):
@@ -158,7 +160,7 @@ def links(
 
 @of_each
 def to_centres(drawing: Drawing, seen: Snapshot, body: BodyPlace, aside: float = -BESIDE) -> None:
-    """s_ci, from the joint of body i to its centre of mass."""
+    """Draw vectors s_ci from the joint of body i to its centre of mass."""
     if body.mass > 0:
         aside = aside if seen.model.dim == 2 else 0.0
         drawing.position(body.origin, body.com, seen.names.on("s", body.number, "c"), aside)
@@ -166,7 +168,7 @@ def to_centres(drawing: Drawing, seen: Snapshot, body: BodyPlace, aside: float =
 
 @of_each
 def directions(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """Unit vectors along the slides."""
+    """Draw unit vectors along the slides."""
     if body.kind.slides and body.axis is not None:
         end, name = body.origin + 0.16 * seen.size * body.axis, seen.names.axis(body)
         drawing.arrow(body.origin, end, name, "z", body.axis, aside=-2 * BESIDE)
@@ -174,8 +176,8 @@ def directions(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 @of_each
 def of_centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """r_ci, from the origin to the centre of mass of body i; beside the link where it lies on
-    it."""
+    """Draw vectors r_ci from the origin to the centre of mass of body i, beside the link where they
+    would lie on it."""
     if body.mass > 0:
         along = body.parent < 0 and np.linalg.norm(body.origin) < SAME
         name = seen.names.on("r", body.number, "c")
@@ -183,7 +185,7 @@ def of_centres(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def to_tip(drawing: Drawing, seen: Snapshot, name: str = "r") -> None:
-    """r, from the origin to the tip."""
+    """Draw the vector r from the origin to the tip."""
     if seen.pose.tip is not None:
         drawing.position(np.zeros(seen.model.dim), seen.pose.tip, name)
 
@@ -191,8 +193,8 @@ def to_tip(drawing: Drawing, seen: Snapshot, name: str = "r") -> None:
 # ---------------------------------------------------------------- axes in space
 @of_each
 def axes(drawing: Drawing, seen: Snapshot, body: BodyPlace, longest: float = math.inf) -> None:
-    """z_i along the axis of each joint, from where it is, at most `longest` metres, and a thin line
-    back."""
+    """Draw unit vectors z_i along the joint axes, at most `longest` metres long, with a thin line
+    backwards."""
     if body.axis is not None:
         name, reach = seen.names.axis(body), min(0.17 * seen.size, longest) * body.axis
         start = body.carrier if body.kind.slides else body.origin
@@ -202,15 +204,15 @@ def axes(drawing: Drawing, seen: Snapshot, body: BodyPlace, longest: float = mat
 
 @of_each
 def variables(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """The joints' variables behind their axes."""
+    """Write the joints' variables behind their axes."""
     if body.axis is not None:
         end = body.carrier - 0.1 * seen.size * body.axis
         drawing.write(end, seen.names.coordinate(body), -body.axis)
 
 
 def common_normal(p: Array, u: Array, q: Array, v: Array) -> tuple[Array, Array]:
-    """The points at which the common normal of the axes p + s u and q + t v (unit vectors) meets
-    them; of parallel ones that through q."""
+    """The points at which the common normal of the axes p + s u and q + t v (u, v unit vectors)
+    meets them; of parallel axes the normal through q."""
     w, cosine = q - p, float(u @ v)
     sine2 = 1.0 - cosine**2
     if sine2 < _PARALLEL:
@@ -221,8 +223,8 @@ def common_normal(p: Array, u: Array, q: Array, v: Array) -> tuple[Array, Array]
 
 
 def normals(drawing: Drawing, seen: Snapshot) -> None:
-    """a_i along the common normal of the axes of joints i and i+1, d_{i+1} along the axis between
-    two normals."""
+    """Draw distances a_i along the common normal of the axes of joints i and i+1, and d_{i+1} along
+    the axis between two normals."""
     heads: dict[int, Array] = {}
 
     def span(start: Array, end: Array, letter: str, body: BodyPlace, role: str) -> None:

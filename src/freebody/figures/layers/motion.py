@@ -23,7 +23,8 @@ _ORDERS = (("velocity", "/s", ""), ("acceleration", "/s²", "\u0307"))
 
 @of_each
 def rates(drawing: Drawing, seen: Snapshot, body: BodyPlace, second: bool = False) -> None:
-    """θ̇_i around the joints, ḋ_i along the slides; and θ̈_i, d̈_i."""
+    """Draw joint rates, θ̇_i around turning joints and ḋ_i along slides; second: accelerations θ̈_i
+    and d̈_i as well."""
     at = seen.model.coordinates[body.index].v
     for k, values in enumerate((seen.qd, seen.qdd)[: 2 if second else 1]):
         (role, per, _), name = _ORDERS[k], seen.names.coordinate(body, k + 1)
@@ -44,7 +45,7 @@ def rates(drawing: Drawing, seen: Snapshot, body: BodyPlace, second: bool = Fals
 
 
 def of_tip(drawing: Drawing, seen: Snapshot, name: str, second: bool = False) -> None:
-    """The velocity of the tip, or its acceleration."""
+    """Draw the velocity of the tip, or with `second` its acceleration."""
     if seen.pose.tip is None or seen.model.frame().body < 0:
         return
     body = seen.pose.bodies[seen.model.frame().body]
@@ -54,8 +55,8 @@ def of_tip(drawing: Drawing, seen: Snapshot, name: str, second: bool = False) ->
 def of_centres(
     drawing: Drawing, seen: Snapshot, scaled: bool = False, second: bool = False
 ) -> None:
-    """v_ci at the centres of mass, all to one scale, or v̇_ci; scaled: with a bar that says how
-    long."""
+    """Draw velocities v_ci of the centres of mass to one scale, or with `second` accelerations
+    v̇_ci; scaled: with a scale bar."""
     letter = "v" + _ORDERS[second][2]
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
     places = [(body, body.com, seen.names.on(letter, body.number, "c")) for body in bodies]
@@ -63,8 +64,8 @@ def of_centres(
 
 
 def partial_of_centres(drawing: Drawing, seen: Snapshot, joint: int) -> None:
-    """v_ci,r: velocities of the centres of mass when joint r alone moves, at the rate 1; joints
-    count from 1."""
+    """Draw partial velocities v_ci,r of the centres of mass: those when joint r (from 1) alone
+    moves, at the rate 1."""
     alone = replace(seen, qd=np.eye(seen.model.nv)[seen.model.coordinates[joint - 1].v[0]])
     bodies = [body for body in seen.pose.bodies if body.mass > 0]
     _arrows(drawing, alone, [(b, b.com, f"v_{{c{b.number},{joint}}}") for b in bodies])
@@ -77,7 +78,8 @@ def _arrows(
     second: bool = False,
     scaled: bool = False,
 ) -> None:
-    """Vectors of places of bodies with their names, the longest a third of the drawing's size."""
+    """Draw the velocities or accelerations of given points of bodies with their names, the longest
+    a third of the drawing's size."""
     (role, per, _), moving = _ORDERS[second], (seen.velocity_at, seen.acceleration_at)[second]
     values = [moving(body, place) for body, place, _ in places]
     longest = max((float(np.linalg.norm(v)) for v in values), default=0.0)

@@ -1,5 +1,5 @@
-"""A robot without names of its geometry: ground, links, joints, the world's axes. In the plane as
-textbooks draw it, in space as an axonometric picture with joints as short solids."""
+"""The layers of a robot without names of its geometry: ground, links, joints, the world's axes. In
+the plane as textbooks draw it, in space as an axonometric picture with joints as short solids."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Layer = Callable[..., None]
 
 
 def of_each(layer: Callable[..., None]) -> Layer:
-    """A layer from what draws it of one body: layer(drawing, seen, body, **how)."""
+    """A layer for all bodies, from a function that draws one: layer(drawing, seen, body, **how)."""
 
     @wraps(layer)
     def drawn(
@@ -47,7 +47,8 @@ def of_each(layer: Callable[..., None]) -> Layer:
 
 
 def drawn(seen: Snapshot, title: str, layers: Sequence[Layer] = (), faint: bool = False) -> Drawing:
-    """A robot with layers on it; faint: vectors lie on the links of a planar one."""
+    """A drawing of a robot with layers on it; faint: in pale lines, for vectors that lie on the
+    links."""
     drawing = Drawing(view_of(seen), f"{seen.model.name}: {title}")
     structure(drawing, seen, faint)
     for layer in layers:
@@ -65,13 +66,13 @@ def view_of(seen: Snapshot) -> View:
 
 
 def structure(drawing: Drawing, seen: Snapshot, faint: bool = False) -> None:
-    """The parts of a robot, its joints, the world's axes and the tip."""
+    """Draw the parts of a robot, its joints, the world's axes and the tip."""
     (_flat_structure if seen.model.dim == 2 else _solid_structure)(drawing, seen, faint)
 
 
 # ---------------------------------------------------------------- links and joints
 def bars(body: BodyPlace, rod: bool = True) -> list[tuple[str, tuple[Array, Array]]]:
-    """Names and ends of a link's bars; rod: with what its joint has moved along."""
+    """Names and ends of a link's bars; rod: with the bar along which its slide has moved."""
     away = body.kind.holds and np.linalg.norm(body.origin - body.carrier) > SAME
     ends = [(body.carrier, body.origin)] if rod and away else []
     more = [f"link {body.number}.{k}" for k in range(2, len(body.outline) + 2)]
@@ -84,7 +85,7 @@ def sticks(pose: Skeleton) -> list[tuple[Array, Array]]:
 
 
 def link(body: BodyPlace, width: float = 11.0, rod: bool = False) -> list[Line]:
-    """A link as bars, with the rod that its joint has moved along or without."""
+    """A link as bars; rod: with the bar along which its slide has moved."""
     return [
         Line((point(a), point(b)), name, "link", width=width) for name, (a, b) in bars(body, rod)
     ]
@@ -112,7 +113,7 @@ def joint(place: DrawnJoint, radius: float = 0.0) -> list[Element]:
 
 
 def _along(place: DrawnJoint, part: Solid) -> Array | None:
-    """The direction of a part, in the world."""
+    """The direction of a part of a joint's symbol, in world axes; None where it is left open."""
     if part.along == "axis":
         return place.axis
     axes = place.rotation if part.moves else place.carrier_rotation
@@ -120,7 +121,7 @@ def _along(place: DrawnJoint, part: Solid) -> Array | None:
 
 
 def _rings(drawing: Drawing, seen: Snapshot) -> None:
-    """A ring about its joint's axis for a wheel: a body without extent that turns and carries
+    """Draw a ring about the axis of each wheel: a body without extent that turns and carries
     nothing."""
     for body in seen.drawn:
         apart = bool(body.outline) or np.linalg.norm(body.com - body.origin) > SAME
@@ -137,14 +138,14 @@ def _rings(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _rods(drawing: Drawing, seen: Snapshot) -> None:
-    """Rods that join the two places of a loop that are apart."""
+    """Draw the rods that join the two places of a loop that are apart."""
     for loop in seen.pose.loops:
         if np.linalg.norm(loop.origin - loop.carrier) > SAME:
             drawing.line((loop.carrier, loop.origin), loop.symbol, "rail")
 
 
 def _struts(drawing: Drawing, seen: Snapshot) -> None:
-    """A coil between the ends of each strut."""
+    """Draw a coil between the ends of each strut."""
     for strut in seen.pose.struts:
         a, b = strut.ends
         length = float(np.linalg.norm(b - a))
@@ -192,8 +193,8 @@ def _flat_structure(drawing: Drawing, seen: Snapshot, faint: bool) -> None:
 
 
 def _axis_share(seen: Snapshot) -> float:
-    """Length of the axes, of the drawing's size; where the base's slide lies on one, its head stays
-    off the block."""
+    """The length of the world's axes as a fraction of the drawing's size; where the base's slide
+    lies along one, its head stays clear of the block."""
     slides = [float(np.linalg.norm(r.origin)) for r in seen.pose.roots if r.kind.slides]
     return min([_AXIS, *(0.65 * d / seen.size for d in slides if d > 0.15 * seen.size)])
 
@@ -201,7 +202,7 @@ def _axis_share(seen: Snapshot) -> float:
 def axes(
     drawing: Drawing, size: float, origin: WorldPoint = (0.0, 0.0), share: float = _AXIS
 ) -> None:
-    """World axes x and y from the origin."""
+    """Draw world axes x and y from the origin."""
     for name, way in (("x", (1.0, 0.0)), ("y", (0.0, 1.0))):
         end = np.add(origin, np.multiply(share * size, way))
         drawing.arrow(origin, end, name, "soft", label="")
@@ -209,8 +210,8 @@ def axes(
 
 
 def _support(drawing: Drawing, root: BodyPlace, size: float) -> None:
-    """The ground: a pedestal under a turn, a hatched guide under a slide; nothing holds what moves
-    freely."""
+    """Draw the ground under a robot's first joint: a pedestal under a turn, a hatched guide under a
+    slide, nothing under a body that moves freely."""
     if not root.kind.holds:
         return
     if root.axis is None or not root.kind.slides:
@@ -229,8 +230,8 @@ def _support(drawing: Drawing, root: BodyPlace, size: float) -> None:
 
 
 def _points(drawing: Drawing, seen: Snapshot) -> None:
-    """Names of the joints and of the tip, away from the links that meet there; one name a place,
-    the tip's first."""
+    """Write the names of the joints and of the tip, away from the links that meet there; one name
+    at each place, the tip's first."""
     pose, names = seen.pose, seen.names
     taken = [] if pose.tip is None else [pose.tip]
 
@@ -250,7 +251,7 @@ def _points(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def clear_way(seen: Snapshot, body: BodyPlace) -> WorldPoint:
-    """The direction from a joint in which nothing of the arm lies."""
+    """The direction from a body's joint in which no part of the arm lies."""
     after = seen.heading(body)
     if body.parent < 0:  # between the link and the foot of the pedestal that is farther from it
         at = math.degrees(math.atan2(after[1], after[0])) % 360
@@ -290,7 +291,8 @@ def solids_of(body: BodyPlace, radius: float, width: float = 9.0) -> list[Elemen
 
 
 def _by_depth(elements: Sequence[Element], view: View) -> list[Element]:
-    """Farthest first, the far ones marked so; joints before the links that meet in them."""
+    """Elements sorted by distance from the viewer, the farthest first and drawn paler; joints come
+    before the links that meet in them."""
     depths = [depth(element, view) for element in elements]
     low, high = min(depths, default=0.0), max(depths, default=0.0)
     limit = low + _FAR * (high - low) if high - low > 1e-9 else low
@@ -299,7 +301,7 @@ def _by_depth(elements: Sequence[Element], view: View) -> list[Element]:
 
 
 def depth(element: Element, view: View) -> float:
-    """The nearness of an element to the viewer; joints a little nearer than the links that meet in
+    """How near an element is to the viewer; joints a little nearer than the links that meet in
     them."""
     if isinstance(element, Line):
         return view.depth(element.points)
@@ -315,15 +317,15 @@ def triad(
     drawing: Drawing, origin: Array, rotation: Array, length: float, names: Sequence[str],
     label: str | None = None,
 ) -> None:  # fmt: skip
-    """Three axes of a frame, red, green and blue, with their names or a label."""
+    """Draw three axes of a frame in red, green and blue, with their names or one label."""
     for name, role, axis in zip(names, "xyz", rotation.T, strict=True):
         said = name if label is None else label
         drawing.arrow(origin, origin + length * axis, name, role, axis, label=said)
 
 
 def floor(drawing: Drawing, seen: Snapshot, poses: Sequence[Skeleton]) -> None:
-    """Grid lines a round distance apart under all poses, on them the shadow of the one that is
-    seen."""
+    """Draw a floor under all poses: grid lines a round distance apart, and the shadow of the pose
+    that is seen."""
     level = min(0.0, min(float(pose.places[:, 2].min()) for pose in poses))
     flat = np.concatenate([pose.places[:, :2] for pose in poses])
     step = round_down(seen.size / 4)

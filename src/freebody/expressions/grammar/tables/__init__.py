@@ -1,2 +1,2 @@
-"""The language of formulas as plain literals: characters, commands, and the spellings that mean the
-same."""
+"""The tables of the language of formulas as plain literals: characters, commands, and spellings
+that mean the same."""

@@ -1,5 +1,5 @@
-"""Spellings of formulas that mean what another spelling means here: what is found, and what is put
-in its place, in this order.
+"""The table of spellings: patterns of formulas, each with the standard spelling that replaces it,
+in the order of application.
 
 In what is put, $name is what the pattern kept by that name, plain($name) its figures on the line,
 frame($name) the frame that they tell, #determinant the mark of a determinant, and ␣ a blank.
