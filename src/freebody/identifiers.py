@@ -1,4 +1,4 @@
-"""Words that may stand in generated code, made from names that may not.
+"""Names turned into identifiers that may stand in generated code.
 
 A name from a file is data: nothing that is compiled, executed or parsed as code ever holds one.
 Where generated text needs a word for a named thing, it comes from here.
@@ -69,7 +69,8 @@ def in_words(text: str) -> str:
 
 
 def _respelt(name: str, reserved: Collection[str]) -> str:
-    """ASCII letters, digits and _ that resemble a name; not yet different from others."""
+    """An identifier of ASCII letters, digits and _ that resembles a name; it may still equal that
+    of another name."""
     letters = "".join(map(_letter, unicodedata.normalize("NFKD", name[:LONGEST])))
     word = re.sub(r"[^A-Za-z0-9_]+", "_", letters).lstrip("_")
     word = word if word[:1].isalpha() else f"x{word}"

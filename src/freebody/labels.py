@@ -49,8 +49,8 @@ def aligned(
 
 
 def is_labelled(value: Any) -> bool:
-    """Whether names come with the value: by name it is found out, by position it must not be
-    read."""
+    """Whether a value carries names, so that its entries must be found by name and not by
+    position."""
     if isinstance(value, (Mapping, np.ndarray, str, bytes)):
         return isinstance(value, Mapping)
     if _is_frame(value):
@@ -65,7 +65,7 @@ def is_labelled(value: Any) -> bool:
 
 
 def labels_of(value: Any) -> list[Any]:
-    """The labels that a labelled vector has; none where there are none."""
+    """The labels of a labelled vector's entries; empty where there are none."""
     if isinstance(value, tuple) and hasattr(value, "_fields"):
         return list(cast("NamedTuple", value)._fields)
     if isinstance(value, Mapping):
@@ -83,8 +83,8 @@ def labels_of(value: Any) -> list[Any]:
 
 
 def row_times(value: Any) -> np.ndarray | None:
-    """The times (s) that label the rows of a table, or any other numbers with a fraction; None
-    where nothing does.
+    """The times (s), or other numbers with fractions, that label the rows of a table; None where
+    there are none.
 
     Whole numbers count rows, unless they are called t or time.
     """
@@ -106,8 +106,8 @@ def row_times(value: Any) -> np.ndarray | None:
 
 
 def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
-    """Refuse inputs whose rows are labelled with times that are not the same: by position they
-    would be mixed up."""
+    """Refuse inputs whose rows are labelled with different times, since combining them by position
+    would mix them up."""
     first: tuple[str, np.ndarray] | None = None
     for name, value in given.items():
         times = None if type(value) is np.ndarray else row_times(value)
@@ -123,7 +123,8 @@ def refuse_other_times(function: str, given: Mapping[str, Any]) -> None:
 
 
 def refuse_labelled(where: str, value: Any) -> None:
-    """Refuse names where only the position of an entry tells what it is, and what is masked."""
+    """Refuse labelled and masked values where only the position of an entry gives it its
+    meaning."""
     if type(value) is np.ndarray:
         return
     refuse_masked(where, value)
@@ -135,7 +136,8 @@ def refuse_labelled(where: str, value: Any) -> None:
 
 
 def refuse_masked(where: str, value: Any) -> None:
-    """Refuse entries under a mask: they are missing, and the number that lies under it is none."""
+    """Refuse values with masked entries: these are missing, and the numbers under the mask mean
+    nothing."""
     rows = value if isinstance(value, (list, tuple)) else [value]
     if any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows):
         raise FreebodyError(
@@ -145,7 +147,7 @@ def refuse_masked(where: str, value: Any) -> None:
 
 
 def _heads(value: Sequence[Any]) -> list[Any]:
-    """One entry of each type in a list."""
+    """One entry of each type that occurs in a list."""
     return list({type(entry): entry for entry in value}.values())
 
 
@@ -170,7 +172,7 @@ def _counts_or_measures(labels: list[Any]) -> bool:
 
 
 def _taken(where: str, array: Any, labels: list[Any], names: Sequence[str]) -> Any:
-    """The array with its last axis, which has these labels, in the order of names."""
+    """The array with its last axis, which has the given labels, put into the order of names."""
     if _counts(labels):
         return array
     for label in labels:
@@ -187,7 +189,7 @@ def _taken(where: str, array: Any, labels: list[Any], names: Sequence[str]) -> A
 
 
 def _named_dims(value: Any) -> list[str]:
-    """Dimensions of a DataArray whose coordinates are names."""
+    """The dimensions of a DataArray whose coordinates are names."""
     return [d for d in value.dims if d in value.coords and value.coords[d].dtype.kind in "UOST"]
 
 

@@ -1,4 +1,4 @@
-"""Values found when they are first asked for, and kept in the instance; without a lock."""
+"""Values computed on first access and kept in the instance, without a lock."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ T = TypeVar("T")
 
 
 class Keeps:
-    """A frozen dataclass that values are kept in: a pickle carries its fields, not what was found
-    from them since."""
+    """A frozen dataclass that keeps computed values in the instance; a pickle carries its fields
+    only."""
 
     def __getstate__(self) -> dict[str, Any]:
         return by_field(self)
@@ -23,8 +23,8 @@ def by_field(instance: Any) -> dict[str, Any]:
 
 
 def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -> T:
-    """The value of `find(*arguments)` for a frozen instance (of `Keeps`, or one that pickles its
-    fields alone), kept there by name."""
+    """The value of `find(*arguments)`, computed once for a frozen instance and kept there by name;
+    such an instance is of `Keeps`, or pickles its fields alone."""
     values = instance.__dict__
     if name not in values:
         return values.setdefault(name, find(*arguments))
@@ -32,9 +32,9 @@ def kept(instance: object, name: str, find: Callable[..., T], *arguments: Any) -
 
 
 class cached_property(Generic[T]):
-    """A property computed once an instance, as `functools.cached_property`, which before Python
-    3.12 holds one lock for all instances while it computes: a process forked meanwhile by another
-    thread would find it taken for ever.
+    """A property computed once for each instance, without the lock of `functools.cached_property`
+    before Python 3.12, which is shared by all instances: a process forked while another thread
+    computes would never see it released.
 
     Two threads that ask at the same moment may both compute; both get the value that was kept
     first. The value is of a frozen instance, so it does not matter which.

@@ -1,5 +1,5 @@
-"""The locks of a process, in the order in which they are taken, and the imports that a fork waits
-for.
+"""The locks of a process, in the order in which they are taken, and a lock on imports that a fork
+waits for.
 
 A fork waits for them, since its child would find them taken for ever. They stand together, and are
 there with the package itself, because hooks of a fork run in the order in which they were
@@ -36,7 +36,8 @@ _OURS = ("freebody.", "freebody_textbook.", "freebody_notes.")
 
 
 def imported(module: str) -> ModuleType:
-    """A module of freebody, or of a package beside it, so that no fork falls into its import."""
+    """A module of freebody or of a package that comes with it, imported under a lock so that no
+    fork happens in the middle."""
     with IMPORTS:
         return importlib.import_module(module)
 

@@ -32,13 +32,14 @@ def circle(css: str, at: Pixel, r: float, title: str = "") -> str:
 
 
 def words(css: str, at: Pixel, marked: str, anchor: str = "") -> str:
-    """Text that is set already; anchor: "middle" or "end", default its start."""
+    """An SVG text element of words that are already marked up; anchor: "middle" or "end", default
+    the start."""
     how = f' text-anchor="{anchor}"' if anchor else ""
     return f'<text class="{css}" x="{at.real:.1f}" y="{at.imag:.1f}"{how}>{marked}</text>'
 
 
 def group(title: str, *parts: str) -> str:
-    """Parts that are told of together."""
+    """Several SVG parts under one title."""
     return f"<g><title>{escape(title)}</title>{''.join(parts)}</g>" if title else "".join(parts)
 
 
@@ -53,13 +54,13 @@ def _xy(at: Pixel) -> str:
 
 # ---------------------------------------------------------------- arrows
 def head(tip: Pixel, way: Pixel, role: str, size: float = 9.0) -> str:
-    """An arrow head whose point is at `tip`."""
+    """An arrow head as SVG, with its point at `tip`."""
     wings = [tip - size * way * (1 + k * 0.36j) for k in (-1, 1)]
     return line(f"{role}-head", path([tip, *wings], True))
 
 
 def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str:
-    """An arrow from a to b; a ring with a dot where it points at the viewer."""
+    """An arrow from a to b as SVG; a ring with a dot where it points at the viewer."""
     length = abs(b - a)
     if length < 4.0:
         return group(title, circle(role, b, 5), circle(f"{role}-head", b, 2))
@@ -71,8 +72,8 @@ def arrow(a: Pixel, b: Pixel, role: str, heads: int = 1, title: str = "") -> str
 def turn(
     at: Pixel, radius: float, value: float, role: str, title: str, facing: float, span: float
 ) -> str:
-    """A moment: an arc of `span` degrees around the direction `facing`; counter-clockwise where
-    positive."""
+    """The symbol of a moment as SVG: an arc of `span` degrees around the direction `facing`,
+    counter-clockwise where the value is positive."""
     sweep = math.copysign(math.radians(span), value)
     end = math.radians(facing) + sweep / 2
     way = _ahead(end + math.copysign(0.18, value), value)
@@ -81,7 +82,7 @@ def turn(
 
 
 def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
-    """The arc of an angle, with a small head where it ends."""
+    """The arc of an angle as SVG, with a small head at its end."""
     bend = start + sweep - math.copysign(min(3.0 / radius, abs(sweep) / 2), sweep)
     tip = at + radius * towards(start + sweep)
     bow = line("angle", _bow(at, radius, start, sweep))
@@ -89,7 +90,8 @@ def arc(at: Pixel, radius: float, start: float, sweep: float) -> str:
 
 
 def towards(angle: float) -> Pixel:
-    """A direction, counter-clockwise from the right (rad)."""
+    """The direction at an angle counter-clockwise from the right (rad), as a complex number on the
+    page."""
     return cmath.exp(-1j * angle)
 
 
@@ -101,12 +103,14 @@ def _bow(at: Pixel, radius: float, start: float, sweep: float) -> str:
 
 
 def _ahead(angle: float, way: float) -> Pixel:
-    """The direction along a circle at an angle; counter-clockwise where `way` is positive."""
+    """The direction of motion along a circle at an angle; counter-clockwise where `way` is
+    positive."""
     return -1j * towards(angle) * math.copysign(1.0, way)
 
 
 def dimension(ends: tuple[Pixel, Pixel], a: Pixel, b: Pixel) -> str:
-    """A line from a to b with a head at both ends, and thin ones to it from what it measures."""
+    """A dimension line from a to b as SVG, with heads at both ends, and thin lines to the ends of
+    the measured length."""
     length = abs(b - a)
     thin = [path([p, q]) for p, q in zip(ends, (a, b), strict=True) if abs(q - p) > 1]
     out = line("dimension", "".join(thin) + path([a, b]))
@@ -117,7 +121,7 @@ def dimension(ends: tuple[Pixel, Pixel], a: Pixel, b: Pixel) -> str:
 
 
 def ruler(at: Pixel, length: float, label: str, role: str) -> str:
-    """A scale bar, its text above."""
+    """A scale bar as SVG, with its text above."""
     text, end = words("tick", at - 6j, escape(label)), at + length
     if role != "length":
         return arrow(at, end, role) + text
@@ -130,7 +134,7 @@ def _ticks(*places: Pixel) -> list[list[Pixel]]:
 
 # ---------------------------------------------------------------- marks
 def joint(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """A pin seen along its axis."""
+    """The symbol of a pin joint seen along its axis, as SVG."""
     return circle("pin", at, size)
 
 
@@ -140,7 +144,7 @@ def sphere(at: Pixel, size: float, way: Pixel, role: str) -> str:
 
 
 def com(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """The quartered disc of a centre of mass."""
+    """The symbol of a centre of mass, a quartered disc, as SVG."""
     sides = ((1, -1), (-1, 1))
     quarters = [
         f"M{_xy(at)}h{k * size:g}A{size:g} {size:g} 0 0 0 {_xy(at + j * size * 1j)}Z"
@@ -150,7 +154,7 @@ def com(at: Pixel, size: float, way: Pixel, role: str) -> str:
 
 
 def ground(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """A support: a triangle on a hatched line; `way` is up."""
+    """The symbol of a support, a triangle on a hatched line, as SVG; `way` points up."""
 
     def local(right: float, up: float) -> Pixel:
         return at + size * way * (up + 1j * right)
@@ -162,7 +166,7 @@ def ground(at: Pixel, size: float, way: Pixel, role: str) -> str:
 
 
 def slider(at: Pixel, size: float, way: Pixel, role: str) -> str:
-    """A block that slides along `way`."""
+    """The symbol of a block that slides along `way`, as SVG."""
     corners = [at + size * way * (1.5 * a + 1j * b) for a, b in _CORNERS]
     return line("pin", path(corners, True))
 
@@ -182,7 +186,7 @@ MARKS: dict[str, Callable[[Pixel, float, Pixel, str], str]] = {
 
 # ---------------------------------------------------------------- solids
 def prism_rings(prism: Prism, view: View) -> tuple[Array, Array]:
-    """Corners (k, 3) of both ends, the nearer to the viewer first."""
+    """Corners (k, 3) of a prism's two ends, the end nearer to the viewer first."""
     axis = np.asarray(prism.axis) / np.linalg.norm(prism.axis)
     u = np.cross(axis, np.eye(3)[int(np.argmin(abs(axis)))])
     u /= np.linalg.norm(u)
@@ -195,7 +199,7 @@ def prism_rings(prism: Prism, view: View) -> tuple[Array, Array]:
 
 
 def prism(near: Sequence[Pixel], outline: Sequence[Pixel], distant: bool) -> str:
-    """The outline of a prism, and the end that is seen."""
+    """A prism as SVG: its outline, and the end that is seen."""
     parts = line("side", path(outline, True)) + line("cap", path(near, True))
     return f'<g class="far">{parts}</g>' if distant else parts
 
@@ -214,7 +218,8 @@ KEY = 46.0
 
 
 def cells(e: Cells, at: Callable[[Sequence[float]], complex]) -> list[str]:
-    """A path for each colour; neighbours in a row are one piece of it. at: pixels of a place."""
+    """SVG paths of a map's cells, one for each colour, in which neighbours in a row are joined; at:
+    gives the pixels of a place."""
     corner, across, up = map(np.asarray, (e.corner, e.across, e.up))
     d: dict[int, list[str]] = {}
     for i, row in enumerate(e.colours):
@@ -230,7 +235,8 @@ def cells(e: Cells, at: Callable[[Sequence[float]], complex]) -> list[str]:
 
 
 def key(shown: ColourKey, middle: complex, wide: float) -> list[str]:
-    """The colours in a row, their numbers below, at the edges between two or under each."""
+    """The colour key of a map as SVG: the colours in a row, and their numbers below, at the edges
+    between colours or under each."""
     count = len(shown.colours)
     step = min(wide / max(count, 1), 60.0)
     left = middle - count * step / 2

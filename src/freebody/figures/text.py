@@ -36,7 +36,7 @@ _LEVELS = {1: "<sup>{}</sup>", 0: "{}", -1: "<sub>{}</sub>"}
 
 @dataclass(frozen=True)
 class Run:
-    """Letters of one style; level 1 is raised, -1 lowered."""
+    """Letters of one style in a formula; level 1 is raised, -1 lowered."""
 
     text: str
     style: str
@@ -45,7 +45,7 @@ class Run:
 
     @property
     def width(self) -> float:
-        """About how wide, in heights of a letter."""
+        """The approximate width of the run, in heights of a letter."""
         return width(self.text, 1.0, "serif") * (_SMALL if self.level else 1.0)
 
 
@@ -60,13 +60,13 @@ def label(name: ex.Expression) -> str:
 
 
 def indexed(symbol: str, low: str) -> str:
-    """A symbol, with a subscript if it has one."""
+    """A symbol with its subscript, if that is not empty."""
     return f"{symbol}_{{{low}}}" if len(low) > 1 else f"{symbol}_{low}" if low else symbol
 
 
 def bold(name: str) -> str:
-    """A vector's label: its letters bold; a sign in front, a subscript and what is in brackets stay
-    as they are."""
+    """The label of a vector: its letters bold, but not a sign in front, a subscript, or text in
+    brackets."""
     sign, rest = (name[0], name[1:]) if name[:1] in ("−", "-") else ("", name)
     letters = re.split(r"[_^(]", rest, maxsplit=1)[0]
     return f"{sign}*{letters}*{rest[len(letters) :]}"
@@ -78,7 +78,7 @@ def canonical(name: str) -> str:
 
 
 def runs(formula: str) -> Iterator[Run]:
-    """Pieces of a formula that are set alike."""
+    """The runs of a formula: pieces that are set in one style and level."""
     for bold, mark, group, single, rest in _TOKEN.findall(formula):
         if bold:
             yield Run(bold, "b")
@@ -89,7 +89,7 @@ def runs(formula: str) -> Iterator[Run]:
 
 
 def sentence(text: str) -> Iterator[Run]:
-    """The pieces of a sentence: letters before a subscript are a symbol."""
+    """The runs of a sentence; letters in front of a subscript are a symbol."""
     pieces = _SYMBOL.split(text)
     yield Run(pieces[0], "r")
     for letters, group, single, words in zip(*(pieces[k::4] for k in (1, 2, 3, 4)), strict=True):
@@ -97,7 +97,8 @@ def sentence(text: str) -> Iterator[Run]:
 
 
 def _letters(text: str, level: int) -> Iterator[Run]:
-    """Letters in italics, with their dots; of what is raised or lowered not words of several."""
+    """Runs of a formula's letters, in italics with their dots, but for words of several letters
+    that are raised or lowered."""
     dotted = r"[^\W\d_][\u0307\u0308]"
     pieces = rf"{dotted}|[^\W\d_]+(?![\u0307\u0308])|."
     for piece in re.findall(pieces, unicodedata.normalize("NFD", text)):
@@ -106,8 +107,8 @@ def _letters(text: str, level: int) -> Iterator[Run]:
 
 
 def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
-    """SVG tspans, of letters of `size` pixels; a subscript under a superscript starts where that
-    started."""
+    """The runs as SVG tspans, with letters of `size` pixels; a subscript starts below its
+    superscript's start."""
     parts, last, stacked = [], 0, 0.0
     for run in _joined(pieces):
         dx = f' dx="{-stacked:.2f}em"' if last > 0 and run.level < 0 and stacked else ""
@@ -118,7 +119,7 @@ def marked(pieces: Iterable[Run], size: float = SIZE) -> str:
 
 
 def _joined(pieces: Iterable[Run]) -> Iterator[Run]:
-    """The pieces with neighbours of one style and level in one, but those with dots."""
+    """Runs with neighbours of one style and level joined, except letters with dots."""
     for (style, level, dotted), alike in groupby(
         pieces, lambda run: (run.style, run.level, run.text[1:] in _DOTS)
     ):
@@ -128,7 +129,7 @@ def _joined(pieces: Iterable[Run]) -> Iterator[Run]:
 
 
 def _shift(level: int) -> float:
-    """The depth of a level below the line, in heights of a letter."""
+    """The vertical offset of a level, in heights of a letter, positive downwards."""
     return -0.38 * level if level > 0 else -0.24 * level
 
 
@@ -157,19 +158,21 @@ def html(formula: str) -> str:
 
 
 def plain(formula: str) -> str:
-    """A formula without marks, for tooltips, tables of a terminal and those who cannot see it."""
+    """A formula without its marks, for tooltips, tables in a terminal and readers who cannot see
+    the drawing."""
     return unicodedata.normalize("NFC", "".join(run.text for run in runs(formula)))
 
 
 def width(text: str, size: float, font: str = "sans") -> float:
-    """About how wide plain text is, pixels."""
+    """The approximate width of plain text in pixels."""
     narrow, wide, other = _FONTS[font]
     letters = (c for c in unicodedata.normalize("NFD", text) if not unicodedata.combining(c))
     return size * sum(narrow if c in _NARROW else wide if c in _WIDE else other for c in letters)
 
 
 def formula_width(formula: str) -> float:
-    """About how wide a formula is, pixels; what stands under a superscript counts once."""
+    """The approximate width of a formula in pixels; a subscript under a superscript takes no width
+    of its own."""
     total = high = 0.0
     for run in runs(formula):
         if run.level > 0:

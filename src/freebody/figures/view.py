@@ -26,12 +26,13 @@ class View:
         return np.asarray(list(points), dtype=float) @ np.asarray(self.rows).T
 
     def on_page(self, place: Sequence[float] | Array) -> complex:
-        """x + iy on the page in metres, y down: of a place, or of a direction."""
+        """The point x + iy on the page, in metres with y down, of a place or a direction in the
+        world."""
         x, y = np.asarray(self.rows) @ np.asarray(place, dtype=float)
         return complex(x, -y)
 
     def depth(self, points: Iterable[Sequence[float]]) -> float:
-        """The nearness to the viewer of the middle of some points, metres."""
+        """How near the mean of some points is to the viewer, in metres."""
         if not self.towards:
             return 0.0
         return float(np.mean(np.asarray(list(points), dtype=float) @ np.asarray(self.towards)))

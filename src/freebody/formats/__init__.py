@@ -1,1 +1,1 @@
-"""Files to models and back: one module a format; `loading` chooses by suffix."""
+"""Files to models and back: one module for each format; `loading` chooses by suffix."""

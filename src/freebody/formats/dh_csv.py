@@ -71,7 +71,8 @@ def describe(
 
 
 def _placement(file: str, remarks: dict[str, tuple[int, str]], name: str) -> Placement | None:
-    """The pose in a remark: x, y, z, roll, pitch, yaw."""
+    """The placement given by a remark's numbers x, y, z (m), roll, pitch, yaw (rad); None where the
+    remark is absent."""
     if name not in remarks:
         return None
     line, text = remarks[name]
@@ -152,7 +153,7 @@ class _Header:
 
 
 class _DhRow:
-    """One row: cells by column, empty ones left out."""
+    """One row of a DH table: its cells by column, empty ones left out."""
 
     def __init__(self, header: _Header, i: int, line: int, text: str):
         self.file, self.line, self.where = header.file, line, f"dh row {i + 1}"
@@ -165,7 +166,7 @@ class _DhRow:
         self.kind = self.cells.get("joint", "R")
 
     def as_dh(self) -> dict[str, Any]:
-        """The row as `fb.dh` takes it."""
+        """The row as the dictionary that `fb.dh` takes."""
         row: dict[str, Any] = {
             key: self.cells[key] for key in ("joint", "name", "joint_name") if key in self.cells
         }

@@ -30,7 +30,7 @@ _BARE = "files without suffix"
 
 @dataclass(frozen=True)
 class ReadingOptions:
-    """How files of some formats are to be read, see `load`."""
+    """How files of some formats are to be read; see `load`."""
 
     snap_angles: float = 3e-9
     convention: Convention | None = None
@@ -46,7 +46,8 @@ class ReadingOptions:
         xacro: object,
         xacro_environment: object,
     ) -> ReadingOptions:
-        """The options as callers give them: one name or several."""
+        """The options in the form that readers use, from those of a caller, who may give one name
+        or several."""
         return ReadingOptions(
             snap_angles,
             convention,
@@ -58,8 +59,8 @@ class ReadingOptions:
 
 @dataclass(frozen=True)
 class _Given:
-    """One description to be read: its name in messages, its bytes, the name of a robot that has
-    none, and the packages that it can name."""
+    """One description to be read: its file's name in messages, its bytes, the name for a robot that
+    has none, and the packages that it can refer to."""
 
     file: str
     data: bytes
@@ -97,7 +98,7 @@ def _sdf(given: _Given) -> RobotDescription:
 
 
 def _xml(given: _Given) -> RobotDescription:
-    """MJCF; URDF is called .xml too."""
+    """The description in an XML file, which may be MJCF or a URDF called .xml."""
     root = parse(given.file, given.data)
     if root.tag == "robot":
         return _urdf(given)
@@ -249,7 +250,7 @@ def _estimated(description: RobotDescription, mass: float, packages: Packages) -
 
 
 def weighed(model: Model, description: RobotDescription, estimate: bool, warned: bool) -> Model:
-    """The model with doubts on its masses, where they are to be those of a machine."""
+    """The model with doubts on its masses added, where the description is of a real machine."""
     if description.real:
         found = implausible_masses(
             model, {link.name: link.shapes for link in description.links}, estimate
@@ -263,8 +264,8 @@ def weighed(model: Model, description: RobotDescription, estimate: bool, warned:
 
 
 def settled(model: Model) -> Model:
-    """The model as it was read, its file's doubts tied to the numbers that they are about: to all
-    of their sort, where the file names no links."""
+    """The model with each doubt of its file tied to the numbers that the doubt is about: to all
+    numbers of that sort where the file names no links."""
     if model.missing:
         return model
     notices = tuple(
@@ -323,7 +324,7 @@ def _described(
 
 
 def _used(how: ReadingOptions, uses: tuple[str, ...], given: str) -> None:
-    """Refuse options that what is read has no use for, and values that are none."""
+    """Refuse options that have no effect on what is read, and values that are out of range."""
     if not 0.0 <= real(how.snap_angles, "load: snap_angles") < 0.1:
         raise FreebodyError(
             f"load: snap_angles is {how.snap_angles}, expected radians between 0 and 0.1."
@@ -334,7 +335,7 @@ def _used(how: ReadingOptions, uses: tuple[str, ...], given: str) -> None:
 
 
 def _listed(option: str, given: object) -> tuple[str, ...]:
-    """One name or path, or several, as texts."""
+    """One name or path, or several of them, as a tuple of texts."""
     entries = (given,) if isinstance(given, str | os.PathLike) else given
     if not isinstance(entries, Sequence) or not all(
         isinstance(entry, str | os.PathLike) for entry in entries
@@ -353,7 +354,7 @@ def _arguments(given: object) -> dict[str, object]:
 
 
 def _path(source: object) -> str:
-    """The path or name as text; refuses a description itself."""
+    """The path or name as text; refuses a description passed in place of a file's name."""
     if not isinstance(source, str | os.PathLike) or isinstance(given := os.fspath(source), bytes):
         raise FreebodyError(
             f"load: expected a path or a model's name, not {type(source).__name__}."
@@ -368,7 +369,7 @@ def _path(source: object) -> str:
 
 
 def _template(name: str) -> RobotDescription:
-    """A template, its numbers at their values in it."""
+    """The description of a template with its default numbers."""
     names = read_file.template_names()
     if name not in names:
         raise UnknownNameError("template", name, "load", names)
@@ -376,7 +377,8 @@ def _template(name: str) -> RobotDescription:
 
 
 def _named(name: str) -> RobotDescription:
-    """A bundled model; of another name that is all R and P, the planar arm of these joints."""
+    """The description of a bundled model, or for a name made of R and P alone, of the planar arm
+    with these joints."""
     if name.startswith(TEMPLATE):
         return _template(name.removeprefix(TEMPLATE))
     names = read_file.bundled_names()

@@ -1,4 +1,5 @@
-"""Masses in a file: doubts on those that cannot be the robot's, and estimates from its shapes.
+"""Masses in a file: doubts on those that cannot be the robot's, and estimates from the shapes of
+the links.
 
 The bars of the doubts are wide: they are to find what is wrong, not what is unusual. All are about
 bodies that move.
@@ -54,7 +55,7 @@ _SHOWN = 12  # names in a sentence
 
 @dataclass
 class _DoubtsFound:
-    """A doubt in the making: its sentence, and what it is about."""
+    """A doubt on masses: its sentence, and the links and inertias that it is about."""
 
     text: str
     about: list[tuple[str, Inertia | None]]
@@ -99,7 +100,7 @@ def implausible_masses(
 
 # ------------------------------------------------------------ missing
 def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]:
-    """Names of the bodies without mass."""
+    """Names of the moving bodies that have no mass although they should."""
     bare = list(map(is_bare, model.bodies))
     carries = [False] * len(bare)
     for k, empty in enumerate(bare):
@@ -117,8 +118,8 @@ def _missing(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[str]
 
 # ------------------------------------------------------------ sizes
 def _sizes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]:
-    """The reach of each body from its joint (m): to the joints and frames that it carries, around
-    its shapes."""
+    """How far each body reaches from its joint (m), judged by the joints and frames that it carries
+    and by its shapes."""
     space = of_dimension(model.dim)
     reach = [0.0] * len(model.bodies)
 
@@ -138,7 +139,7 @@ def _sizes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]
 
 # ------------------------------------------------------------ placeholders
 def _links(model: Model) -> Iterator[_LinkInertia]:
-    """The links that move and weigh something."""
+    """The inertias of the links that move and have mass."""
     for i, body in enumerate(model.bodies):
         for part in body.inertias:
             mass, _, tensor = part.inertia.numbers()
@@ -173,7 +174,8 @@ def _placeholders(model: Model, own: Sequence[float]) -> Iterator[_DoubtsFound]:
 def _above(
     model: Model, link: _LinkInertia, by_body: Mapping[int, Sequence[_LinkInertia]]
 ) -> list[_LinkInertia]:
-    """The links of a group that a link is, or hangs on, from it towards the base; a few suffice."""
+    """The links of a group on the way from a link to the base, the link's own body first; at most a
+    few, which suffice."""
     found: list[_LinkInertia] = []
     i = link.body
     for _ in range(_LOOKED):
@@ -185,7 +187,7 @@ def _above(
 
 
 def _is_plain(link: _LinkInertia) -> bool:
-    """Whether the numbers are round, and the inertia the same about all axes."""
+    """Whether a link's numbers look made up: round, and with equal inertia about all axes."""
     diagonal = np.diag(link.tensor)
     alike = bool((link.tensor == np.diag(diagonal)).all() and (diagonal == diagonal[0]).all())
     return alike and all(float(f"{x:.2g}") == x for x in (link.mass, float(diagonal[0])))
@@ -220,8 +222,8 @@ def _implausible(
 
 
 def _whole(body: Body) -> tuple[float, float, float]:
-    """Mass of a body, which is all that is fixed together; distance of its centre from the joint,
-    and largest radius of gyration, 0 where masses are not positive."""
+    """The mass of a body (kg), the distance of its centre from the joint (m), and its largest
+    radius of gyration (m), all parts fixed to it included; zeros where masses are not positive."""
     parts = [part for part in body.inertias if weighs(part)]
     if not parts or any(VALUES.quantity(part.inertia.mass) <= 0.0 for part in parts):
         return 0.0, 0.0, 0.0
@@ -258,8 +260,8 @@ def _faults(
 
 
 def _volumes(model: Model, shapes: Mapping[str, tuple[Shape, ...]]) -> list[float]:
-    """m³ of each body's shapes, of the role that fills more; 0 where there are none, or meshes:
-    they stay closed."""
+    """The volume of each body's shapes (m³), visual or collision, whichever is larger; 0 where
+    there are none or where they are meshes, which are not opened."""
     filled = {role: [0.0] * len(model.bodies) for role in ("collision", "visual")}
     for frame in model.frames:
         for shape in shapes.get(frame.name, ()):
@@ -311,7 +313,7 @@ def estimated(description: RobotDescription, mass: float, packages: Packages) ->
 def _estimate_doubts(
     description: RobotDescription, filled: dict[str, Inertia | None], mass: float, density: float
 ) -> Iterator[Doubt]:
-    """Doubts that tell what was estimated, and whether the stated mass can be right."""
+    """Doubts that report what was estimated, and whether the stated total mass can be right."""
     empty = [name for name, inertia in filled.items() if inertia is None]
     without = f"; links without shapes have none: {', '.join(empty)}" if empty else ""
     text = (
@@ -329,7 +331,8 @@ def _estimate_doubts(
 
 
 def filled_shapes(link: Link, file: str, packages: Packages) -> Inertia | None:
-    """The link at density 1, in its frame; None where it has no shape."""
+    """The inertia of a link's shapes at density 1, in the link's frame; None where it has no
+    shape."""
     collision = [shape for shape in link.shapes if shape.role == "collision"]
     parts = list(_parts(collision or link.shapes, link, file, packages))
     parts = [part for part in parts if part.numbers()[0] > 0]
@@ -354,7 +357,8 @@ def _scaled(inertia: Inertia | None, density: float) -> Inertia | None:
 
 # ------------------------------------------------------------ meshes
 def _mesh(shape: Shape, link: Link, file: str, packages: Packages) -> Inertia:
-    """A mesh at density 1: what it encloses; of one with holes, what its convex hull does."""
+    """The inertia of a mesh at density 1: of the volume that it encloses, or of its convex hull
+    where it has holes."""
     path = packages.located(shape.file)
     if path is None:
         raise FileError(

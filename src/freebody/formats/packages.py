@@ -1,5 +1,5 @@
-"""Folders that names of ROS packages mean, found without ROS: around the file that names them, in
-folders that the user gives, and where ROS keeps them.
+"""The search for folders of ROS packages without ROS: around the file that refers to them, in
+folders that the user gives, and where ROS keeps packages.
 
 Only the folders above the file and those beside them are looked at, never what lies deeper.
 """
@@ -25,8 +25,8 @@ _DESCRIPTIONS = ("urdf", "urdfs", "xacro", "robots", "robot", "model", "models")
 
 @dataclass(frozen=True)
 class Packages:
-    """The packages that a file in `folder` (absolute; None for text) can name. given: folders of
-    packages, or packages, that the user names."""
+    """The packages that a file in `folder` (absolute; None for text) can refer to. given: folders
+    of packages, or packages, that the user names."""
 
     folder: Path | None
     given: tuple[Path, ...] = ()
@@ -78,7 +78,7 @@ class Packages:
 
     @cached_property
     def _above(self) -> tuple[Path, ...]:
-        """The folder itself and those above it, the user's home and the root left out."""
+        """The file's folder and those above it, except the user's home and the root."""
         if self.folder is None:
             return ()
         above = (self.folder, *self.folder.parents)[:_HIGHEST]
@@ -98,7 +98,8 @@ class Packages:
 
 
 def packages_around(file: str | None, given: Sequence[str | os.PathLike[str]] = ()) -> Packages:
-    """The packages that a file can name, or text, with folders that the user gives."""
+    """The packages that a file (or a text, where it is None) can refer to, with folders that the
+    user gives."""
     folders = tuple(Path(folder).expanduser().absolute() for folder in given)
     return Packages(None if file is None else Path(os.path.abspath(file)).parent, folders)
 

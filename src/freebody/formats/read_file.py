@@ -46,7 +46,7 @@ def read(
 
 
 def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:
-    """The bytes of a file of at most `most` bytes; `what` it is, for errors.
+    """The bytes of a regular file of at most `most` bytes; what: the kind of file, for errors.
 
     Raises FileError for what is missing, no regular file, empty, or larger. A pipe or device is not
     even opened, which may wait for ever, or do something. A symbolic link to a file is as good as
@@ -72,7 +72,7 @@ def contents(path: str | os.PathLike[str], most: int, what: str) -> bytes:
 
 
 def decoded(file: str, data: bytes) -> str:
-    """UTF-8 text, with or without byte order mark."""
+    """The text of UTF-8 data, with or without byte order mark."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -95,7 +95,7 @@ def cells(file: str | Path, line: int, text: str, delimiter: str = ",") -> list[
 
 
 def number(text: str) -> float | None:
-    """The number that a text is, perhaps infinite or NaN; None for any other text."""
+    """The number that a text stands for, perhaps infinite or NaN; None for any other text."""
     return float(text) if _NUMBER.fullmatch(text) else None
 
 
@@ -147,7 +147,7 @@ def template_text(name: str) -> str:
 
 
 def _regular(path: Path, mode: int) -> None:
-    """Refuse what is no file of its own size."""
+    """Refuse a path that is no regular file, such as a folder or a device."""
     if stat.S_ISDIR(mode):
         raise FileError(path, None, f"this is a folder; name a file in it{_examples(path)}.")
     if not stat.S_ISREG(mode):

@@ -64,7 +64,7 @@ def describe(root: XmlElement, file: str, *, name: str, snap_angles: float) -> R
 
 
 class _SdfReader(Elements):
-    """One reading: the frames, links and joints found so far."""
+    """The reader of one SDF file, with the frames, links and joints found so far."""
 
     def __init__(self, file: str, snap: float):
         super().__init__(file, snap)
@@ -135,7 +135,7 @@ class _SdfReader(Elements):
         return int(words[0]), int(words[1])
 
     def model(self, root: XmlElement) -> tuple[XmlElement, tuple]:
-        """The one model of the file that is no scenery, and gravity."""
+        """The file's only model that is not static scenery, and the gravity vector (m/s²)."""
         worlds, models = root.all("world"), root.all("model")
         gravity = [0.0, 0.0, -9.81]
         for world in worlds:
@@ -289,7 +289,8 @@ class _SdfReader(Elements):
             self.links = {self.world: Link(self.world), **self.links}
 
     def end(self, element: XmlElement, tag: str, where: str) -> str:
-        """The link that <parent> or <child> names, itself or by a frame on it."""
+        """The name of the link that <parent> or <child> refers to, by its name or by a frame on
+        it."""
         found = self.one(element, tag, where)
         if found is None or not found.content:
             self.refuse(element, f"{where}: it has no <{tag}>; name a link in it.")
@@ -309,7 +310,7 @@ class _SdfReader(Elements):
         self.refuse(found, f"{where}: frames are attached in circles.")
 
     def joint(self, element: XmlElement, where: str, parent: str, child: str) -> None:
-        """A joint of the tree; where its frame is not its child's, a link without mass lies
+        """Add a joint of the tree; where its frame is not its child's, a massless link is put
         between."""
         name, kind, axes = element.name(), self.kind(element, where)[0], self.axes(element, where)
         inside = self.relative(name, child, element)
@@ -351,7 +352,8 @@ class _SdfReader(Elements):
             self.joints.append(Joint(f"{name}_to_link", "fixed", parent, child, at_child))
 
     def loop(self, element: XmlElement, where: str, parent: str, child: str) -> None:
-        """A loop joint, its frames at the joint's own pose on both links."""
+        """Add the loop of a joint to a link that already has one, with frames at the joint's pose
+        on both links."""
         kind, axes = self.kind(element, where)[1], self.axes(element, where)
         if kind is None:
             self.refuse(element, f"{where}: a joint with two axes that closes a loop is not known.")
@@ -368,7 +370,8 @@ class _SdfReader(Elements):
         self.loops.append(Loop(element.name(), kind, (ends[0], ends[1]), axis, line=element.line))
 
     def loop_end(self, loop: XmlElement, side: str, link: str) -> str:
-        """The frame of a loop's joint on a link: the file's own of that name, if it is there."""
+        """The name of the loop's frame on a link: the file's own frame of that name where it fits,
+        else a new one."""
         joint = loop.name()
         name = f"{joint}_{side}"
         while name in self.written:
@@ -417,7 +420,7 @@ class _SdfReader(Elements):
         return found
 
     def in_model(self, axis: XmlElement) -> bool:
-        """Whether an axis is given in the model's frame, as old versions do."""
+        """Whether an axis is given in the model's frame, as in old versions of SDF."""
         return self.version < (1, 5) or self.truth(axis, "use_parent_model_frame")
 
     def limits(self, axis: XmlElement | None, where: str) -> Limits:
@@ -428,7 +431,8 @@ class _SdfReader(Elements):
         effort, velocity = (self.inside_of(limit, tag, where) for tag in ("effort", "velocity"))
 
         def most(value: float | None) -> float:
-            """A size, of which a negative one means that there is none."""
+            """A limit of speed or effort; infinite where it is absent, negative or beyond what
+            counts as a limit."""
             return INFINITE if value is None or value < 0 or value >= UNLIMITED else value
 
         return Limits(
@@ -439,7 +443,7 @@ class _SdfReader(Elements):
         )
 
     def drive(self, axis: XmlElement | None, where: str, rotor: dict[str, float]) -> Drive:
-        """Friction and spring, and the rotor as Drake's elements give it."""
+        """The friction, spring and rotor of a joint, the rotor as Drake's elements give it."""
         dynamics = self.one(axis, "dynamics", where) if axis is not None else None
         if dynamics is None:
             return Drive(**rotor)
@@ -494,7 +498,7 @@ def _composed(outer: FramePose, inner: FramePose) -> FramePose:
 
 
 def _between(outer: FramePose, inner: FramePose) -> FramePose:
-    """The inner pose seen from the outer one."""
+    """The inner pose expressed in the outer one."""
     back = outer[0].T
     return back @ inner[0], back @ (inner[1] - outer[1])
 

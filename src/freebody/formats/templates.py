@@ -11,8 +11,8 @@ from freebody.model.model import Model
 
 
 def template(name: str, /, **numbers: Any) -> Model:
-    """A robot of a kind with numbers of one's own: "delta", "five_bar", "gantry", "palletiser",
-    "scara", "six_axis".
+    """A robot of a given kind with numbers of one's own: "delta", "five_bar", "gantry",
+    "palletiser", "scara", "six_axis".
 
     Parameters
     ----------

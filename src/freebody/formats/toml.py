@@ -95,7 +95,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
 
 
 def _mounts(top: TomlTable, described: RobotDescription) -> tuple[Mount, ...]:
-    """The frames that the form of the arm brings along, then those of the file."""
+    """The frames that a description already has, then those of the file's [[frame]] tables."""
     found = list(described.mounts)
     # a dict for its order: an error lists the names in the order of the file
     names = dict.fromkeys(part.name for part in (*described.links, *found))
@@ -128,7 +128,7 @@ def _tree(top: TomlTable) -> RobotDescription:
 
 
 def _planar(top: TomlTable) -> RobotDescription:
-    """An arm in the plane from a word over R and P."""
+    """The description of a planar arm that is given as a word over R and P."""
     if "dim" in top and top.data["dim"] != 2:
         top.refuse("a [planar] arm has dim = 2; remove dim.", "dim")
     inner = top.inner(top.data["planar"], "planar").called("[planar]")
@@ -155,7 +155,7 @@ def _planar(top: TomlTable) -> RobotDescription:
 
 
 def _texts(table: TomlTable, key: str) -> list[str]:
-    """A list of names, empty where nothing is said."""
+    """A list of names in a table; empty where the key is absent."""
     names = table.data.get(key, [])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         table.refuse(f'{key} is {names!r}, expected a list of names such as ["joint2"].', key)
@@ -236,8 +236,8 @@ def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescriptio
 
 
 class _ParameterTable:
-    """The table, each name in it as that of parameters of the robot, of all links together, or of
-    a number that formulas alone use."""
+    """The [parameters] table of a robot, each name in it standing for one parameter, for a
+    parameter of all links, or for a number that only formulas use."""
 
     def __init__(self, top: TomlTable, described: RobotDescription):
         self.top = top
@@ -259,14 +259,14 @@ class _ParameterTable:
             top.refuse(told if given else str(problem), "parameters", name)
 
     def in_order(self) -> tuple[ParameterFormula, ...]:
-        """The formulas, each behind those that it names."""
+        """The formulas of parameters in an order in which each follows those that it refers to."""
         try:
             return formulas_of(self.formulas, dict(sorted(self.values.items())))
         except ParameterFormulaError as error:
             self.refuse(error.name, error.problem)
 
     def refuse(self, name: str, problem: str) -> NoReturn:
-        """Refuse the formula of a parameter."""
+        """Raise an error at the formula of a parameter."""
         self._refuse(name, self.formulas[name].text, problem, self._keys[name])
 
     def _refuse(self, name: str, text: str, problem: str, key: str) -> NoReturn:
@@ -274,8 +274,8 @@ class _ParameterTable:
         self.top.refuse(told, "parameters", key)
 
     def _take(self, names: Iterable[str]) -> None:
-        """Take values and formulas of these names from the table, and of those in their
-        formulas."""
+        """Take the values and formulas of the given names from the table, and those of the names
+        that their formulas use."""
         left = [*names]
         while left:
             name = left.pop()
@@ -287,7 +287,7 @@ class _ParameterTable:
                 left += self._take_formula(name, name, self.texts[name])
 
     def _take_formula(self, name: str, key: str, text: str) -> tuple[str, ...]:
-        """Enter a parameter's formula; the names that it contains."""
+        """Enter a parameter's formula; returns the names that it uses."""
         formula = self._read(name, text, key)
         self._keys[name] = key
         if formula.names:
@@ -303,7 +303,8 @@ class _ParameterTable:
             self._refuse(name, text, error.problem, key or name)
 
     def _take_those_of_all_links(self) -> None:
-        """lc = "l/2" and m = 2, for the links whose own the table does not give."""
+        """Take entries for all links, such as lc = "l/2" and m = 2, for the links without an entry
+        of their own."""
         families: dict[str, list[str]] = defaultdict(list)
         for name in self.own:
             if name not in self._keys:

@@ -124,7 +124,7 @@ def _two_frames(table: TomlTable) -> tuple[str, str]:
 
 
 def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
-    """The tolerance in loop_tolerance = [metres, radians]; None where nothing is said."""
+    """The tolerance given as loop_tolerance = [metres, radians]; None where the key is absent."""
     key = "loop_tolerance"
     if key not in top:
         return None
@@ -211,7 +211,8 @@ def joint(table: TomlTable, dim: int) -> Joint:
 
 
 def flexible(table: TomlTable, joint: Joint) -> tuple[tuple[Joint, ...], tuple[Link, ...]]:
-    """(joints, links) that a joint of a table [[joint]] becomes, whose shaft may twist."""
+    """(joints, links) for a [[joint]] table: the joint itself, or for a flexible one its two halves
+    and the link between."""
     inner = table.table("flexible")
     if inner is None:
         return (joint,), ()
@@ -233,13 +234,15 @@ def _axis(table: TomlTable, kind: str, dim: int) -> tuple[float, ...]:
 
 
 def limits(table: TomlTable, angles: bool) -> Limits:
-    """Limits from { lower, upper, velocity, effort }; angles: of an angle, not a length."""
+    """Limits from { lower, upper, velocity, effort }; angles: whether they are of an angle rather
+    than a length."""
     inner = table.table("limits")
     return limits_of(inner.called(f"{table.where}, limits"), angles) if inner else Limits()
 
 
 def limits_of(table: TomlTable, angles: bool) -> Limits:
-    """Limits from a table of their own; angles: of an angle, not a length."""
+    """Limits from a table of their own; angles: whether they are of an angle rather than a
+    length."""
     table.only("lower", "upper", "velocity", "effort")
     angle, rate = ("angle", "rate") if angles else ("number", "number")
     return Limits(
@@ -251,7 +254,7 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
 
 
 def drive(table: TomlTable) -> Drive:
-    """The drive that friction, rotor, spring and transmission describe."""
+    """The drive that a table's friction, rotor, spring and transmission describe."""
     found: dict[str, Quantity] = {}
     for key in DRIVE:
         inner = table.table(key)
@@ -261,8 +264,8 @@ def drive(table: TomlTable) -> Drive:
 
 
 def drive_numbers(table: TomlTable, name: str = "friction") -> dict[str, Quantity]:
-    """The numbers of laws in one of their tables, by its name; of a law that is there all that it
-    needs, and of the usual ones where the table is empty."""
+    """The numbers of drive laws from the table of that name; a law that is mentioned needs all its
+    numbers, and an empty table those of the usual laws."""
     groups = [
         (law, {n.place[1]: n for n in law.numbers if n.place[0] == name}) for law in LAWS.values()
     ]
@@ -309,7 +312,8 @@ def _inertia(table: TomlTable, dim: int) -> Inertia:
 
 
 def _tensor(table: TomlTable, dim: int) -> tuple[Quantity, ...]:
-    """One number in the plane; six in space, or a symmetric 3×3 matrix of numbers."""
+    """The entries of an inertia tensor: one number in the plane; six in space, or a symmetric 3×3
+    matrix."""
     if dim == 2:
         return (table.quantity("inertia", default=0.0),)
     rows = table.data.get("inertia")
@@ -445,7 +449,8 @@ def _direction(table: TomlTable, dim: int) -> tuple[float, ...]:
 
 
 def parameter_table(top: TomlTable) -> tuple[dict[str, float], dict[str, str]]:
-    """[parameters]: numbers, and formulas by which parameters follow from others, by name."""
+    """The [parameters] table: numbers by name, and formulas by name from which further parameters
+    follow."""
     table = top.table("parameters")
     if table is None:
         return {}, {}

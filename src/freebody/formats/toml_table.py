@@ -78,7 +78,7 @@ def is_name(text: str) -> bool:
 
 @dataclass(frozen=True)
 class TomlTable:
-    """A table, where it stands, and what to call it in errors."""
+    """A TOML table with its place in the file and its name in errors."""
 
     file: str
     lines: Mapping[KeyPath, int]
@@ -124,7 +124,7 @@ class TomlTable:
         return value
 
     def flag(self, key: str) -> bool:
-        """true or false; false where nothing is said."""
+        """A value that is true or false; false where the key is absent."""
         value = self.data.get(key, False)
         if not isinstance(value, bool):
             self.refuse(f"{key} is {shown(value)}, expected true or false.", key)
@@ -293,8 +293,8 @@ def _kind(value: object) -> str:
 
 
 def _bounded(file: str, text: str) -> None:
-    """Refuse what takes the parser too long, or too deep: too many values, keys of many parts,
-    nested brackets."""
+    """Refuse a text on which the parser would take too long or nest too deeply: too many values,
+    keys of many parts, nested brackets."""
     if len(text) > MOST_TEXT:
         raise FileError(file, None, f"the text has more than {MOST_TEXT >> 20} million characters.")
     depth = dots = values = 0
@@ -372,8 +372,8 @@ class _Scanner:
             self.at += 1
 
     def header(self) -> None:
-        """[table] or [[array of tables]]; parts of the name that are arrays mean their last
-        entry."""
+        """Read a header [table] or [[array of tables]]; a part of its name that is an array stands
+        for the array's last entry."""
         start = self.at
         twice = self.text.startswith("[[", start)
         self.at += 2 if twice else 1
@@ -414,7 +414,7 @@ class _Scanner:
             self.skip(_SCALAR)
 
     def items(self, end: str, path: KeyPath) -> None:
-        """Entries of an array, or of an inline table, up to its bracket."""
+        """Read the entries of an array or inline table up to its closing bracket."""
         self.at += 1
         index = 0
         self.skip(_BLANK)

@@ -1,5 +1,5 @@
-"""URDF: links, inertias, joints, limits, friction and mimics; motors and loops are
-`urdf_motors`'. Whatever else the file holds is counted and reported.
+"""URDF: links, inertias, joints, limits, friction and mimics; motors and loops are read by
+`urdf_motors`. Everything else in the file is counted and reported.
 
 A joint's frame is the child link's at q = 0; rpy are fixed-axis roll, pitch, yaw; the axis is in
 the joint's frame and (1, 0, 0) by default; damping is in N m s/rad or N s/m, friction in N m or N.
@@ -50,7 +50,8 @@ def describe(robot: XmlElement, file: str, *, name: str, snap_angles: float) -> 
 
 
 class _UrdfReader(Elements):
-    """One reading: the links and joints found so far, and what is to be reported about the file."""
+    """The reader of one URDF, with the links and joints found so far and the notices about the
+    file."""
 
     def __init__(self, file: str, snap: float):
         super().__init__(file, snap)
@@ -166,7 +167,7 @@ class _UrdfReader(Elements):
         )
 
     def end(self, element: XmlElement, tag: str, where: str) -> str:
-        """The link that <parent> or <child> names."""
+        """The name of the link that <parent> or <child> refers to."""
         end = self.one(element, tag, where)
         if end is None:
             self.refuse(element, f'{where}: it has no <{tag}>; add <{tag} link="..."/>.')
@@ -176,8 +177,8 @@ class _UrdfReader(Elements):
     def planar(
         self, element: XmlElement, where: str, parent: str, child: str, placement: Placement
     ) -> None:
-        """URDF's planar joint moves in the plane normal to its axis; ours in the xy-plane of its
-        frame."""
+        """Add URDF's planar joint, which moves in the plane normal to its axis, as one that moves
+        in the xy-plane of its frame."""
         x, y, z = unit(self.axis(element, where))
         name, line = element.name(), element.line
         if z == 1.0:
@@ -240,8 +241,8 @@ class _UrdfReader(Elements):
         )
 
     def most(self, tag: XmlElement, key: str, where: str) -> float:
-        """A limit of speed or effort; exporters write 0 for one they do not know, as no joint
-        has."""
+        """A limit of speed or effort; infinite for 0, which exporters write for an unknown limit
+        and which no joint has."""
         value = self.number(tag, key, where, INFINITE, infinite=True)
         if value != 0.0:
             return value if value < UNLIMITED else INFINITE
@@ -280,8 +281,8 @@ def _other_format(tag: str) -> str:
 
 
 def shapes_of(link: XmlElement) -> tuple[Shape, ...]:
-    """All shapes of a <link> that are whole: sizes finite and above 0, a mesh with the name of its
-    file. What cannot be read as a shape is passed over: nothing of the dynamics depends on it."""
+    """The shapes of a <link> that can be read: sizes finite and above 0, a mesh with its file's
+    name. Others are ignored, since the dynamics do not depend on shapes."""
     return tuple(
         shape
         for role in _ROLES

@@ -1,5 +1,5 @@
-"""URDF's elements one by one: XML that knows its lines, checked numbers and texts, and the account
-of everything that is not read.
+"""Reading of URDF elements: XML that knows its lines, checked numbers and texts, and a record of
+everything that is not read.
 
 Nothing outside the file is read, and entities are refused.
 """
@@ -118,8 +118,8 @@ def parse(file: str, data: bytes, most: int = _TEXT) -> XmlElement:
 
 
 def _mended(data: bytes) -> tuple[bytes, int, tuple[str, ...]]:
-    """A file's text without what stands before its declaration or behind its end; how many lines
-    that are before it; and in words what it was."""
+    """(text, lines, remarks): a file's text without blanks before its declaration and NUL bytes at
+    its end, how many lines were removed in front, and a sentence on each removal."""
     found, text = [], data.rstrip(b"\0")
     if len(text) < len(data):
         found.append(f"{len(data) - len(text)} NUL bytes at the end of the file are passed over.")
@@ -136,8 +136,8 @@ UNEXPANDED = "which this suffix does not say: call the file .urdf.xacro, and it 
 
 
 class Elements:
-    """A file being read: values of its elements, refusals with its name and line, and notices about
-    it."""
+    """A URDF or SDF file being read: checked values of its elements, refusals with its name and
+    line, and notices about it."""
 
     def __init__(self, file: str, snap: float):
         self.file, self.snap = file, snap
@@ -162,13 +162,13 @@ class Elements:
         default: float | None = None,
         infinite: bool = False,
     ) -> float:
-        """A number; infinity only where asked for."""
+        """The number in an attribute; infinite values are accepted only where asked for."""
         if key not in element.attributes and default is not None:
             return default
         return self.read(element, key, self.text(element, key, where), where, infinite)
 
     def vector(self, element: XmlElement, key: str, where: str) -> tuple[float, float, float]:
-        """Three numbers, zeros where the attribute is absent."""
+        """The three numbers in an attribute, zeros where it is absent."""
         words = element.attributes.get(key, "0 0 0").split()
         if len(words) != 3:
             self.refuse(
@@ -251,8 +251,8 @@ class Elements:
         self.ignored[what] = n + 1, first
 
     def one(self, element: XmlElement, tag: str, where: str) -> XmlElement | None:
-        """The element of that tag inside, or None; of several the first, as simulators do, which is
-        told."""
+        """The element of that tag directly inside, or None; of several the first, as in simulators,
+        with a notice."""
         found = element.all(tag)
         for other in found[1:]:
             same = _contents(other) == _contents(found[0])
@@ -307,7 +307,7 @@ class Elements:
 
 
 def _contents(element: XmlElement) -> tuple[Any, ...]:
-    """Contents of an element as nested tuples, without its place in the file."""
+    """The contents of an element as nested tuples, without line numbers."""
     inside = tuple(map(_contents, element.children))
     return element.tag, element.attributes, element.content, inside
 

@@ -1,4 +1,4 @@
-"""The motors and loops of a URDF, which its first version has no place for.
+"""The motors and loops of a URDF, for which URDF 1.0 has no elements.
 
 Gears stand in ROS's `<transmission>` as `<mechanicalReduction>`, rotors beside them as Drake reads
 them (`<drake:rotor_inertia value>`, `<drake:gear_ratio value>`). Loops are `<loop>` of URDF+
@@ -34,8 +34,8 @@ _ROTOR, _GEAR = "drake:rotor_inertia", "drake:gear_ratio"
 def with_motors(
     reader: Elements, robot: XmlElement, joints: Iterable[Joint], closed: bool
 ) -> list[Joint]:
-    """The joints with the rotors and gears of their transmissions; of a closed chain, where some
-    joint has a transmission, those without are passive."""
+    """The joints with the rotors and gears of their transmissions; in a closed chain where some
+    joint has a transmission, the others become passive."""
     joints = list(joints)
     single = {joint.name for joint in joints if KINDS[joint.kind].nv == 1}
     drives: dict[str, Drive] = {}
@@ -54,7 +54,8 @@ def with_motors(
 
 
 def _driven(joint: Joint, drives: dict[str, Drive], closed: bool) -> Joint:
-    """The joint with its motor, or as one that has none."""
+    """The joint with its motor; without one it is passive where a closed chain has motors
+    elsewhere."""
     motor = drives.get(joint.name)
     if motor is None:
         moves = KINDS[joint.kind].nv > 0 and joint.mimic is None
@@ -63,7 +64,7 @@ def _driven(joint: Joint, drives: dict[str, Drive], closed: bool) -> Joint:
 
 
 def _drive(reader: Elements, element: XmlElement, actuator: XmlElement) -> Drive | None:
-    """The rotor and gear of a transmission with one joint, None where its gear is no number."""
+    """The rotor and gear of a transmission with one joint; None where the gear is no number."""
     where = f"transmission {element.name()!r}"
     given = {tag: reader.one(actuator, tag, where) for tag in (_ROTOR, _GEAR)}
     values = {
@@ -119,7 +120,7 @@ def loops(reader: Elements, robot: XmlElement) -> tuple[list[Loop], list[Mount]]
 
 
 def _end(reader: Elements, loop: XmlElement, tag: str, name: str, mounts: list[Mount]) -> str:
-    """The frame of one end: a link's own, or one that is mounted there."""
+    """The name of the frame at one end of a loop: the link's own, or a new one mounted on it."""
     where = f"loop {loop.name()!r}"
     end = reader.one(loop, tag, where)
     if end is None:

@@ -1,5 +1,5 @@
-"""`inverse_kinematics`: joint positions that bring a frame to a target; and the answer at once,
-where a closed form has been asked for before, and all is plain and clear."""
+"""`inverse_kinematics`: joint positions that bring a frame to a target, with a fast path for arms
+whose closed form is already compiled."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ def inverse_kinematics(
 
 
 def _of_member(problem: InverseProblem) -> Solutions:
-    """Solutions of one robot of a family, targets in a row."""
+    """Solutions for a row of targets, computed as for a single robot."""
     batch = (len(problem.target),)
     if problem.solver.model.loops:
         return of_closed_chain(problem, batch)
@@ -144,7 +144,8 @@ def _of_member(problem: InverseProblem) -> Solutions:
 
 
 def _found(problem: InverseProblem, form: ClosedFormArm | None) -> tuple[InverseProblem, Found]:
-    """Solve for the targets: the problem with all of them that counts, and the solutions found."""
+    """The problem with its targets completed where the task leaves something open, and the
+    solutions found for it."""
     if not len(problem.target):
         return problem, nothing(problem, form.method if form else "Levenberg–Marquardt")
     if form is None:
@@ -167,8 +168,8 @@ def _checked_problem(
     starts: int | None,
     seed: int | None,
 ) -> tuple[InverseProblem, Array]:
-    """The arguments checked, of a family as a problem of its first member; the targets as poses (…,
-    dim + 1, dim + 1)."""
+    """The arguments of `inverse_kinematics`, checked, as a problem (of a family for its first
+    member), and the targets as poses (…, dim + 1, dim + 1)."""
     function = "inverse_kinematics"
     model.require_values("inverse kinematics")
     if limits not in LIMITS:
@@ -212,7 +213,8 @@ def _without_form(problem: InverseProblem) -> Found:
 def _held(
     problem: InverseProblem, form: ClosedFormArm | None, redundancy: ArrayLike, poses: Array
 ) -> tuple[tuple[int, ...], InverseProblem]:
-    """The batch of targets and positions of the joint that is given, and the problem with them."""
+    """The batch shape of targets and positions of the held joint (`redundancy`), and the problem
+    with both broadcast to it."""
     function, model = "inverse_kinematics", problem.solver.model
     given = as_floats(function, "redundancy", redundancy)
     refuse_not_finite(function, "redundancy", given, 0)
@@ -242,7 +244,8 @@ _NONE.flags.writeable = False
 def _remember(
     problem: InverseProblem, form: ClosedFormArm, frame: str | None, task: object
 ) -> None:
-    """Answer at once from now on, where targets are given as this task takes them."""
+    """Keep a function for the arm, frame and task that answers later calls quickly, where targets
+    are plain poses or points."""
     kind, d = form.branches.kind, form.branches.dim
     plain = {"pose": d + 1, "position": d}.get(kind)
     kernel = branch_kernel(problem.solver, form)
@@ -257,7 +260,8 @@ def _remember(
 
 
 def _answering(kernel: Kernel, form: ClosedFormArm, own: InverseProblem) -> _QuickAnswer:
-    """Make the function that answers for one frame, task and choice of limits; own: without q0."""
+    """The function that answers calls quickly for one frame, task and choice of limits; own: the
+    problem without q0."""
     axes = 2 if form.branches.kind == "pose" else 1  # of one target
     middle, rest, every = own.reference, own.rest, form.branches.count
     seven, names = form.held is not None, form.names
@@ -306,8 +310,9 @@ def _of_batch(
     given: tuple[Array, Array | None, Any],
     arrays: tuple[Array, ...],
 ) -> Solutions | None:
-    """The answer from what the kernel found (q, residual, within, count) of the targets, q0 and
-    held positions that were given; those that are not clear to it looked at closer."""
+    """The solutions from a kernel's outputs (q, residual, within, count) for the given targets, q0
+    and held positions; targets that the kernel cannot decide are computed again more closely. None
+    where that fails."""
     q, residual, within, count = arrays
     if not count.size:
         return None
@@ -329,9 +334,9 @@ def _closer(
     given: tuple[Array, Array | None, Any],
     arrays: tuple[Array, ...],
 ) -> dict[str, Any] | None:
-    """Look closer at those targets of a batch that are not clear to the kernel, and put what is
-    found into its arrays (q, residual, within, count); the distances and notes then. None where
-    they are many, or one of them is no target: that is said of all together."""
+    """The distances and notes after solving more closely those targets of a batch that the kernel
+    could not decide, whose solutions are put into its arrays (q, residual, within, count); None
+    where they are many or a target is invalid, so that all are solved together."""
     (target, q0, held), (q, residual, within, counted) = given, arrays
     batch, rows = counted.shape, np.flatnonzero(~(counted.ravel() >= 1.0))
     if len(rows) > _PART * counted.size:

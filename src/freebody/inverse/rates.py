@@ -146,8 +146,8 @@ def _closer(
     q: Array,
     *others: Array,
 ) -> Array:
-    """Rates of samples that are not clear to a kernel, or are damped; at: index of each among more,
-    for errors."""
+    """Rates for samples that the kernel cannot decide or that are damped, by singular values; at:
+    the samples' indices in the whole batch, for errors."""
     name, rows = str(option.frame), list(option.rows)
     J, (*rates, wanted) = jacobian(model, q, name)[..., rows, :], others
     for qd in rates:
@@ -160,7 +160,7 @@ def _closer(
 def _wanted(
     function: str, model: Model, letter: str, given: ArrayLike, task: str | Sequence[str] | None
 ) -> tuple[list[int], Array]:
-    """The counted rows, and what is wanted of them (..., r)."""
+    """The indices of the counted rows, and the wanted rates (..., r) in them."""
     given = aligned(function, letter, given, _row_labels(model, given, task), ("component", "axis"))
     array = as_floats(function, letter, given)
     six = 6 if model.dim == 3 else 3
@@ -184,8 +184,8 @@ def _wanted(
 
 
 def _row_labels(model: Model, given: Any, task: str | Sequence[str] | None) -> tuple[str, ...]:
-    """The rows that a vector by names has: all, those of the task, or where that is left open, of a
-    position."""
+    """Names of the rows that a labelled vector may have: all, those of the task, or by default
+    those of a position."""
     names = row_names(model.dim)
     if task is not None:
         chosen = tuple(names[r] for r in rows_of("task", model, task))
@@ -232,7 +232,8 @@ def _inverted(
     damping: float | None,
     at: np.ndarray | None = None,
 ) -> Array:
-    """Σ σ / (σ² + λ²) v uᵀ wanted, λ = 0 but near a singularity; at: of the samples among more."""
+    """The rates Σ σ / (σ² + λ²) v uᵀ wanted by singular values, with λ = 0 except near a
+    singularity; at: the samples' indices in the whole batch."""
     U, sigma, Vt = np.linalg.svd(problem.scale[:, None] * J, full_matrices=False)
     if sigma.shape[-1] == 0 or not wanted.size:
         return np.zeros((*wanted.shape[:-1], J.shape[-1]))

@@ -62,8 +62,8 @@ class Singularities(Titled):
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
-        """One for each factor that depends on the joints: the arm is singular where any of them
-        holds."""
+        """The conditions, one for each factor that depends on the joints; the arm is singular where
+        any of them holds."""
         return () if self.closed is None else self.closed.conditions
 
     def latex(self) -> str:
@@ -176,7 +176,7 @@ def singularities(
 
 
 def _symbolic(model: Model, frame: str) -> Kinematics | str:
-    """The closed forms, or why there are none."""
+    """The closed forms of a frame's kinematics, or a sentence on why there are none."""
     try:
         return kinematics(model, frame)
     except FreebodyError as refusal:
@@ -188,7 +188,7 @@ def _names(model: Model, rows: Sequence[int]) -> tuple[str, ...]:
 
 
 def _moving(model: Model, frame: str) -> list[int]:
-    """Columns of J that some joint before the frame moves."""
+    """The coordinates, as columns of the Jacobian, of the joints between base and frame."""
     tree = model.tree
     path = ancestors(tree, tree.frames[frame][0])
     return sorted({k for i in path for k in tree.bodies[i].coordinates.v})
@@ -199,7 +199,8 @@ def _length(arm: Kinematics) -> int:
 
 
 def _chosen_rows(arm: Kinematics, n: int) -> tuple[int, ...]:
-    """The rows that make J square; where none do, all that some joint moves."""
+    """The rows that make the Jacobian square; where no choice does, all rows that some joint
+    moves."""
     model = arm.symbols.model
     dim, six = model.dim, len(arm.J)
     if n >= six:

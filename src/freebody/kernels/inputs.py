@@ -26,13 +26,13 @@ from freebody.targets.call_errors import BatchError
 
 @dataclass(frozen=True)
 class Placeholder(Parameter):
-    """A parameter that stands in a model in the place of a number that a kernel is given."""
+    """A parameter in a model that marks the place of a number given to the kernel."""
 
     index: int = 0
 
 
 class InputReader(QuantityReader):
-    """Reads placeholders as scalars, and all else as numbers."""
+    """A reader of a model's quantities: placeholders become scalars, everything else numbers."""
 
     def __init__(self, scalars: Sequence[Scalar]):
         self.scalars = scalars
@@ -47,8 +47,8 @@ class InputReader(QuantityReader):
 
 @dataclass(frozen=True)
 class KernelInputs:
-    """The numbers of a model that a kernel is given, the entries of its last argument p: their
-    names, in the order of `fb.parameters`, the model's own values, and the model."""
+    """The numbers of a model that a kernel takes as entries of its last argument p: their names in
+    the order of `fb.parameters`, the model's own values, and the model."""
 
     names: tuple[str, ...]
     values: Array
@@ -57,13 +57,13 @@ class KernelInputs:
 
     @cached_property
     def opened(self) -> Model:
-        """The model with placeholders in the place of these numbers."""
+        """The model with placeholders for the numbers that the kernel takes."""
         places = {name: Placeholder(f"p{k}", None, k) for k, name in enumerate(self.names)}
         return written(self.model, places)
 
     def tree(self, scalars: Sequence[Scalar]) -> Tree:
-        """The model's tree over scalars in the place of these numbers; refuses other symbols that
-        it needs."""
+        """The model's tree with scalars for the numbers that the kernel takes; refuses further
+        symbols that the tree needs."""
         opened = self.opened
         try:
             return lower(opened, InputReader(scalars))
@@ -81,17 +81,17 @@ class KernelInputs:
 
     @cached_property
     def at(self) -> dict[str, int]:
-        """The index of the entry that has a name."""
+        """The index of each named entry of p."""
         return {name: k for k, name in enumerate(self.names)}
 
     @cached_property
     def missing(self) -> tuple[str, ...]:
-        """Names of those that have no value in the model."""
+        """The names of entries of p that have no value in the model."""
         lacking = (np.isnan(self.values[..., k]).any() for k in range(len(self.names)))
         return tuple(name for name, lacks in zip(self.names, lacking, strict=True) if lacks)
 
     def place(self, key: Name) -> int:
-        """The index of the entry of p that has that name."""
+        """The index in p of a number by name; refuses numbers that are no input of the kernel."""
         name = found(known(self.model), key, self.model)
         if name not in self.at:
             raise FreebodyError(
@@ -109,8 +109,8 @@ class KernelInputs:
 
 
 def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInputs:
-    """The numbers that names and patterns mean, and all those that members of a family have each
-    their own of."""
+    """The kernel inputs that names and patterns select, and all numbers in which members of a
+    family differ."""
     records = Parameters(model)
     meant = {record.name for pattern in wanted for record in records.matching(pattern)}
     for record in records:
@@ -134,7 +134,7 @@ def inputs_of(function: str, model: Model, wanted: Sequence[Name]) -> KernelInpu
 
 
 def _require_input(function: str, record: ModelParameter) -> None:
-    """Refuse a number that no kernel reads, or that follows from others."""
+    """Refuse a number that no kernel reads, or that follows from others by a formula."""
     if record.limit:
         raise FreebodyError(
             f"{function}: {record.name!r} is a limit, which no kernel reads; bind it instead."
@@ -148,12 +148,12 @@ def _require_input(function: str, record: ModelParameter) -> None:
 
 
 def _differs_among_members(record: ModelParameter) -> bool:
-    """Whether members of a family have each their own of a number that a kernel reads."""
+    """Whether a number that kernels read differs among the members of a family."""
     return isinstance(record.value, np.ndarray) and not (record.limit or record.formula)
 
 
 class InputKernel:
-    """A kernel to which numbers of the model are given: its last argument is p (..., k).
+    """A kernel with numbers of the model as inputs: its last argument is p (..., k).
 
     Called with p, with p={name: value}, where other numbers are the model's, or without, with the
     model's own numbers.
@@ -180,8 +180,8 @@ class InputKernel:
         self._refuse_beyond_range()
 
     def _refuse_beyond_range(self) -> None:
-        """Refuse a number of the model that is infinite as one of the kernel's: it would be NaN in
-        all that follows from it, as a number that is not finite is."""
+        """Refuse a number of the model that overflows to infinity in the kernel's precision, since
+        it would make all results NaN."""
         with np.errstate(over="ignore"):
             beyond = np.isinf(self.values.astype(self.kernel.dtype))
         if beyond.any():
@@ -211,8 +211,8 @@ class InputKernel:
         return self.kernel(*arrays, out=out, threads=threads, **options)
 
     def numbers(self, given: Any = None) -> Any:
-        """p (..., k) of a call: an array as it is, of {name: value} the rest the model's own,
-        without it all of them."""
+        """The argument p (..., k) of a call: an array as given; from {name: value} with the model's
+        own values for the rest; without either all the model's own."""
         if given is None and not self.named.missing:
             return self.values
         if type(given) is dict and self._held is not None:
@@ -229,7 +229,8 @@ class InputKernel:
         return self._with_columns(columns) if columns else self.values
 
     def _with_columns(self, columns: dict[str, Array]) -> Array:
-        """p with the given values of some entries, by name, the rest the model's own."""
+        """The argument p with given values of some entries, by name, and the model's own values for
+        the rest."""
         try:
             shape = np.broadcast_shapes(
                 self.values.shape[:-1], *(x.shape for x in columns.values())
@@ -244,8 +245,8 @@ class InputKernel:
         return numbers
 
     def _of_floats(self, given: dict[Name, Any]) -> Array | None:
-        """p of names in full with a number each, quickly, since a call takes microseconds; None for
-        others."""
+        """The argument p from full names with a float each, quickly, since a call takes
+        microseconds; None for any other input."""
         numbers = self.values.copy()
         for name, value in given.items():
             at = self.named.at.get(name) if isinstance(name, str) else None
@@ -258,13 +259,14 @@ class InputKernel:
         return f"InputKernel({self.kernel!r}; p: {', '.join(self.parameters)})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Another process compiles the kernel for itself, or finds it in the cache."""
+        """A recipe for pickling: another process compiles the kernel itself, or finds it in the
+        cache."""
         return input_kernel, (self.kernel, self.parameters, self.values, self.model)
 
 
 class _QuickInputKernel(InputKernel):
-    """A kernel whose calls with plain arrays, p among them, go to its C function: Python finds it
-    in the slot."""
+    """An input kernel whose calls with plain arrays, p among them, run its C function directly,
+    found by Python in the type's call slot."""
 
     __slots__ = ("__call__",)
 

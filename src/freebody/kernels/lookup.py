@@ -40,7 +40,8 @@ def fetch(
     inputs: tuple[Name, ...] = (),
     by: tuple[str, ...] = (),
 ) -> Any:
-    """The kernel, compiled on first use and kept as long as the model."""
+    """The kernel of some quantities of a model, compiled on first use and kept as long as the
+    model."""
     key = (names, option, target, width, dtype, inputs, by)
     found = model.compiled.get(key)
     if found is None:
@@ -73,8 +74,8 @@ def in_columns(
     fetch_product: Callable[[str], Any],
     fetch_some: Callable[[tuple[str, ...]], Any],
 ) -> ColumnKernel | KernelList | None:
-    """The kernel of a large robot's quantities, the matrices among them by columns; None where all
-    are one program.
+    """The kernel of a large robot's quantities, whose large matrices are computed column by column;
+    None where all fit in one program.
 
     fetch_product: the kernel of a formula that columns come from; fetch_some: of some of the
     quantities.
@@ -92,7 +93,8 @@ def in_columns(
 
 
 def _large(model: Model, names: tuple[str, ...]) -> list[str]:
-    """The quantities that are made column by column, for so many coordinates."""
+    """The names of the quantities that are computed column by column for a model of this many
+    coordinates."""
     large = [name for name in names if FORMULAS[name].by_columns] if model.nv > LARGEST else []
     for name in large:
         if FORMULAS[name].columns_lossless:
@@ -110,7 +112,7 @@ def _with_inputs(
     wanted: tuple[Name, ...],
     by: tuple[str, ...],
 ) -> Kernel | InputKernel:
-    """A kernel with numbers of the model as inputs, or with derivatives."""
+    """A kernel with numbers of the model as inputs, or with derivatives as outputs."""
     large = _large(model, names)
     if large:
         raise FreebodyError(
@@ -136,7 +138,8 @@ def _in_parts(
     fetch_some: Callable[[tuple[str, ...]], Any],
     whole: Callable[[], Program],
 ) -> KernelList:
-    """Quantities by columns each alone, all others in one program that shares their work."""
+    """A kernel list: each large matrix by columns in a kernel of its own, all other quantities in
+    one program that shares their work."""
     large = _large(model, names)
     together = tuple(name for name in names if name not in large)
     groups = [(name,) for name in large] + ([together] if together else [])
@@ -160,20 +163,21 @@ LARGEST = 64
 
 
 class _InParts:
-    """A computation by several kernels that could be one program."""
+    """A computation by several kernels which could also be written as one program."""
 
     def __init__(self, inputs: tuple[Argument, ...], whole: Callable[[], Program]):
         self.inputs, self._whole = inputs, whole
 
     @cached_property
     def program(self) -> Program:
-        """The whole computation as one program, traced on first access and run by nothing here: it
-        grows with the square of the robot."""
+        """The whole computation as one program, traced on first access; it grows with the square of
+        the robot's size, and is never run."""
         return self._whole()
 
 
 class ColumnKernel(_InParts):
-    """Called like a `Kernel` of the same formula: (..., n) inputs, (..., n, n) outputs."""
+    """A kernel that computes a large matrix column by column, called like a `Kernel` of the
+    formula: (..., n) inputs, (..., n, n) outputs."""
 
     def __init__(
         self,
@@ -227,7 +231,8 @@ class KernelList(_InParts):
         parts: list[tuple[Any, list[str], list[int]]],
         whole: Callable[[], Program],
     ):
-        """parts: kernel, names of its inputs, and which outputs of the whole its outputs are."""
+        """Take over the parts: each kernel, the names of its inputs, and the indices of its outputs
+        among those of the whole."""
         super().__init__(inputs, whole)
         self.parts = parts
 

@@ -1,5 +1,5 @@
-"""Arguments that choose among a formula's variants, for all functions that have them: names, rows
-of a frame's motion, and how many of these a robot's joints can serve."""
+"""Arguments that choose a formula's variant, shared by all functions that have them: names, rows of
+a frame's motion, and how many rows a robot's joints can serve."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from freebody.outputs.display import counted
 
 
 def several(function: str, argument: str, given: Any) -> tuple[Any, ...]:
-    """The names of a call that gives one name or several, as a tuple."""
+    """The names given in a call, one or several, as a tuple."""
     if isinstance(given, str):
         return (given,)
     if not isinstance(given, (list, tuple)):

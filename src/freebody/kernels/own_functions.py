@@ -101,7 +101,7 @@ def compile(  # noqa: A001  the name that users look for
 
 
 def _arguments(what: str, shapes: Shapes) -> tuple[Argument, ...]:
-    """Names and core shapes, checked."""
+    """The arguments from a dict of names and core shapes, checked."""
     if not isinstance(shapes, Mapping) or not (shapes or what == "input"):
         raise KindError(
             "fb.compile", f"{what}s", shapes, 'a dict of names and core shapes, as {"q": (6,)}'
@@ -153,7 +153,7 @@ def _require_parameters(function: Callable[..., Any], title: str, names: list[st
 
 
 def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> Any:
-    """The function's result; an error that says what the function did to traced scalars."""
+    """The result of the user's function on traced scalars; errors that it raises are explained."""
     try:
         return function(**given)
     except GraphError:
@@ -178,7 +178,7 @@ def _called(title: str, function: Callable[..., Any], given: dict[str, Any]) -> 
 
 
 def _require_derivatives(program: Program, by: Sequence[str]) -> None:
-    """Refuse derivatives of too many entries, and one that is called as an output is."""
+    """Refuse derivatives with too many entries, and those with the name of an output."""
     outputs = [x.name for x in program.outputs]
     count = sum(x.size for x in program.inputs if x.name in by)
     for output in program.outputs:
@@ -192,7 +192,7 @@ def _require_derivatives(program: Program, by: Sequence[str]) -> None:
 
 
 def _results(title: str, wanted: tuple[Argument, ...] | None, returned: Any) -> dict[str, Array]:
-    """The returned values by name, as arrays of objects of the shapes that are wanted."""
+    """The returned values by name, as object arrays of the declared shapes."""
     if isinstance(returned, Mapping):
         values = dict(returned)
     elif wanted is None or len(wanted) == 1:

@@ -1,4 +1,4 @@
-"""Kernels of a model's structure, and how a model's own numbers go with them.
+"""Kernels of a model's structure, which take the model's numbers as inputs.
 
 The numbers are one more input p, of which a kernel takes what it reads. So robots that differ in
 numbers share what is compiled, and a changed number compiles nothing. What is compiled lives as
@@ -32,8 +32,8 @@ from freebody.targets.finite_check import sound
 
 @dataclass(frozen=True)
 class Compiled:
-    """A kernel of a structure, which of the numbers it reads, in order, and where it is given
-    quaternions."""
+    """A compiled kernel of a structure, with the indices of the numbers that it reads and the
+    places of quaternions among its inputs."""
 
     kernel: Kernel
     read: slice | NDArray[np.intp]
@@ -42,7 +42,8 @@ class Compiled:
 
 
 class Bound:
-    """A kernel with the numbers of a model: called like one that is specialised to the model."""
+    """A kernel of a structure together with one model's numbers: called like a kernel specialised
+    to the model."""
 
     __slots__ = ("kernel", "numbers", "quaternions")
 
@@ -52,8 +53,8 @@ class Bound:
         numbers: tuple[Array, ...] = (),
         quaternions: tuple[tuple[int, int], ...] = (),
     ):
-        """numbers: the one array of them that is the kernel's last argument; none where its parts
-        have them.
+        """Take over a kernel; numbers: the array that is its last argument, none where the kernel's
+        parts hold their own.
 
         quaternions: see `Compiled`.
         """
@@ -65,15 +66,15 @@ class Bound:
         return self.kernel(*arrays, *self.numbers, out=out, threads=threads)
 
     def by_columns(self) -> Bound:
-        """The kernel for arrays with an axis more in front of their core, along which robots do not
-        differ."""
+        """The kernel for arrays with one more axis in front of their core, along which the robot
+        stays the same."""
         return Bound(self.kernel, tuple(p[..., None, :] if p.ndim > 1 else p for p in self.numbers))
 
     def checked(self, every: bool = False, kept: bool = False) -> Callable[..., Any]:
-        """A function of what the kernel takes besides the numbers; it returns None where something
-        is not surely `sound`, quaternions among it. every: whether all that comes out must be
-        finite, whatever went in. kept: whether, of more than a few samples, what comes out is
-        raised then, lest a kernel runs twice."""
+        """A function of the kernel's remaining inputs, which returns None where some input is not
+        surely `sound` (quaternions included). every: whether all outputs must be finite. kept:
+        whether outputs of more than a few samples are attached to an exception, so that no kernel
+        runs twice."""
         general = self._kept if kept else self._finite if every else self._sound
         if isinstance(self.kernel, Kernel):
             held = self.numbers[0] if self.numbers else None
@@ -123,8 +124,8 @@ def known(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 
 def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
-    """The kernel if it has been compiled before, not kept with the model, for callers that keep
-    what they make of it."""
+    """The kernel if it has been compiled before, else None; it is not kept with the model, for
+    callers that keep what they make of it."""
     compiled = model.structure.kernels.get(_key(model, names, option))
     if compiled is None:
         return None
@@ -133,8 +134,8 @@ def ready(model: Model, names: tuple[str, ...], option: Option) -> Bound | None:
 
 
 def _key(model: Model, names: tuple[str, ...], option: Option) -> tuple[Any, ...]:
-    """The key of a kernel among those of a structure: the option with the frames' places instead of
-    their names."""
+    """The key of a kernel among those of a structure: the names and the option, with the structure
+    of frames in place of their names."""
     if option == PLAIN and True not in map(_shows_drives, names):
         return names
     frames = tuple([frame_form(model, name) for name in _frames(option)])
@@ -157,7 +158,8 @@ def _frames(option: Option) -> tuple[str, ...]:
 
 
 def _shown_drives(model: Model, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...] | None:
-    """For each body the laws of its drive; None where no output has entries for each of them."""
+    """For each body the names of its drive's laws, as part of a kernel's key; None where no output
+    has entries for single laws."""
     return laws_shown(model) if any(map(_shows_drives, names)) else None
 
 
@@ -167,8 +169,8 @@ def _shows_drives(name: str) -> bool:
 
 
 def _numbers(model: Model, option: Option, read: slice | NDArray[np.intp]) -> Array:
-    """The numbers that a kernel reads, of a family (*family, k) also where its members have these
-    in common."""
+    """The numbers that a kernel reads from a model, (k,) or for a family (*family, k), even where
+    its members share them."""
     numbers, frames = model.numbers, _frames(option)
     if frames:
         numbers = joined(
@@ -196,9 +198,9 @@ def _compiled(model: Model, names: tuple[str, ...], option: Option) -> Compiled:
 def fetch_own(
     model: Model, key: tuple[str, ...], option: Option, made: Callable[[Argument, Over], Program]
 ) -> Bound:
-    """The kernel of a program that is no formula's, with the model's numbers: `made` of p and of
-    the tree over its scalars, where none of that key has been compiled for the structure. Of keys
-    that begin alike the last few are kept."""
+    """The kernel of a program other than a formula's, with the model's numbers: compiled by `made`,
+    from p and the tree over its scalars, where the structure has none of that key. Only the last
+    few kernels whose keys begin alike are kept."""
     kernels, place = model.structure.kernels, (*key, _key(model, (), option))
     compiled = kernels.pop(place, None) or _compiled_over(model, option, made, None)
     alike = [k for k in list(kernels) if k[0] == key[0]]
@@ -214,8 +216,8 @@ def _compiled_over(
     made: Callable[[Argument, Over], Program],
     drives_shown: tuple[tuple[str, ...], ...] | None,
 ) -> Compiled:
-    """The kernel of a program over scalars in the place of the numbers; those that nothing needs
-    are left out again."""
+    """The compiled kernel of a program whose model's numbers are inputs; inputs that the program
+    never reads are dropped."""
     count = sum(
         pose_part(model.frame(f).placement, model.dim).numbers.shape[-1] for f in _frames(option)
     )
@@ -231,7 +233,8 @@ def _compiled_over(
 
 
 def _in_one_piece(read: tuple[int, ...]) -> slice | NDArray[np.intp]:
-    """A slice where the indices follow one another, since what it takes out is not copied."""
+    """The indices as a slice where they are consecutive, since slicing copies nothing; else as an
+    array."""
     first, last = read[0], read[-1]
     return (
         slice(first, last + 1) if last - first + 1 == len(read) else np.array(read, dtype=np.intp)

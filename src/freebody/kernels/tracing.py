@@ -1,5 +1,5 @@
-"""Tracing of formulas with a model into a program: what it takes and returns, the trace, and
-derivatives by any of its inputs."""
+"""Formulas traced with a model into a program: its inputs and outputs, the trace, and derivatives
+by any of its inputs."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ def program(
     over: Callable[[Sequence[Scalar]], Tree] | None = None,
     by: tuple[str, ...] = (),
 ) -> Program:
-    """Trace the formulas over scalars, for this model; of two ways to the same values the shorter.
+    """The program of some formulas for a model, traced over scalars; the shorter one where formulas
+    have two ways of evaluation.
 
     p: some of the model's numbers, as a last input. over: the tree over the scalars of p. by:
     inputs by which the outputs are differentiated.
@@ -75,7 +76,8 @@ _SMALL = 12
 
 
 def _other_ways(names: tuple[str, ...]) -> dict[str, Evaluation]:
-    """Each formula's second way, or its first where it has one only; none where all have one."""
+    """The alternative evaluation of each formula that has one, the usual one of the others; empty
+    where none has an alternative."""
     if all(FORMULAS[name].another is None for name in names):
         return {}
     return {name: FORMULAS[name].another or FORMULAS[name].evaluate for name in names}
@@ -98,17 +100,17 @@ def arguments(model: Model, names: tuple[str, ...], option: Option) -> tuple[Arg
 
 
 def _is_given(name: str, option: Option) -> bool:
-    """Whether a model and option have an input that others lack."""
+    """Whether the option makes use of an input that only some kernels have."""
     return {"point": option.point, "redundancy": option.redundant}.get(name, True)
 
 
 def _wrench(k: int) -> str:
-    """Name of the input that acts at frame k of `wrench_frames`."""
+    """Name of the input for the wrench on frame k of `wrench_frames`."""
     return f"wrench{k}"
 
 
 def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
-    """The inputs that a formula takes, out of all that are given."""
+    """The arguments that a formula's evaluation takes, out of all inputs given."""
     taken = {x: given[x] for x in FORMULAS[name].inputs if x in given}
     if "wrenches" in FORMULAS[name].inputs:
         taken["wrenches"] = tuple(given[_wrench(k)] for k in range(len(option.wrench_frames)))
@@ -118,7 +120,8 @@ def chosen(name: str, given: dict[str, Any], option: Option) -> dict[str, Any]:
 def _outputs(
     model: Model, names: tuple[str, ...], option: Option, tree: Tree
 ) -> tuple[Argument, ...]:
-    """The formulas' outputs; of several formulas each is named after its own."""
+    """The outputs of the formulas by name; with several formulas each output's name begins with its
+    formula's."""
     return tuple(
         Argument(
             f"{name}_{label}" if len(names) > 1 else label, shape(model, output.dims, option, tree)
@@ -131,8 +134,8 @@ def _outputs(
 def shape(
     model: Model, dims: Dimensions, option: Option, tree: Tree | None = None
 ) -> tuple[int, ...]:
-    """The sizes of named dimensions; of the numbers that a tree has, where its scalars are not the
-    model's own."""
+    """The sizes of named dimensions; those of the numbers of drives and bodies are taken from the
+    tree where one is given."""
     sizes = {
         "nq": lambda: model.nq,
         "nv": lambda: model.nv,
@@ -165,8 +168,8 @@ def shape(
 def _directions(
     tree: Tree, labels: list[str], inputs: Sequence[Argument], by: Sequence[str]
 ) -> dict[int, Directions]:
-    """The directions of each input by which the outputs are differentiated: of positions the nv
-    tangent ones."""
+    """For each input by which outputs are differentiated, its directions: the nv tangent ones for
+    positions, unit vectors for others."""
 
     def tangent(q: Vector) -> list[Vector]:
         return [position_rates(tree, q, unit) for unit in identity(tree.nv)]

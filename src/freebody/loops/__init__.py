@@ -1,1 +1,2 @@
-"""Closed chains: closing them, their mobility, accelerations under forces, drives' torques."""
+"""Closed chains: closing their loops, mobility, accelerations under forces, and torques of
+drives."""

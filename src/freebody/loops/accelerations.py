@@ -1,4 +1,5 @@
-"""Accelerations of closed chains under given forces: by a kernel where it is sure, else with care.
+"""Accelerations of closed chains under given forces: by a kernel where its result is sure, else by
+singular values.
 
 Lagrange's equations of the first kind (5.29) are then solved where equations depend on one another,
 or lose rank:
@@ -98,8 +99,8 @@ def definite_accelerations(
     tau: Array,
     *loads: Array,
 ) -> Array:
-    """q̈ (..., nv); refuses states that the loops do not allow, and singular positions from which
-    no way leads on."""
+    """Accelerations q̈ (..., nv); refuses states that violate the loops, and singular positions
+    where the motion cannot go on."""
     qdd = _by_kernel(model, "state", frames, q, qd, tau, *loads)
     with_care = np.asarray(np.isnan(qdd).any(axis=-1))
     refuse_without_length(function, model, q)
@@ -116,23 +117,24 @@ def definite_accelerations(
 def accelerations(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """q̈ (..., nv), of states taken as closed: the stages of a motion, which by themselves do not
-    tell where it goes."""
+    """Accelerations q̈ (..., nv) at the stages of a motion, whose states are taken as closed
+    without a check."""
     qdd = _by_kernel(model, "solution", frames, q, qd, tau, *loads)
     _complete(model, frames, qdd, np.asarray(np.isnan(qdd).any(axis=-1)), q, qd, tau, *loads)
     return qdd
 
 
 def _solution(model: Model, checks: str) -> Option | None:
-    """How the quick solution takes the model's equations; None where no fixed choice of them
-    does."""
+    """The option under which the quick kernel solves the model's equations; None where no fixed
+    choice of equations is independent everywhere."""
     if redundancy(model).rank is not None:
         return None
     return Option(equations=counting_equations(model), checks=checks)
 
 
 def _by_kernel(model: Model, checks: str, frames: tuple[str, ...], *arrays: Array) -> Array:
-    """q̈ (..., nv) where M is regular and the equations are independent, else NaN."""
+    """Accelerations q̈ (..., nv) by a kernel; NaN where M is not regular or the equations are not
+    independent."""
     option = _solution(model, checks)
     if option is None:
         return np.full(arrays[1].shape, np.nan)
@@ -146,8 +148,8 @@ def _complete(
     with_care: NDArray[np.bool_],
     *arrays: Array,
 ) -> None:
-    """Put the careful solution at the samples marked (...) of q̈ (..., nv) where all that is given
-    is finite."""
+    """Compute q̈ (..., nv) by singular values at the marked samples (...) whose inputs are all
+    finite."""
     batch = qdd.shape[:-1]
     for at in np.argwhere(with_care):
         sample = tuple(at)
@@ -168,7 +170,8 @@ def regular(model: Model, q: Array) -> bool:
 
 
 def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
-    """(...): the smallest of the pivots (..., len(kept)) relative to the largest, NaN as it is."""
+    """The smallest of the scaled pivots (..., len(kept)) divided by the largest (...); NaN stays
+    NaN."""
     if not kept:
         return np.ones(pivots.shape[:-1])
     scaled = pivots * row_scale(model)[list(kept)] ** 2
@@ -178,7 +181,8 @@ def _smallest(model: Model, kept: tuple[int, ...], pivots: Array) -> Array:
 def _careful(
     model: Model, frames: tuple[str, ...], q: Array, qd: Array, tau: Array, *loads: Array
 ) -> Array:
-    """q̈ (nv,) of one state, whatever the rank."""
+    """Accelerations q̈ (nv,) of one state, by singular values, whatever the rank of its
+    equations."""
     option = Option(wrench_frames=frames)
     M, c = fetch(model, ("mass_matrix", "constraint_bias"), Option())(q, qd)
     A = scaled_jacobian(model, q)
@@ -198,8 +202,8 @@ def _careful(
 
 
 def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
-    """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) lead
-    nowhere."""
+    """Refuse a singular position (nq,) from which the rates and accelerations found (nv,) cannot
+    continue to closed positions."""
     zero = BLURRED if qd.any() else blurred(model, moving=False)
     _, loose = null_space(scaled_jacobian(model, q), zero)
     lost = mechanism(model).constraints - loose.shape[1] < len(independent_rows(model))
@@ -214,7 +218,7 @@ def require_way(model: Model, q: Array, qd: Array, qdd: Array) -> None:
 
 
 def _leads_on(model: Model, q: Array, qd: Array, qdd: Array) -> bool:
-    """Whether a short motion with these accelerations stays closed, but for terms of third
+    """Whether a short motion with these rates and accelerations stays closed, up to terms of third
     order."""
     rates = rate_scale(model)
     first, second = qd / rates, qdd / rates
@@ -247,7 +251,8 @@ def _solve(
     speed: float,
     blurred: float = BLURRED,
 ) -> Array:
-    """q̈ (nv,) of one state. Raises _Idle.
+    """Accelerations q̈ (nv,) of one state from the loop equations and equations of motion; raises
+    _Idle.
 
     M (nv, nv), n (nv,); A (m, nv), c (m,): scaled as in `equations`, over rates scaled by `rates`
     (nv,); speed: of the fastest scaled rate; blurred: singular values, relative to the largest,
@@ -267,7 +272,7 @@ def _solve(
 
 
 def _unit_root(null: Array, mass: Array) -> Array:
-    """W (k, k) with Wᵀ (Nᵀ M N) W = 1."""
+    """A matrix W (k, k) with Wᵀ (Nᵀ M N) W = 1 for the basis N of a null space."""
     sizes, vectors = np.linalg.eigh(null.T @ mass @ null)
     if sizes[0] <= _IDLE * max(float(np.abs(np.diagonal(mass)).max()), 1e-300):
         raise _Idle(int(np.argmax(np.abs(null @ vectors[:, 0]))))
@@ -277,8 +282,8 @@ def _unit_root(null: Array, mass: Array) -> Array:
 def _onto_branch(
     x: Array, ways: Array, loose: Array, rates: Array, jerk: _Jerk, speed: float
 ) -> Array:
-    """Weights (k,) of the ways (nv, k) that must be added so that Φ's third derivative can
-    vanish."""
+    """Weights (k,) of the free directions (nv, k) to be added to q̈ so that the third derivative of
+    Φ can vanish."""
     values = jerk(rates * np.concatenate([x[None], x + ways.T]))
     at, slopes = loose @ values[0], loose @ (values[1:] - values[0]).T
     U, s, Vt = np.linalg.svd(slopes, full_matrices=False)
@@ -288,7 +293,8 @@ def _onto_branch(
 
 
 class _Idle(Exception):
-    """A motion that the loops allow moves no inertia; the coordinate that it moves most."""
+    """Raised where a motion that the loops allow moves no inertia; names the coordinate that moves
+    most in it."""
 
     def __init__(self, coordinate: int):
         super().__init__(coordinate)

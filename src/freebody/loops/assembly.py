@@ -83,8 +83,9 @@ def assemble(
 
 
 def _as_rounded(model: Model, guess: Array, moving: Sequence[int], best: Array) -> Array | None:
-    """The closed position of the mechanism that rounded numbers mean near the guess; None where
-    what is open at the best position found is more than rounding, or nothing is redundant."""
+    """The closed position near the guess of the mechanism that the model's rounded numbers stand
+    for; None where the gaps at the best position found exceed rounding, or no equation is
+    redundant."""
     if (np.abs(every_residual(model, best)) > scales(model).tolerance).any():
         return None
     there = homed_at(model, best)
@@ -94,7 +95,8 @@ def _as_rounded(model: Model, guess: Array, moving: Sequence[int], best: Array) 
 
 
 def _completed(model: Model, q: JointVector | None, moving: Sequence[int]) -> JointVector:
-    """The guess, with the home's values where it does not name what may move."""
+    """The guess for closing the loops, with home values for movable coordinates that it does not
+    name."""
     home = home_guess(model)
     if q is None:
         return home
@@ -173,7 +175,7 @@ def assembly_modes(
 def _restarted(
     model: Model, guess: Array, moving: Sequence[int], best: Array, sample: str
 ) -> Array:
-    """The closed position nearest to the guess among those reached from starts around it."""
+    """The closed position nearest to the guess among those reached from random starts around it."""
     found = _solutions(model, guess, moving, _RESTARTS)
     if len(found):
         return found[0]
@@ -203,7 +205,7 @@ def _restarted(
 
 def _by_dyads(model: Model, guess: Array, moving: Sequence[int]) -> Array | None:
     """Closed positions (k, nq) in closed form, the nearest first; None where the mechanism is no
-    row of dyads."""
+    sequence of dyads."""
     plan = decomposed(model, moving) if model.nq == model.nv else None
     if plan is None:
         return None

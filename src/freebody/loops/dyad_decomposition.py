@@ -1,5 +1,5 @@
-"""A planar mechanism taken apart into dyads: loop after loop whose unknown joints follow from what
-is known by then."""
+"""A planar mechanism decomposed into dyads: loop after loop whose unknown joints follow from those
+known by then."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ from freebody.outputs.number_text import compared
 
 @dataclass(frozen=True, eq=False)
 class Decomposition:
-    """Steps that find all unknown coordinates, one after the other."""
+    """A sequence of construction steps that find all unknown coordinates, one after the other."""
 
     model: Model
     steps: tuple[ConstructionStep, ...]
 
     def solve(self, q: Array, target: Array | None = None) -> tuple[Array, NDArray[np.bool_]]:
         """(all solutions (N, K, nq) with the known coordinates of q (N, nq), NaN where a branch has
-        none; samples (N,) where pins of a dyad coincide: no angle is singled out).
+        none; flags (N,) of samples where pins of a dyad coincide, so that its angle is arbitrary).
 
         target: poses (N, 3, 3) of the frame that is held.
         """
@@ -52,8 +52,8 @@ class Decomposition:
         return at.q, anywhere
 
     def branches(self, q: Array, target: Array | None = None) -> list[str]:
-        """Names of solutions q (k, nq): on which side elbows lie, which way slides reach; target:
-        their poses (k, 3, 3), or (1, 3, 3) of all."""
+        """Names of solutions q (k, nq) by the sides of elbows and the ways of slides; target: their
+        poses (k, 3, 3), or (1, 3, 3) for all."""
         at = self._posture(q[:, None], target)
         columns = []
         for step in self.steps:
@@ -66,7 +66,8 @@ class Decomposition:
         )
 
     def obstacles(self, q: Array, target: Array | None = None) -> list[str]:
-        """Sentences: which dyads cannot close, by how much, for one sample q (nq,)."""
+        """Sentences on the dyads that cannot close, with the distance missing, for one sample q
+        (nq,)."""
         at = self._posture(q[None, None, :], target)
         found: list[str] = []
         unsolved: set[int] = set()
@@ -88,7 +89,7 @@ class Decomposition:
         return found
 
     def _carried_by(self, step: ConstructionStep) -> set[int]:
-        """The coordinates that a step's frames hang on."""
+        """The coordinates that move the frames of a step."""
         tree = self.model.tree
         bodies = [tree.frames[frame][0] for frame in step.frames]
         return coordinates(tree, ((i, 1.0) for body in bodies for i in ancestors(tree, body)))
@@ -118,8 +119,8 @@ def _obstacle(one: str, two: str, apart: Array, low: Array, high: Array) -> str:
 def decomposed(
     model: Model, unknown: Sequence[int], held: str | None = None, oriented: bool = False
 ) -> Decomposition | None:
-    """How the unknown coordinates (indices in q) follow from the others; None where the mechanism
-    is no row of dyads.
+    """A decomposition that gives the unknown coordinates (indices in q) from the others; None where
+    the mechanism is no sequence of dyads.
 
     held: a frame that is held at a target, its direction too where `oriented`.
     """
@@ -142,7 +143,7 @@ def decomposed(
 def _found(
     model: Model, left: set[int], pending: list[Chain], held: str | None
 ) -> list[ConstructionStep] | None:
-    """Steps for all coordinates in `left`, or None."""
+    """Steps that find all coordinates in `left`; None where there are none."""
     turns = [] if held is None else _free_turns(model, left, pending[0])
     if len(turns) > 1:
         return None
@@ -170,7 +171,8 @@ def _free_turns(model: Model, left: set[int], chain: Chain) -> list[Crossing]:
 def _next(
     model: Model, left: set[int], pending: list[Chain]
 ) -> tuple[ConstructionStep, tuple[Chain, ...]] | None:
-    """The next step, and the chains that it closes."""
+    """The next step that can be constructed, and the chains that it closes; None where no step
+    fits."""
     tree = model.tree
 
     def free(c: Chain) -> list[Crossing]:

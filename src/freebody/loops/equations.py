@@ -1,5 +1,5 @@
-"""The loop equations of a model as they count, scaled; how far they are from holding, and what is
-said of it.
+"""The independent loop equations of a model, scaled; by how much they are violated, and messages on
+that.
 
 Where numbers are rounded and equations redundant, what counts are combinations of them: see
 `redundancy`.
@@ -58,12 +58,13 @@ def require_loops(model: Model, function: str) -> None:
 def driven_coordinates(
     function: str, model: Model, actuated: Sequence[str] | None = None
 ) -> tuple[int, ...]:
-    """Indices of the driven coordinates: of those named, or the model's own."""
+    """The indices of the driven coordinates: those named in `actuated`, or the model's own."""
     return model.driven if actuated is None else tuple(free_coordinates(model, actuated, function))
 
 
 def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -> list[int]:
-    """Indices of the coordinates named, each by itself or through its joint; None is all."""
+    """The indices of coordinates that may move: those named, each by itself or through its joint;
+    all for None."""
     if names is None:
         return list(range(model.nv))
     if isinstance(names, str):
@@ -81,14 +82,15 @@ def free_coordinates(model: Model, names: Sequence[str] | None, function: str) -
 
 
 def _projector(model: Model) -> Telling | None:
-    """Φ_q -> P, the combinations that count; None where every equation does."""
+    """The function from Φ_q to the projector onto independent combinations of equations; None where
+    all equations are independent."""
     known = redundancy(model)
     return None if known.rank is None else lambda A: telling(A, counting_values(known))
 
 
 def counting(model: Model, q: Array, scaled: Array) -> Array:
-    """Combinations that count (..., m) of scaled equations (..., m), or of derivatives of them, at
-    q (..., nq)."""
+    """The scaled equations (..., m), or derivatives of them, projected onto their independent
+    combinations at q (..., nq)."""
     project = _projector(model)
     return (
         scaled
@@ -98,17 +100,18 @@ def counting(model: Model, q: Array, scaled: Array) -> Array:
 
 
 def blurred(model: Model, moving: bool = True) -> float:
-    """Singular values of Φ_q, relative to the largest, that count as zero where accelerations are
-    sought: rounding of size ε is divided by their square, and near a singular position they say as
-    much about it as about the motion, whose branch is then told by Φ's third derivative. At rest
-    that tells nothing, and those alone count as zero of which rounding leaves nothing."""
+    """The limit, relative to the largest, below which singular values of Φ_q count as zero where
+    accelerations are sought. Rounding divided by their square would outweigh the motion near a
+    singular position, whose branch then follows from Φ's third derivative; at rest, where that says
+    nothing, only mere rounding counts as zero."""
     blur = redundancy(model).blur
     return max(BLURRED, blur ** (1.0 / 3.0)) if moving else max(AT_REST, 2.0 * blur**0.5)
 
 
 def telling_much(model: Model, q: Array, qd: Array, scaled: Array) -> Array:
-    """All of scaled equations (..., m), redundant ones too; where a combination that counts has a
-    singular value that is blurred, which is near a singular position, those alone that have not."""
+    """The scaled equations (..., m), redundant ones included; near a singular position, where an
+    independent combination has a small singular value, only the combinations without such a
+    value."""
     known = redundancy(model)
     if known.rank is None:
         return scaled
@@ -123,8 +126,9 @@ def telling_much(model: Model, q: Array, qd: Array, scaled: Array) -> Array:
 def branches(
     model: Model, q: Array, among: NDArray[np.bool_]
 ) -> Iterator[tuple[Model, NDArray[np.bool_]]]:
-    """(the model with its loops taken as they count at some of the positions q (..., nq), which of
-    them (...)), until each of those marked in `among` (...) has come.
+    """Pairs (model, flags (...)) that together cover the positions q (..., nq) marked in `among`
+    (...): the model with the independence of its loop equations settled at some of the positions,
+    and flags of these.
 
     Which equations are redundant is known from the model's home. Where that does not hold, on
     another branch of the mechanism's motion, the position itself is taken for the home: so answers
@@ -147,8 +151,8 @@ def branches(
 
 
 def taken_at(model: Model, q: Array) -> Model:
-    """The model with its loops taken as they count at the positions q (..., nq), see `branches`;
-    as it is, where they are on branches that differ in it."""
+    """The model with the independence of its loop equations settled at positions q (..., nq), see
+    `branches`; unchanged where the positions need different choices."""
     if not model.loops:
         return model
     parts = list(branches(model, q, np.ones(q.shape[:-1], dtype=bool)))
@@ -156,14 +160,14 @@ def taken_at(model: Model, q: Array) -> Model:
 
 
 def homed_at(model: Model, q: Array) -> Model:
-    """The model with the position q (nq,) for its home."""
+    """The model with the position q (nq,) as its home."""
     home = tuple(zip(model.position_names, map(float, q), strict=True))
     return dataclasses.replace(model, home=home)
 
 
 def holds(model: Model, q: Array, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(...): whether what is known of the model's equations holds at those of the positions q
-    (..., nq): all that counts is closed, and nothing of it in doubt."""
+    """Flags (...) of the positions q (..., nq) where what is known about redundant equations holds:
+    all independent ones are closed, and none is in doubt."""
     found = np.array(among, dtype=bool)
     if not rounding_threshold(model):
         return found
@@ -183,20 +187,20 @@ def holds(model: Model, q: Array, among: NDArray[np.bool_]) -> NDArray[np.bool_]
 
 
 def scaled_residual(model: Model, q: Array) -> Array:
-    """Φ(q) (..., m) in angles, as far as it counts."""
+    """Residuals Φ(q) (..., m) as angles, projected onto the independent equations."""
     return counting(model, q, every_residual(model, q))
 
 
 def scaled_jacobian(model: Model, q: Array) -> Array:
-    """Φ_q (..., m, nv) over angular rates, in angles, as far as it counts; rows of nothing but
-    rounding are zero."""
+    """The Jacobian Φ_q (..., m, nv) as angles over angular rates, projected onto the independent
+    equations; rows of mere rounding are zero."""
     A = every_jacobian(model, q)
     project = _projector(model)
     return A if project is None else project(A) @ A
 
 
 def scaled_rate(model: Model, q: Array, qd: Array) -> Array:
-    """Φ_q q̇ (..., m) in angles, as far as it counts."""
+    """The rates Φ_q q̇ (..., m) as angles, projected onto the independent equations."""
     return counting(
         model,
         q,
@@ -205,31 +209,31 @@ def scaled_rate(model: Model, q: Array, qd: Array) -> Array:
 
 
 def closing(model: Model, q: Array, moving: Sequence[int]) -> tuple[Array, Array]:
-    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
-    (N,))."""
+    """(positions (N, nq) closed as far as possible from q (N, nq), largest remaining scaled
+    equation (N,))."""
     return closed_from(model, q, moving, _projector(model))
 
 
 # ---------------------------------------------------------------- positions
 def is_closed(model: Model, q: Array, left: Array) -> NDArray[np.bool_]:
-    """(N,): whether every loop is closed at positions q (N, nq), the right way round, where solving
-    has left so much (N,) of the scaled equations."""
+    """Flags (N,) of the positions q (N, nq) at which every loop is closed, the right way round;
+    left: remaining scaled equations (N,) after solving."""
     return (
         (left < EXACT) & within_tolerance(model, q).all(axis=-1) & ~backward(model, q).any(axis=-1)
     )
 
 
 def within_tolerance(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(..., m): whether an equation that does not count by itself is open by no more than rounding
-    at q (..., nq)."""
+    """Flags (..., m) of redundant equations that are violated by no more than rounding at q (...,
+    nq)."""
     if redundancy(model).rank is None:
         return np.ones((*q.shape[:-1], len(row_scale(model))), dtype=bool)
     return np.abs(every_residual(model, q)) <= scales(model).tolerance
 
 
 def gaps(model: Model, phi: Array) -> Array:
-    """The distance by which each loop is open (..., loops), from scaled Φ (..., m): metres and
-    sines together, the latter times the length."""
+    """The gap of each loop (..., loops) in m, from scaled Φ (..., m); sines are multiplied by the
+    mechanism's length."""
     size = phi * length(model)
     of_row = np.array(loop_of_row(model))
     parts = [np.linalg.norm(size[..., of_row == i], axis=-1) for i in range(len(model.loops))]
@@ -290,21 +294,23 @@ def require_within_tolerance(
 
 
 def in_units(model: Model, row: int, *scaled: float) -> tuple[str, ...]:
-    """Values of a scaled equation with its unit, in a message that compares them."""
+    """Values of a scaled equation with their unit (m or rad), as text for a message that compares
+    them."""
     factor, unit = (length(model), "m") if scales(model).metres[row] else (1.0, "rad")
     return tuple(f"{x} {unit}" for x in compared(*(factor * x for x in scaled), digits=3))
 
 
 def _marked(model: Model, bad: NDArray[np.bool_]) -> Iterator[tuple[tuple[int, ...], str, str]]:
-    """(index, loop, text of the sample) of all (..., loops) that are marked."""
+    """Pairs of index and names (index, loop, text of the sample) for each loop that is marked in
+    (..., loops)."""
     for index in np.argwhere(bad):
         at = tuple(map(int, index))
         yield at, model.loops[at[-1]].name, at_sample(at[:-1])
 
 
 def refuse_inconsistent(function: str, model: Model, left: Array, what: str) -> NoReturn:
-    """Raise for scaled equations (m,) that cannot hold together, naming the loop that misses
-    most."""
+    """Raise an error for scaled equations (m,) that contradict each other, naming the loop with the
+    largest misfit."""
     worst = int(np.argmax(np.abs(left)))
     name = model.loops[loop_of_row(model)[worst]].name
     raise LoopError(f"{function}: loop {name!r} of {model.name!r} {what}.")
@@ -319,8 +325,8 @@ def require_consistent(
     problem: str,
     among: NDArray[np.bool_],
 ) -> None:
-    """Refuse accelerations at the samples marked (...) that would open a loop, with a problem that
-    has a place for the sample."""
+    """Refuse accelerations that would open a loop at the samples marked (...); problem: the
+    message, with a place for the sample."""
     bad = np.argwhere(among & (_left(model, q, qd, qdd) > max(LEFT, redundancy(model).slack)))
     if len(bad):
         at = tuple(map(int, bad[0]))
@@ -331,15 +337,16 @@ def require_consistent(
 
 
 def _left(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
-    """(...): the largest equation, scaled to angles, that accelerations leave unsatisfied, relative
-    to its terms."""
+    """The largest scaled equation (...) that accelerations leave unsatisfied, relative to the size
+    of its terms."""
     left, c = _missed(model, q, qd, qdd)
     size = 1.0 + np.abs(qdd / rate_scale(model)).max(axis=-1, initial=0.0) + np.abs(c).max(axis=-1)
     return np.abs(left).max(axis=-1) / size
 
 
 def _missed(model: Model, q: Array, qd: Array, qdd: Array) -> tuple[Array, Array]:
-    """(Φ_q q̈ - c, c) (..., m), scaled, as far as they tell."""
+    """The residuals Φ_q q̈ - c and the terms c (..., m), scaled and without combinations that say
+    nothing here."""
     phi, c = fetch(first_member(model), ("constraint_jacobian", "constraint_bias"), Option())(q, qd)
     rows = row_scale(model)
     left = rows * (np.einsum("...mk,...k->...m", phi, qdd) - c)

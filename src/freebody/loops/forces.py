@@ -1,6 +1,5 @@
-"""Forces of closed chains: torques of the drives that a motion needs or that hold it at rest, and
-what the loops do; by a kernel where it is sure, else with care.
-"""
+"""Forces of closed chains: torques of the drives in a motion or at rest, and forces of the loops;
+by a kernel where its result is sure, else by singular values."""
 
 from __future__ import annotations
 
@@ -82,8 +81,8 @@ def motion_torques(
     *loads: Array,
     actuated: Sequence[str] | None = None,
 ) -> Array:
-    """Torques (..., nv) of the drives, less what generalized forces (..., nv) do; refuses states
-    and accelerations that the loops do not allow."""
+    """Torques (..., nv) of the drives in a motion, minus those that generalized forces (..., nv)
+    provide; refuses states and accelerations that violate the loops."""
     driven = driven_coordinates(function, model, actuated)
     arrays = q, qd, qdd, *loads
     tau = _by_drives("inverse_dynamics", model, driven, frames, arrays)
@@ -123,7 +122,7 @@ def _attempted(
     wrenches: FrameWrenchTable,
     actuated: Sequence[str] | None = None,
 ) -> Array | None:
-    """The torques of the drives where a kernel is sure of them."""
+    """The torques of the drives by a kernel; None where its results are not sure."""
     chosen = partition(model, driven_coordinates(function, model, actuated))
     if chosen is None:
         return None
@@ -138,7 +137,8 @@ def _by_drives(
     frames: tuple[str, ...],
     arrays: tuple[Array, ...],
 ) -> Array:
-    """Torques (..., nv) of the drives, of arrays q, …; NaN where a kernel is not sure."""
+    """Torques (..., nv) of the drives by a kernel, from arrays q, …; NaN where the result is not
+    sure."""
     chosen = partition(model, driven)
     if chosen is None:
         return np.full((*arrays[0].shape[:-1], model.nv), np.nan)
@@ -147,8 +147,8 @@ def _by_drives(
 
 
 def torques(model: Model, q: Array, qd: Array, qdd: Array) -> Array:
-    """`inverse_dynamics` (..., nv) of states taken as closed: those between the samples of a
-    motion, which its curve leaves open by as little as it is off."""
+    """Torques (..., nv) as of `inverse_dynamics` for states taken as closed, such as those between
+    the samples of a motion, whose interpolation is slightly open."""
     needed = fetch(model.opened, ("inverse_dynamics",), Option())(q, qd, qdd)
     return drive_torques("inverse_dynamics", model, q, needed)
 
@@ -180,8 +180,8 @@ def _careful_torques(
     driven: Sequence[int],
     chosen: NDArray[np.bool_],
 ) -> Array:
-    """Torques (N, nv) of the drives at the chosen samples of a batch, whatever the rank; refuses
-    motions that the drives cannot force."""
+    """Torques (N, nv) of the drives at chosen samples of a batch by singular values, whatever the
+    rank; refuses motions that the drives cannot force."""
     rates, driven = rate_scale(model), list(driven)
     wanted = rates * needed[chosen]
     tau = np.zeros_like(wanted)
@@ -211,15 +211,15 @@ def _careful_torques(
 
 
 def _shape(model: Model) -> tuple[int, int]:
-    """Shape of the wrenches of one sample."""
+    """The shape (joints and loops, components) of the wrenches of one sample."""
     return len(model.bodies) + len(model.loops), 6 if model.dim == 3 else 3
 
 
 def loop_multipliers(
     model: Model, q: Array, force: Array, reference: str
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """λ (..., m) with Φ_qᵀ λ = force (..., nv), what the drives do and the motion does not need;
-    which components of the wrenches they determine (..., k, six)."""
+    """Multipliers λ (..., m) with Φ_qᵀ λ = force (..., nv), the part of the drives' forces that the
+    motion does not need; and flags (..., k, six) of the wrench components that they determine."""
     batch, chosen = q.shape[:-1], partition_of_loops(model)
     determined = np.ones((*batch, *_shape(model)), dtype=bool)
     if chosen is None:
@@ -247,7 +247,8 @@ def loop_multipliers(
 def _careful_multipliers(
     model: Model, q: Array, force: Array, reference: str
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Multipliers of one sample and the components that they determine, whatever the rank."""
+    """The multipliers of one sample by singular values, and flags of the wrench components that
+    they determine, whatever the rank."""
     rows = row_scale(model)
     A = scaled_jacobian(model, q)
     multipliers = rows * (np.linalg.pinv(A.T, rcond=RANK) @ (rate_scale(model) * force))
@@ -263,8 +264,8 @@ def _careful_multipliers(
 
 
 def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]:
-    """(..., k, six): which components of the wrenches combinations of multipliers that no motion
-    feels leave alone.
+    """Flags (..., k, six) of the wrench components that are unaffected by combinations of
+    multipliers which no motion feels.
 
     change (..., k, six): what they do, at most; doubt (...): relative to the largest of them, what
     is nothing.
@@ -276,8 +277,8 @@ def _undisturbed(model: Model, change: Array, doubt: Array) -> NDArray[np.bool_]
 
 
 def _doubt(counting: Array, every: Array) -> float:
-    """Doubt that rounding in the model's numbers adds to a wrench that is determined, relative to
-    what is not: equations (m, nv) that do not count against the least of those that do."""
+    """The doubt that rounding of the model's numbers adds to a determined wrench: the part of the
+    equations (m, nv) that was projected out, relative to the least independent one."""
     s = np.linalg.svd(counting, compute_uv=False)
     least = float(s[s > RANK * s.max(initial=1e-300)].min(initial=1.0))
     return _ADDED * float(np.abs(every - counting).max(initial=0.0)) / least

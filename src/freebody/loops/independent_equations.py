@@ -1,4 +1,4 @@
-"""Which loop equations and coordinates compiled kernels take as independent: chosen once a
+"""The choice of independent loop equations and coordinates for compiled kernels: made once for each
 geometry, near its home.
 
 A kernel is straight-line arithmetic and cannot choose at a position. Where the choice does not hold
@@ -34,7 +34,8 @@ _NOTHING = 1e-12  # an entry of a scaled Φ_q that is rounding
 
 @geometric_fact
 def independent_rows(model: Model) -> tuple[int, ...]:
-    """Equations that do not follow from others near the model's home; found once a geometry.
+    """The indices of loop equations that are independent near the model's home; found once for each
+    geometry.
 
     Where the loops cannot be closed from home, near the first of some fixed starts from which they
     can; all, where there is none.
@@ -48,14 +49,14 @@ def independent_rows(model: Model) -> tuple[int, ...]:
 
 
 def counting_equations(model: Model) -> Counting:
-    """The independent equations, with how far rounding of the model's numbers leaves the others
-    open."""
+    """The independent loop equations, with the residual that rounding of the model's numbers leaves
+    in the others."""
     return Counting(independent_rows(model), redundancy(model).slack)
 
 
 @geometric_fact
 def _regular(model: Model) -> Array | None:
-    """Φ_q (m, nv), scaled, at a regular position near home; None where no closed position was
+    """The scaled Φ_q (m, nv) at a regular position near home; None where no closed position was
     found."""
     at = _anywhere(model)
     if at is None:
@@ -65,8 +66,8 @@ def _regular(model: Model) -> Array | None:
 
 
 def _anywhere(model: Model) -> Array | None:
-    """A closed position (nq,), the same whatever was asked before: home's, else the first found
-    from fixed starts."""
+    """A closed position (nq,) that does not depend on earlier calls: the one at home, else the
+    first one found from fixed starts; None where none was found."""
     starts = np.stack([home_guess(model), *generic_state(model, seed=5, batch=_SEEDS)[0]])
     for some in (starts[:1], starts[1:]):
         closed, left = closing(model, some, range(model.nv))
@@ -78,7 +79,7 @@ def _anywhere(model: Model) -> Array | None:
 
 def regular_jacobian(model: Model, q: Array) -> tuple[Array, bool]:
     """(the scaled Φ_q (m, nv) of largest rank at q (nq,) and at positions reached from it, whether
-    any is reached)."""
+    any position was reached)."""
     J = scaled_jacobian(model, q)
 
     def close(start: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -112,7 +113,7 @@ def dependent_rows(J: Array) -> tuple[int, ...]:
 
 @geometric_fact
 def idle_coordinates(model: Model) -> tuple[int, ...]:
-    """Coordinates that no loop feels."""
+    """Indices of the coordinates that no loop equation depends on."""
     regular = _regular(model)
     return () if regular is None else tuple(np.flatnonzero(~regular.any(axis=0)).tolist())
 
@@ -127,7 +128,8 @@ def partition(model: Model, driven: Sequence[int] | None = None) -> Partition | 
 
 
 def partition_of_loops(model: Model) -> Partition | None:
-    """A partition for what the loops do, to which drives do not matter; None as of `partition`."""
+    """A partition for forces of the loops, which does not depend on the drives; None where there is
+    none."""
     return partition(model) or partition(model, range(model.nv))
 
 
@@ -147,7 +149,8 @@ def require_partition(model: Model, function: str, by_drives: bool) -> Partition
 
 
 def _partitions(model: Model, driven: tuple[int, ...]) -> Partition | None:
-    """Kept with what is known of the geometry, one for each choice of drives."""
+    """The partition for a choice of drives, found once and kept with the geometry; None where there
+    is none."""
     facts = model.geometry.facts
     key = f"{__name__}.partition {driven}"
     if key not in facts:
@@ -175,7 +178,7 @@ def _chosen(model: Model, driven: tuple[int, ...]) -> Partition | None:
 
 
 def _along(columns: Array, chosen: list[int]) -> Array:
-    """The part of each column (n, m) along those chosen."""
+    """The part of each column (n, m) in the span of the chosen columns."""
     if not chosen:
         return np.zeros_like(columns)
     units = np.linalg.svd(columns[chosen], full_matrices=False)[2]
@@ -183,8 +186,8 @@ def _along(columns: Array, chosen: list[int]) -> Array:
 
 
 def _pivoted(columns: Array, among: list[int], count: int) -> list[int] | None:
-    """`count` of the columns (n, m) that are well independent, the largest first, ties to the
-    first; None where there are fewer."""
+    """Indices of `count` clearly independent columns (n, m), the largest first and the first of
+    equal ones; None where there are fewer."""
     if count < 0:
         return None
     left, chosen = columns.copy(), []

@@ -1,5 +1,5 @@
-"""Parallel robots: how the tip moves with the driven joints (2.35-2.40), and where that breaks
-down."""
+"""Parallel robots: the relation between the tip's motion and the driven joints (2.35-2.40), and
+where it is singular."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from freebody.values import ByValue
 
 @dataclass(frozen=True, eq=False, repr=False)
 class InputOutput(Titled, ByValue):
-    """J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,), at one
-    position.
+    """The relation J_a ẋ + J_b θ̇ = 0 between the tip's motion ẋ (r,) and the driven rates θ̇ (r,)
+    at one position.
 
     The equations are combined and scaled so that [J_a J_b] has orthonormal rows over angular rates;
     `first`, `second` are the smallest singular values of J_b and J_a then: 0 at a singular position
@@ -54,7 +54,8 @@ class InputOutput(Titled, ByValue):
 
     @property
     def J(self) -> Array:
-        """-J_a⁻¹ J_b (2.36): ẋ = J θ̇. Raises at a singular position of the second type."""
+        """The Jacobian J = -J_a⁻¹ J_b (2.36), with ẋ = J θ̇. Raises an error at a singular position
+        of the second type."""
         if self.second < 1e-9:
             raise FreebodyError(
                 "J = -J_a⁻¹ J_b does not exist at a singular position of the second type: the tip "

@@ -1,4 +1,5 @@
-"""How a mechanism can move: counted (Grübler), here (instantaneous), and in general (generic)."""
+"""The mobility of a mechanism: counted (Grübler), at one position (instantaneous), and in general
+(generic)."""
 
 from __future__ import annotations
 
@@ -123,8 +124,8 @@ def mobility(model: Model, q: JointVector) -> Mobility:
 
 
 def independent_coordinates(model: Model, directions: Array) -> tuple[str, ...]:
-    """Names of coordinates whose rates tell all others: rows of the null space (nv, f) picked by
-    pivoting."""
+    """Names of coordinates whose rates determine all others: rows of the null space (nv, f), chosen
+    by pivoting."""
     names = model.velocity_names
     driven = model.driven if model.passive else ()
     # a driven joint wins over a passive one that would do little better

@@ -1,5 +1,5 @@
-"""Rates and accelerations that keep every loop closed: the nearest to those given, or what a few of
-them mean."""
+"""Rates and accelerations that keep every loop closed: the nearest to given ones, or those that
+follow from a few given ones."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def loop_acceleration(
 
 
 def _attempted(function: str, model: Model, *inputs: JointVector) -> Array | None:
-    """Rates by a kernel where it is sure of them, for a whole vector; else None."""
+    """Rates by a kernel where its result is sure and a whole vector is given; else None."""
     chosen = None if isinstance(inputs[-1], Mapping) else partition_of_loops(model)
     if chosen is None:
         return None
@@ -104,8 +104,8 @@ def _attempted(function: str, model: Model, *inputs: JointVector) -> Array | Non
 def _given(
     function: str, model: Model, given: ArrayLike | Mapping[str, ArrayLike]
 ) -> tuple[tuple[int, ...] | None, Array]:
-    """(coordinates that are held to their values, None where a whole vector is given; the values
-    (..., nv), 0 for coordinates that are not given)."""
+    """(indices of the coordinates whose values are given by name, None where a whole vector is
+    given; the values (..., nv), 0 where not given)."""
     if not isinstance(given, Mapping) or hasattr(given, "to_dataarray"):
         return None, finite_vector(function, model, "rates", given)
     names, columns = model.velocity_names, {}
@@ -124,8 +124,8 @@ def _given(
 def _consistent(
     function: str, model: Model, state: dict[str, Array], given: ArrayLike | Mapping[str, ArrayLike]
 ) -> Array:
-    """x (..., nv) with Φ_q x = right at a closed state: with the values given, or nearest to the
-    vector given."""
+    """Rates x (..., nv) with Φ_q x = right at a closed state: with the values given by name, or
+    nearest to the vector given."""
     held, x = _given(function, model, given)
     arrays = state | {"rates": x}
     batch = common_batch(function, arrays)
@@ -144,8 +144,8 @@ def _consistent(
 def _by_kernel(
     function: str, model: Model, held: tuple[int, ...] | None, arrays: dict[str, Array]
 ) -> Array:
-    """NaN where no fixed choice of equations and coordinates does, or where no loop feels one that
-    has no value given."""
+    """Rates by a kernel; NaN where no fixed choice of equations and coordinates fits, or where a
+    coordinate that no loop determines has no value given."""
     chosen = partition_of_loops(model)
     valued = range(model.nv) if held is None else held
     if chosen is None or not set(idle_coordinates(model)) <= set(valued):
@@ -165,8 +165,8 @@ def _carefully(
     arrays: dict[str, Array],
     samples: NDArray[np.intp],
 ) -> Array:
-    """Rates by singular values, of arrays (N, …) which are those samples of a batch; refuses what
-    contradicts the loops, or leaves them free to move."""
+    """Rates by singular values for arrays (N, …), the given samples of a batch; refuses given
+    values that contradict the loops or leave them free to move."""
     q, x = arrays["q"], arrays["rates"]
     right = (
         fetch(model, ("constraint_bias",), Option())(q, arrays["qd"])

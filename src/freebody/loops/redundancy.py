@@ -1,4 +1,5 @@
-"""Which loop equations are redundant for the mechanism that a model's rounded numbers mean.
+"""Redundant loop equations: those that are redundant for the mechanism that a model's rounded
+numbers stand for.
 
 Exactness comes first: numbers whose loops close to the last digit, at a position where no singular
 value of Φ_q is small without being zero, are taken as they stand, and so are those that move to
@@ -64,7 +65,8 @@ _SLACK = 30.0
 
 @dataclass(frozen=True, eq=False)
 class Redundancy:
-    """The combinations of the loop equations that count."""
+    """The number of independent combinations of the loop equations, and what is left of the
+    redundant ones by rounding."""
 
     rank: int | None
     """The number of combinations that count; None where all equations hold together, to rounding in
@@ -81,7 +83,8 @@ class Redundancy:
 
     @property
     def slack(self) -> float:
-        """Share that rounding of the model's numbers may add to a gap, its rate, a balance."""
+        """The relative amount that rounding of the model's numbers may add to a gap, its rate or a
+        balance."""
         return _SLACK * self.blur
 
 
@@ -90,7 +93,7 @@ _NONE = Redundancy(None)
 
 @geometric_fact
 def redundancy(model: Model) -> Redundancy:
-    """Redundancy of a geometry's equations near its home; found once."""
+    """The redundancy of a geometry's loop equations near its home; found once."""
     threshold = rounding_threshold(model)
     if not threshold:
         return _NONE
@@ -113,19 +116,20 @@ def redundancy(model: Model) -> Redundancy:
 
 
 def rounding_threshold(model: Model) -> float:
-    """Threshold below which a singular value of the scaled Φ_q may be a zero that rounding of the
-    model's numbers has changed; 0 where they are to be taken as they stand."""
+    """The limit below which a singular value of the scaled Φ_q may be a zero changed by rounding of
+    the model's numbers; 0 where these are taken as exact."""
     return _TOLERANCES * float(scales(model).tolerance.max(initial=0.0))
 
 
 def _doubtful(s: Array, threshold: float) -> NDArray[np.bool_]:
-    """Flags of singular values s (..., k) that are neither zero nor clear of rounding."""
+    """Flags of singular values s (..., k) that are neither zero nor above the limit of rounding."""
     return (s > _ZERO * s.max(axis=-1, keepdims=True, initial=1e-300)) & (s <= threshold)
 
 
 def surely_exact(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(...): whether at q (..., nq) all equations are independent, clear of rounding of the model's
-    numbers, or all hold to the last digit and no singular value is small without being zero."""
+    """Flags (...) of the positions q (..., nq) where all equations are independent beyond rounding
+    of the model's numbers, or where all hold to the last digit and no singular value is small
+    without being zero."""
     s = np.asarray(np.linalg.svd(every_jacobian(model, q), compute_uv=False), dtype=np.float64)
     threshold, every = rounding_threshold(model), mechanism(model).constraints
     closed = (np.abs(every_residual(model, q)) <= EXACT).all(axis=-1)
@@ -135,15 +139,15 @@ def surely_exact(model: Model, q: Array) -> NDArray[np.bool_]:
 
 
 def moves_exactly(model: Model, q: Array) -> bool:
-    """Whether near the position q (nq,) all loops close to the last digit, and no singular value
-    leaves in doubt what they hold: there, or where a motion leads with all of them closed."""
+    """Whether all loops close to the last digit near the position q (nq,), and no singular value is
+    in doubt: at q itself, or at positions that a closed motion leads to."""
     search = _Search(model, rounding_threshold(model))
     return search.is_exact(search.exactly(q))
 
 
 def counting_values(known: Redundancy) -> Kept:
-    """Keep as many of the singular values of Φ_q as the rank that is known, and those that stand
-    clear of rounding besides.
+    """The rule that keeps as many singular values of Φ_q as the known rank, and further ones that
+    exceed rounding.
 
     Where a position is found by combinations whose least singular value is s_r, it is uncertain by
     the tolerance over s_r, and further singular values by as much.
@@ -159,7 +163,8 @@ def counting_values(known: Redundancy) -> Kept:
 
 
 def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundancy:
-    """The redundancy that positions (k, nq) on the mechanism's ways show."""
+    """The redundancy of the loop equations that positions (k, nq) along the mechanism's motions
+    show."""
     seen, _ = closed_from(model, seen, range(model.nv), lambda A: telling(A, largest(rank)))
     phi, A = every_residual(model, seen), every_jacobian(model, seen)
     s = np.linalg.svd(A, compute_uv=False)
@@ -177,14 +182,15 @@ def _weighed(model: Model, seen: Array, rank: int, threshold: float) -> Redundan
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """Positions at which all loops are closed within the tolerance; singular values below
-    `threshold` may be rounding."""
+    """The search for positions at which all loops are closed within the tolerance; singular values
+    below `threshold` may be rounding."""
 
     model: Model
     threshold: float
 
     def start(self) -> Array | None:
-        """The one nearest to home, of those found from fixed starts."""
+        """The closed position nearest to home among those found from fixed starts; None where none
+        is found."""
         model = self.model
         guess = home_guess(model)
         rng = np.random.default_rng(4)
@@ -203,15 +209,15 @@ class _Search:
         return None
 
     def exactly(self, q: Array) -> Array:
-        """The position (nq,) near q at which every loop is closed to the last digit; q, where there
-        is none near."""
+        """The position (nq,) near q at which every loop is closed to the last digit; q itself where
+        there is none near."""
         model = self.model
         found, good = self.closed_exactly(q[None])
         away = np.abs(shortest_way(model, q, found[0])).max(initial=0.0)
         return found[0] if good[0] and away < _NEAR else q
 
     def is_exact(self, q: Array) -> bool:
-        """Whether all loops close to the last digit at q, or where a motion leads
+        """Whether all loops close to the last digit at q, or at positions that a motion leads to
         (`moves_exactly`)."""
         model = self.model
         if np.abs(every_residual(model, q)).max(initial=0.0) > EXACT:
@@ -228,8 +234,8 @@ class _Search:
         )
 
     def closed(self, q: Array, rank: int | None = None) -> tuple[Array, NDArray[np.bool_]]:
-        """(positions (N, nq) near q at which all that tells holds, whether the rest does within the
-        tolerance (N,))."""
+        """(positions (N, nq) near q at which the independent equations hold, flags (N,) of those
+        where the redundant ones hold within the tolerance)."""
         model = self.model
         kept = largest(rank) if rank is not None else lambda s: s > self.threshold
         q, left = closed_from(model, q, range(model.nv), lambda A: telling(A, kept))
@@ -237,26 +243,26 @@ class _Search:
         return q, within & (left < EXACT) & ~backward(model, q).any(axis=-1)
 
     def closed_exactly(self, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Positions near q at which every equation holds, and whether it does to the last digit
-        (N,)."""
+        """Positions near q at which every equation holds, and flags (N,) of those where it does so
+        to the last digit."""
         q, left = closed_from(self.model, q, range(self.model.nv), None)
         return q, (left < EXACT) & ~backward(self.model, q).any(axis=-1)
 
     def neighbours(self, q: Array) -> Array:
-        """Positions (k, nq) that a motion within the tolerance leads to from q (nq,)."""
+        """Positions (k, nq) reached from q (nq,) by motions within the tolerance."""
         _, s, Vt = np.linalg.svd(every_jacobian(self.model, q))
         return explored(self.model, q, Vt[int((s > self.threshold).sum()) :], self.closed)
 
     def regularity(self, q: Array) -> tuple[int, float]:
-        """(how many combinations of equations tell something at q (nq,), how much the last of
-        them)."""
+        """(the number of independent combinations of equations at q (nq,), the smallest of their
+        singular values)."""
         s = np.linalg.svd(every_jacobian(self.model, q), compute_uv=False)
         clear = s[s > self.threshold]
         return len(clear), float(clear.min(initial=1.0))
 
     def way(self, start: Array, direction: Array, rank: int) -> Array | None:
-        """Positions (k, nq) on the motion that starts along a direction (nv,), with `rank`
-        combinations held; None where it leaves the tolerance at once."""
+        """Positions (k, nq) on the motion that starts in a direction (nv,), with `rank`
+        combinations of equations satisfied; None where it exceeds the tolerance at once."""
         found = [
             q
             for sense in (1.0, -1.0)
@@ -265,8 +271,8 @@ class _Search:
         return np.array(found) if len(found) * _STRIDE >= _WAY else None
 
     def followed(self, q: Array, along: Array, rank: int, close: Closing) -> Iterator[Array]:
-        """Positions (nq,) on the motion from q (nq,) that starts along a direction (nv,), `rank`
-        combinations of equations held; it ends where closing fails."""
+        """Positions (nq,) on the motion from q (nq,) that starts in a direction (nv,), with `rank`
+        combinations of equations satisfied; it ends where closing fails."""
         model = self.model
         for _ in range(round(2.0 * _WAY / _STRIDE)):
             null = np.linalg.svd(every_jacobian(model, q))[2][rank:]
@@ -280,8 +286,8 @@ class _Search:
 
 
 def _telling_rows(A: Array, rank: int) -> tuple[int, ...]:
-    """`rank` rows of Φ_q = A (k, m, nv) that tell as much as all together at every one of k
-    positions, as far as any do; of equals the first."""
+    """The indices of `rank` rows of Φ_q = A (k, m, nv) that at each of the k positions determine as
+    nearly as possible as much as all rows; the first of equally good ones."""
     left = np.linalg.svd(A, full_matrices=False)[0][..., :rank]  # (k, m, r)
     chosen: list[int] = []
     for _ in range(rank):

@@ -1,5 +1,5 @@
-"""The loop equations of a model as arrays, every one of them, scaled so that lengths and angles
-compare; by how much they may stay open, and the way onto them by Levenberg-Marquardt."""
+"""All loop equations of a model as arrays, scaled so that lengths and angles compare; their
+tolerances, and closing the loops by Levenberg-Marquardt."""
 
 from __future__ import annotations
 
@@ -59,8 +59,7 @@ def mechanism(model: Model) -> Tree:
 
 
 class _Places(Pieces):
-    """A reader that tells where everything is, and no more: what a tree without masses and drives
-    is made of."""
+    """A reader of places alone, which makes a tree without masses, drives and gravity."""
 
     def pose(self, placement: Placement) -> Pose:
         return pose_part(placement, self.space.dim).pose
@@ -134,8 +133,8 @@ def scales(model: Model) -> Scales:
 
 
 def _tolerance(model: Model, tree: Tree, index: int) -> tuple[float, float]:
-    """(metres, radians): the model's `loop_tolerance`, or its default for a loop of the size that
-    it has in `tree`."""
+    """The tolerance (m, rad) of a loop: the model's `loop_tolerance`, or a default for the loop's
+    size in `tree`."""
     if model.loop_tolerance is not None:
         return model.loop_tolerance
     loop = tree.loops[index]
@@ -153,17 +152,19 @@ def length(model: Model) -> float:
 
 
 def row_scale(model: Model) -> Array:
-    """Factors (m,) that make angles of the loop equations."""
+    """Factors (m,) that turn the residuals of loop equations into angles."""
     return scales(model).rows
 
 
 def rate_scale(model: Model) -> Array:
-    """Factors (nv,) that make rates of angles: the length for rates in m/s, 1 for angular ones."""
+    """Divisors (nv,) that turn rates into angular ones: the mechanism's length for rates in m/s, 1
+    for angular ones."""
     return scales(model).rates
 
 
 def shortest_way(model: Model, a: Array, b: Array) -> Array:
-    """The way from positions a to b (..., nq) as angles (..., nv), whole turns left out."""
+    """The shortest difference from positions a to b (..., nq) as angles (..., nv), whole turns left
+    out."""
     way = difference(model, a, b) / rate_scale(model)
     return np.where(scales(model).turns, (way + np.pi) % (2.0 * np.pi) - np.pi, way)
 
@@ -174,7 +175,7 @@ def every_residual(model: Model, q: Array) -> Array:
 
 
 def every_jacobian(model: Model, q: Array) -> Array:
-    """Φ_q (..., m, nv) over angular rates, in angles; rows that hold nothing but rounding are
+    """The Jacobian Φ_q (..., m, nv) as angles over angular rates; rows of mere rounding are
     zero."""
     phi = fetch(first_member(model), ("constraint_jacobian",), Option())(q)
     A = row_scale(model)[:, None] * phi * rate_scale(model)
@@ -183,8 +184,8 @@ def every_jacobian(model: Model, q: Array) -> Array:
 
 
 def backward(model: Model, q: Array) -> NDArray[np.bool_]:
-    """(..., loops): whether a loop is closed the wrong way round: turned by a half, or where three
-    axes are held, by a third, from which its equations cannot tell it."""
+    """Flags (..., loops) of loops that are closed the wrong way round: turned by a half, or where
+    three axes are held by a third, which their equations do not notice."""
     tree = mechanism(model)
     space = tree.space
     if not any(loop.closure.facing for loop in tree.loops):
@@ -200,8 +201,8 @@ def backward(model: Model, q: Array) -> NDArray[np.bool_]:
 
 
 def null_space(A: Array, tolerance: float) -> tuple[Array, Array]:
-    """(orthonormal basis of what A (m, n) maps to zero (n, k), of what Aᵀ does (m, l)); singular
-    values below tolerance times the largest are zero."""
+    """Orthonormal bases of the null spaces of A (m, n) and of Aᵀ, (n, k) and (m, l); singular
+    values below tolerance times the largest count as zero."""
     if A.shape[0] == 0:
         return np.eye(A.shape[1]), np.zeros((0, 0))
     U, s, Vt = np.linalg.svd(A)
@@ -214,14 +215,14 @@ Kept = Callable[[Array], NDArray[np.bool_]]
 
 
 def telling(A: Array, kept: Kept) -> Array:
-    """P (..., m, m) that takes the equations to their combinations which tell most: those of the
-    singular values of Φ_q = A (..., m, nv) that are kept."""
+    """The projector P (..., m, m) onto the combinations of equations that belong to the kept
+    singular values of Φ_q = A (..., m, nv)."""
     U, s, _ = np.linalg.svd(A, full_matrices=False)
     return (U * kept(s)[..., None, :]) @ np.swapaxes(U, -1, -2)
 
 
 def largest(rank: Array | int) -> Kept:
-    """Rule that keeps the `rank` (...) largest singular values."""
+    """The rule that keeps the `rank` (...) largest singular values."""
     return lambda s: np.arange(s.shape[-1]) < np.asarray(rank)[..., None]
 
 
@@ -235,8 +236,8 @@ Closing = Callable[[Array], tuple[Array, NDArray[np.bool_]]]
 def closed_from(
     model: Model, q: Array, moving: Sequence[int], projector: Telling | None
 ) -> tuple[Array, Array]:
-    """(positions (N, nq) as closed as they get from q (N, nq), largest scaled equation left
-    (N,))."""
+    """(positions (N, nq) closed as far as possible from q (N, nq), largest remaining scaled
+    equation (N,))."""
 
     def at(q: Array) -> tuple[Array, Array]:
         phi, J = every_residual(model, q), every_jacobian(model, q)
@@ -281,8 +282,8 @@ def _levenberg(J: Array, phi: Array, damping: Array) -> Array:
 
 
 def explored(model: Model, q: Array, directions: Array, close: Closing) -> Array:
-    """Closed positions (k, nq) to which finite motions lead from q (nq,): steps along directions
-    (n, nv), scaled, and mixtures of them, that closing does not undo."""
+    """Closed positions (k, nq) reached from q (nq,) by finite motions: steps along directions (n,
+    nv), scaled, and along mixtures of them, that closing does not undo."""
     n = len(directions)
     if not n:
         return np.empty((0, model.nq))

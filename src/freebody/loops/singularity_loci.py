@@ -1,4 +1,4 @@
-"""Where a parallel robot is singular: curves of positions, followed step by step.
+"""Singular positions of a parallel robot as curves, followed step by step.
 
 With Φ_p the columns of passive joints, det Φ_p = 0 where the mechanism gives way though its drives
 stand still (second type), and det [Φ_q; J_tip] = 0 where its tip stands still though the drives
@@ -44,7 +44,7 @@ _DIFFERENCE = 1e-6
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Locus(Titled, ByValue):
-    """One curve of singular positions, or a single position where nothing else can move."""
+    """One curve of singular positions, or an isolated singular position."""
 
     kind: Literal["first", "second"]
     q: Array
@@ -163,7 +163,8 @@ def _problem(
 
 @dataclass(frozen=True)
 class _SingularPositions:
-    """Φ = 0, the measure 0, and held coordinates: what a singular position satisfies."""
+    """The equations of a singular position: closed loops (Φ = 0), a vanishing measure of
+    singularity, and fixed coordinates."""
 
     model: Model
     kind: Literal["first", "second"]
@@ -173,7 +174,7 @@ class _SingularPositions:
     values: Array
 
     def left(self, q: Array) -> Array:
-        """Residual (m + 1 + h,): what q (nq,) leaves unsatisfied, scaled."""
+        """Residuals (m + 1 + h,) of these equations at q (nq,), scaled."""
         model = self.model
         phi = scaled_residual(model, q)[self.kept]
         off = (difference(model, neutral(model), q)[self.held] - self.values) / rate_scale(model)[
@@ -182,7 +183,7 @@ class _SingularPositions:
         return np.concatenate([phi, [float(self.measure(q))], off])
 
     def slope(self, q: Array) -> Array:
-        """Derivative (m + 1 + h, nv) of `left` along scaled rates."""
+        """Derivatives (m + 1 + h, nv) of the residuals along scaled rates."""
         model, n = self.model, self.model.nv
         steps = _DIFFERENCE * np.concatenate([np.eye(n), -np.eye(n)]) * rate_scale(model)
         values = self.measure(integrate(model, np.broadcast_to(q, (2 * n, model.nq)), steps))
@@ -203,11 +204,11 @@ class _SingularPositions:
         return None
 
     def isolated(self, start: Array) -> bool:
-        """Whether the conditions leave single positions, not curves."""
+        """Whether singular positions are isolated points rather than curves."""
         return self.model.nv == len(self.slope(start))
 
     def followed(self, start: Array) -> Locus:
-        """The curve through a singular position, both ways."""
+        """The curve of singular positions through one of them, followed both ways."""
         if self.isolated(start):
             return Locus(self.kind, start[None], False)
         ahead, closed = self._one_way(start, 1.0)
@@ -217,7 +218,7 @@ class _SingularPositions:
         return Locus(self.kind, np.array([*back[::-1], start, *ahead]), False)
 
     def _one_way(self, start: Array, sense: float) -> tuple[list[Array], bool]:
-        """(positions after the start, whether they lead back to it)."""
+        """(positions after the start along one way, whether they lead back to the start)."""
         model, rates = self.model, rate_scale(self.model)
         q, step, direction = start, _STEP, np.zeros(model.nv)
         done: list[Array] = []

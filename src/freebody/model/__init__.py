@@ -1,2 +1,1 @@
-"""The room of the robot itself: parameters, joints, inertias and the frozen `Model` made of
-them."""
+"""The robot itself: parameters, joints, inertias and the frozen `Model` made of them."""

@@ -50,14 +50,14 @@ class Body(Keeps):
 
     @property
     def kind(self) -> JointKind:
-        """Record of the joint's kind."""
+        """The record of the kind of the body's joint."""
         return KINDS[self.joint.kind]
 
 
 @dataclass(frozen=True, eq=False)
 class JointLimits(Tabled, ByValue):
-    """For each entry of q̇ its joint's limits, infinite for joints of several axes: arrays (nv,);
-    rad or m, N m or N."""
+    """Joint limits for each entry of q̇, infinite for joints of several axes: arrays (nv,); rad or
+    m, rad/s or m/s, N m or N."""
 
     lower: Array
     upper: Array
@@ -81,5 +81,5 @@ class JointLimits(Tabled, ByValue):
 
 
 def _spread(x: Array) -> str:
-    """A number, or those of a family."""
+    """A number as text, or the range of the numbers of a family."""
     return f"{x:.4g}" if not x.ndim else f"{x.min():.4g} … {x.max():.4g}"

@@ -1,5 +1,5 @@
-"""Assembly of links and joints to a `Model`: the description is checked, and what is fixed together
-becomes one body.
+"""Assembly of links and joints to a `Model`: the description is checked, and links that are fixed
+together become one body.
 
 Refusals name the link or joint, the file's line where there is one, and the remedy.
 """
@@ -60,7 +60,8 @@ def build_model(
     base: BasePolicy = "fixed",
     tip: str | None = None,
 ) -> Model:
-    """Check a description and lump what is fixed together; see `load` for the options."""
+    """The model of a checked description, with links that are fixed together joined to one body;
+    see `load` for the options."""
     for option, value, allowed in (
         ("physical", physical, ("warn", "refuse", "ignore")),
         ("mimic", mimic, ("follow", "free")),
@@ -73,8 +74,8 @@ def build_model(
 
 
 class _Assembly:
-    """One assembly: the description, its checks, and of each link and frame the body that carries
-    it."""
+    """The assembly of one description: its checks, and for each link and frame the body that
+    carries it."""
 
     def __init__(
         self, description: RobotDescription, physical: Policy, mimic: MimicPolicy, base: BasePolicy
@@ -120,8 +121,8 @@ class _Assembly:
         return self.finished(joints, tip)
 
     def following(self, joint: Joint, followers: dict[str, Mimic]) -> tuple[Joint, ...]:
-        """The joint with the independent one that it follows; where it follows several, a joint for
-        each, with links between them."""
+        """The joint with the independent joint that it follows; where it follows several, one joint
+        for each, with links between them."""
         mimic = followers.get(joint.name)
         if mimic is None or not mimic.more:
             return (replace(joint, mimic=mimic),)
@@ -142,7 +143,7 @@ class _Assembly:
         return parts
 
     def carry(self, link: str, above: dict[str, Joint], index: dict[str, int]) -> None:
-        """Notes the body that a link is part of, and the link's frame in it: found by walking its
+        """Record the body that a link belongs to, and the link's frame in it, by walking up its
         parents."""
         carrier, walked = self.carrier, []
         while link not in carrier:
@@ -159,7 +160,8 @@ class _Assembly:
             carrier[link] = (body, placement)
 
     def placed(self, name: str, outer: Placement, inner: Placement) -> Placement:
-        """A frame's placement in its body, by way of the frame that it is fixed to."""
+        """A frame's placement in its body, composed from those of the frame it is fixed to and on
+        that frame."""
         placement = outer.then(inner).folded(of_dimension(self.description.dim))
         if len(placement.steps) > _MOST_STEPS:
             self.checks.refuse(
@@ -169,8 +171,7 @@ class _Assembly:
         return placement
 
     def finished(self, joints: list[Joint], tip: str | None) -> Model:
-        """The model of joints and carriers; its frames complete the carriers, so they come
-        first."""
+        """The model made of joints, frames and the bodies that carry them."""
         d = self.description
         frames = self.frames(joints)
         movable = [joint for joint in joints if KINDS[joint.kind].nv]
@@ -208,7 +209,8 @@ class _Assembly:
         return with_tip(model, chosen(model, d.tip, joints))
 
     def parts(self, bodies: int) -> list[list[Attached]]:
-        """The inertias of links and payloads that each body carries; the last are the base's."""
+        """The inertias of links and payloads that each body carries; the last entry is the
+        base's."""
         d = self.description
         parts: list[list[Attached]] = [[] for _ in range(bodies + 1)]
         for link in d.links:
@@ -230,8 +232,8 @@ class _Assembly:
         return parts
 
     def frames(self, joints: list[Joint]) -> list[Frame]:
-        """The frames of links, then those mounted on them, which the carriers are completed
-        with."""
+        """The frames of links, then those mounted on them, whose carriers are recorded on the
+        way."""
         d, carrier = self.description, self.carrier
         fixed = {joint.child: joint for joint in joints if not KINDS[joint.kind].nv}
         frames = []
@@ -281,7 +283,7 @@ class _Assembly:
 
 
 class _DescriptionChecks:
-    """The links of a description by name, its checks, and the notices that they add."""
+    """Checks of a description, its links by name, and the notices that the checks add."""
 
     def __init__(self, description: RobotDescription, physical: Policy):
         self.description, self.physical = description, physical
@@ -290,13 +292,13 @@ class _DescriptionChecks:
         self.unique("joint", description.joints)
 
     def refuse(self, problem: str, line: int | IncludedLine | None = None) -> NoReturn:
-        """Raise with the file and line where there is one."""
+        """Raise an error about the description, with the file and line where it has these."""
         if self.description.file:
             raise FileError(self.description.file, line, problem)
         raise ModelError(f"{self.description.name!r}: {problem}")
 
     def unique(self, what: str, parts: Sequence[_LinkOrJoint]) -> dict[str, _LinkOrJoint]:
-        """The parts by name; refuses one without and two of the same."""
+        """The links or joints by name; refuses parts without a name and two of one name."""
         named: dict[str, _LinkOrJoint] = {}
         for part in parts:
             if not part.name:
@@ -341,7 +343,7 @@ class _DescriptionChecks:
         return replace(joint, axis=axis, numbers=self._own_numbers(joint, where))
 
     def _unit_axis(self, joint: Joint, where: str) -> tuple[float, ...]:
-        """The joint's axis, of unit length: for a planar revolute joint (±1,)."""
+        """The joint's axis as a unit vector; for a planar revolute joint (±1,)."""
         expected = KINDS[joint.kind].axis_size(self.description.dim)
         axis = np.array(joint.axis, dtype=float)
         if axis.shape != (expected,) or not np.isfinite(axis).all() or not axis.any():
@@ -352,8 +354,8 @@ class _DescriptionChecks:
         return unit(axis)
 
     def _own_numbers(self, joint: Joint, where: str) -> tuple[Quantity, ...]:
-        """The numbers of the joint's kind, such as a pitch; refuses too few, too many, and what is
-        none."""
+        """The numbers of the joint's kind, such as a pitch; refuses too few, too many, and invalid
+        ones."""
         own = KINDS[joint.kind].numbers
         if len(joint.numbers) != len(own):
             named = ", ".join(f"{number.name} ({number.unit})" for number in own) or "none"
@@ -371,8 +373,8 @@ class _DescriptionChecks:
             self.refuse(str(error), joint.line)
 
     def check_inertia(self, link: Link) -> None:
-        """The policy on inertias that no rigid body has: the numbers are used as given, or
-        refused."""
+        """Apply the policy on inertias that no rigid body has: warn and use them as given, or
+        refuse them."""
         if link.inertia is None or self.physical == "ignore":
             return
         if link.inertia.dim != self.description.dim:
@@ -384,8 +386,8 @@ class _DescriptionChecks:
         self._doubt("physical", f"link {link.name!r}", link.inertia.fault(), link.line)
 
     def check_drive(self, joint: Joint) -> None:
-        """Warn about friction that pushes and rotors that no motor has, or refuse them, as the
-        policy on inertias has it."""
+        """Warn about negative friction and impossible rotors, or refuse them, by the policy on
+        inertias."""
         if problem := joint.drive.fault(bounded=True):
             self.refuse(f"joint {joint.name!r}: {problem}.", joint.line)
         if self.physical != "ignore":
@@ -394,7 +396,7 @@ class _DescriptionChecks:
     def _doubt(
         self, kind: str, what: str, fault: str | None, line: int | IncludedLine | None
     ) -> None:
-        """Warn about a number that no robot has, or refuse the robot."""
+        """Warn about an impossible number of a link or joint, or refuse it, by the policy."""
         if fault is None:
             return
         problem = f"{what}: {fault}"
@@ -405,7 +407,7 @@ class _DescriptionChecks:
         warn(str(notice), PhysicalWarning)
 
     def parent_joints(self, joints: list[Joint]) -> dict[str, Joint]:
-        """For each link the joint above it; a link has at most one."""
+        """For each link the joint that carries it; refuses links with several."""
         above: dict[str, Joint] = {}
         for joint in joints:
             other = above.setdefault(joint.child, joint)
@@ -419,7 +421,8 @@ class _DescriptionChecks:
         return above
 
     def root(self, above: dict[str, Joint]) -> str:
-        """The one link without a joint above it; every other link must lead to it."""
+        """The only link that no joint carries, from which every other link is reached; refuses
+        other descriptions."""
         roots = [link.name for link in self.description.links if link.name not in above]
         rooted: set[str] = set()
         for link in self.description.links:
@@ -447,5 +450,5 @@ class _DescriptionChecks:
 
 
 def _shortened(names: list[str], most: int = 12) -> list[str]:
-    """The names, those in the middle left out where there are many."""
+    """The names, with a gap in the middle where there are many."""
     return names if len(names) <= most else [*names[: most - 2], "…", names[-1]]

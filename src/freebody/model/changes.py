@@ -1,5 +1,5 @@
-"""Changed copies of a model: without some feature, with a load, a frame or a loop more, as its twin
-in space."""
+"""Changed copies of a model: without some feature, with another load, frame or loop, as its twin in
+space."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _PARTS = ("loops", "struts")
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
-    """The model without some features, see `Model.without`."""
+    """The model without some features; see `Model.without`."""
     for feature in features:
         if feature not in _FEATURES and feature not in _PARTS:
             raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, *_PARTS))
@@ -58,8 +58,8 @@ def without(model: Model, features: Sequence[str]) -> Model:
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
-    """The bodies, their joints passive but for those named; what follows another joint is
-    neither."""
+    """The bodies with all joints passive except those named; joints that follow others stay as they
+    are."""
     names = (names,) if isinstance(names, str) else names
     free = [body.joint.name for body in model.bodies if body.joint.mimic is None]
     for name in names:
@@ -113,7 +113,7 @@ def load(mass: Any, com: Any, box: Any, cylinder: Any, inertia: Any, dim: int) -
 
 
 def _sizes(name: str, given: Any, count: int, words: str) -> list[float]:
-    """The lengths of a load's shape (m)."""
+    """The lengths of a load's shape (m), checked."""
     found = np.asarray(given, dtype=object)
     if found.shape != (count,):
         raise ModelError(f"with_payload: {name} is {shown(given)}, expected its {words} in m.")
@@ -124,7 +124,7 @@ def _sizes(name: str, given: Any, count: int, words: str) -> list[float]:
 
 
 def _times(mass: float | Members, entry: Quantity) -> float | Members:
-    """An entry of an inertia from that of one kilogram, a number."""
+    """An entry of a load's inertia from that for one kilogram."""
     x = cast(float, entry)
     if x == 0.0:
         return 0.0
@@ -132,7 +132,7 @@ def _times(mass: float | Members, entry: Quantity) -> float | Members:
 
 
 def _mass(mass: Any) -> float | Members:
-    """A load's mass, or those of the members of a family."""
+    """A load's mass (kg), or the masses for the members of a family."""
     if isinstance(mass, np.ndarray) and not mass.ndim:
         mass = mass[()]
     if isinstance(mass, (float, int, Real)):
@@ -146,8 +146,8 @@ def _mass(mass: Any) -> float | Members:
 
 
 def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
-    """The entries of a centre of mass (..., dim), or of dim entries some of which are arrays over
-    the members."""
+    """The entries of a centre of mass, given as an array (..., dim) or as dim entries, some of
+    which may be arrays over the members."""
     if is_nested(com):  # a list of centres is what its array is
         centres = members(com, "with_payload: com", LARGEST).array
         if centres.shape[-1] != dim:
@@ -161,7 +161,7 @@ def _entries(com: Any, dim: int) -> tuple[Quantity, ...]:
 
 
 def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
-    """The model with another drive in a joint, see `Model.with_drive`."""
+    """The model with another drive in a joint; see `Model.with_drive`."""
     free = [body.joint.name for body in model.bodies if body.kind.nv == 1]
     if joint not in free:
         raise UnknownNameError("one-coordinate joint", joint, f"{model.name!r}", free)
@@ -185,8 +185,8 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
 
 
 def with_symbols_known(changed: Model, *new: Any) -> Model:
-    """A changed model in which what is new has the values that its names have elsewhere; refuses
-    other values."""
+    """The changed model in which new parts take the values that their names have elsewhere in it;
+    refuses names with two values."""
     if not any(each_parameter(new)):  # most are numbers
         return changed
     known = one_value_each(changed, repr(changed.name))
@@ -194,7 +194,7 @@ def with_symbols_known(changed: Model, *new: Any) -> Model:
 
 
 def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
-    """The model with a rigid load in a frame, see `Model.with_payload`."""
+    """The model with a rigid load on a frame; see `Model.with_payload`."""
     at = model.frame(frame)
     added = attached(inertia, at.placement, name, at.name, model.dim, model.name)
     path = ("base_inertias",) if at.body < 0 else ("bodies", at.body, "inertias")
@@ -203,8 +203,8 @@ def with_payload(model: Model, inertia: Inertia, frame: str | None, name: str) -
 
 
 def without_idle_payload(model: Model) -> Model:
-    """The model without a payload at the tip that is nothing: its numbers, all zero, are those of a
-    payload that is not there."""
+    """The model without an empty payload at the tip, whose numbers are all zero and which has no
+    effect."""
     nothing = Inertia.nothing(model.dim)
 
     def kept(parts: tuple[Attached, ...]) -> tuple[Attached, ...]:
@@ -229,7 +229,7 @@ def without_idle_payload(model: Model) -> Model:
 def attached(
     inertia: Inertia, placement: Placement, name: str, frame: str, dim: int, owner: str
 ) -> Attached:
-    """A load in a frame at a place in a body; refuses one that no rigid body is."""
+    """A load fixed to a frame, at its place in a body; refuses inertias that no rigid body has."""
     if inertia.dim != dim:
         raise ModelError(f"with_payload: the inertia is {inertia.dim}D but {owner!r} is {dim}D.")
     fault = faults(inertia)
@@ -246,7 +246,7 @@ def with_frame(
     frame: str | None,
     function: str,
 ) -> Model:
-    """The model with one frame more, see `Model.with_frame`; errors name the function."""
+    """The model with one more frame; see `Model.with_frame`. Errors name the given function."""
     at = model.frame(frame)
     if name in model.frame_names:
         raise ModelError(
@@ -272,7 +272,7 @@ def with_frame(
 
 
 def with_loop(model: Model, loop: Loop) -> Model:
-    """The model with one loop more, see `Model.with_loop`."""
+    """The model with one more loop; see `Model.with_loop`."""
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.reaction_names, *model.strut_names)
     loops = (*model.loops, checked_loop(loop, model.dim, body_of, taken))
@@ -284,7 +284,7 @@ def with_loop(model: Model, loop: Loop) -> Model:
 def with_strut(
     model: Model, name: str, frames: tuple[str, str], numbers: Mapping[str, Any]
 ) -> Model:
-    """The model with one strut more, see `Model.with_strut`."""
+    """The model with one more strut; see `Model.with_strut`."""
     given: dict[str, Any] = {
         key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
         for key, x in numbers.items()
@@ -298,7 +298,7 @@ def with_strut(
 
 # ---------------------------------------------------------------- the twin in space
 def in_space(model: Model) -> Model:
-    """The plane as the xy-plane of space."""
+    """A planar model in space, its plane as the xy-plane."""
     return dataclasses.replace(
         model,
         dim=3,
@@ -322,7 +322,8 @@ def _body_in_space(body: Body) -> Body:
 
 
 def _loop_in_space(loop: Loop) -> Loop:
-    """A pin of the plane holds in space too: revolute stays so about z, a point becomes a ball."""
+    """A planar loop in space: a revolute loop stays revolute about z, a kind that exists in the
+    plane only becomes its counterpart in space."""
     kind = LOOP_KINDS[loop.kind]
     if 3 not in kind.dimensions:
         return replace(loop, kind=kind.elsewhere)

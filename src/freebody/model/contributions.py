@@ -1,4 +1,4 @@
-"""The contribution of each piece of a model to its structure and its numbers: found once, and kept
+"""The contribution of each piece of a model to its structure and its numbers, found once and kept
 with the piece."""
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ PatternEntry = float | tuple[int, float]
 
 @dataclass(frozen=True)
 class PosePattern:
-    """A pose without its numbers."""
+    """The structure of a pose, with places for its numbers."""
 
     R: tuple[tuple[PatternEntry, ...], ...]
     p: tuple[PatternEntry, ...]
 
     def filled(self, scalars: Sequence[Scalar]) -> Pose:
-        """(R, p) with its numbers put in."""
+        """The pose (R, p) with the pattern's numbers filled in."""
 
         def entry(x: PatternEntry) -> Scalar:
             if not isinstance(x, tuple):
@@ -52,7 +52,8 @@ class PosePattern:
 
 
 class SharedForm:
-    """The structure of a piece; equal ones are one object, so that keys made of them are quick."""
+    """The structure of a piece; equal structures are one object, so that keys made of them compare
+    quickly."""
 
     __slots__ = ("__weakref__", "content")
 
@@ -77,8 +78,8 @@ class PoseContribution(NamedTuple):
 
 
 class JointContribution(NamedTuple):
-    """The contribution of a joint: structure, numbers of its placement and of its kind, and of a
-    joint of one coordinate its drive, with the names of the laws that count."""
+    """The contribution of a joint: its structure, the numbers of its placement and kind, and for a
+    joint of one coordinate its drive with the names of the acting laws."""
 
     form: SharedForm
     placed: Array
@@ -99,7 +100,8 @@ def body_parts(model: Model) -> list[BodyContribution]:
 
 
 def part_of(body: Body, dim: int) -> BodyContribution:
-    """The contribution of one body; a new payload and one call are to take microseconds."""
+    """The contribution of one body, fast enough for a new payload and a call to take
+    microseconds."""
     name = _NAME[dim]
     return body.__dict__.get(name) or kept(body, name, _body_part, body, dim)
 
@@ -130,7 +132,7 @@ def _joint_form(kind: str, axis: tuple[float, ...], placed: SharedForm) -> Share
 
 
 def counted_laws(drive: Drive) -> tuple[str, ...]:
-    """Names of the laws of a drive that count."""
+    """Names of the laws of a drive that take part: those that act, and the usual ones with them."""
     return kept(drive, "_counted", _counted_laws, drive)
 
 
@@ -158,8 +160,8 @@ def _drive_row(drive: Drive, names: tuple[str, ...]) -> Array:
 
 
 def laws_along(part: JointContribution, driven: bool) -> tuple[str, ...]:
-    """Names of the laws whose scalars are a joint's numbers: where any joint of the model is
-    driven, all of one coordinate have the usual ones."""
+    """Names of the drive laws whose scalars are among a joint's numbers: its acting laws, or the
+    usual ones where some other joint of the model is driven."""
     return part.laws or (USUAL if driven and part.drive is not None else ())
 
 
@@ -194,7 +196,7 @@ _known_pose_form = lru_cache(maxsize=256)(_pose_form)
 
 
 def _rotation(R: Matrix) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]]:
-    """A rotation in two parts: without its numbers, and the numbers."""
+    """A rotation as a pattern without its numbers, and the numbers."""
     found = _coordinate_turn(R)
     if found is not None:
         return found
@@ -212,8 +214,8 @@ def _rotation(R: Matrix) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Sc
 def _coordinate_turn(
     R: Matrix,
 ) -> tuple[tuple[tuple[PatternEntry, ...], ...], tuple[Scalar, ...]] | None:
-    """A rotation that maps one coordinate axis to one, otherwise by a cosine and a sine, which are
-    its two numbers."""
+    """A rotation that maps one coordinate axis to a coordinate axis as a pattern with a cosine and
+    a sine, its two numbers; None for other rotations."""
     n = len(R)
     kept_axis = _kept_axis(R)
     if kept_axis is None:
@@ -236,8 +238,8 @@ def _coordinate_turn(
 
 
 def _kept_axis(R: Matrix) -> tuple[int, int] | None:
-    """The row and column of the coordinate axis that a rotation maps to one, in the plane (2, 2),
-    the axis normal to it; None of other rotations."""
+    """The row and column of the coordinate axis that a rotation maps to a coordinate axis, in the
+    plane (2, 2), the normal; None for other rotations."""
     n = len(R)
     exact = [(i, j) for i in range(n) for j in range(n) if is_exactly(R[i][j], 1.0, -1.0)]
     if len(exact) != n - 2:
@@ -248,8 +250,8 @@ def _kept_axis(R: Matrix) -> tuple[int, int] | None:
 
 
 def inertial(parts: tuple[Attached, ...], dim: int) -> Array:
-    """Mass, first moment and inertia about the body's origin (..., 10), or (..., 4) in the plane,
-    of all its parts."""
+    """Mass, first moment and inertia about the body's origin (..., 10), in the plane (..., 4), of
+    all parts of a body together."""
     if not parts:
         return _NOTHING[dim]
     total = linear_row(parts[0], dim)
@@ -284,7 +286,8 @@ _NOTHING = {2: np.zeros(4), 3: np.zeros(10)}
 
 
 def gravity_part(model: Model) -> tuple[tuple[bool, ...], Array]:
-    """The field of gravity: for each entry whether it is zero, and the others."""
+    """The contribution of gravity: for each entry of the field whether it is zero, and the entries
+    that are not."""
     return kept(model, "_gravity_part", _field, model)
 
 
@@ -296,7 +299,8 @@ def _field(model: Model) -> tuple[tuple[bool, ...], Array]:
 
 
 def rows_of(part: BodyContribution, laws: tuple[str, ...]) -> list[Array]:
-    """The numbers of a body, a row for each piece, in order; laws: of its drive."""
+    """The numbers of a body as rows: its joint's, its inertia's, and its drive's for the given
+    laws."""
     joint, inertia = part
     if joint.drive is None or not laws:
         return [joint.placed, inertia]
@@ -304,8 +308,8 @@ def rows_of(part: BodyContribution, laws: tuple[str, ...]) -> list[Array]:
 
 
 def joined(parts: Sequence[Array]) -> Array:
-    """Numbers one after the other, (..., k); those of a family broadcast against those of one
-    robot."""
+    """Rows of numbers joined to one array (..., k); those of one robot are broadcast against a
+    family's."""
     if max([part.ndim for part in parts]) == 1:
         return np.concatenate(parts)
     shape = np.broadcast_shapes(*(part.shape[:-1] for part in parts))
@@ -315,7 +319,7 @@ def joined(parts: Sequence[Array]) -> Array:
 
 
 def is_exactly(x: Scalar, *exact: float) -> bool:
-    """Whether a scalar is one of some exact numbers, and no array of a family."""
+    """Whether a scalar equals one of some exact numbers, and is no array of a family."""
     return (type(x) is float or isinstance(x, (float, int))) and x in exact
 
 

@@ -1,5 +1,4 @@
-"""A model in which what is joined firmly comes apart, so that the wrench between the two parts is a
-joint's."""
+"""A model cut at a fixed joint, so that the wrench through it becomes the wrench of a joint."""
 
 from __future__ import annotations
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 def fixed_frame(model: Model, joint: str, function: str) -> Frame:
     """The frame behind a fixed joint of that name, or the frame of that name that is fixed to
-    another; refuses other names."""
+    another one; refuses other names."""
     found = {frame.name: frame for frame in model.frames if frame.parent}
     found |= {frame.joint: frame for frame in model.frames if frame.joint}
     if not isinstance(joint, str) or joint not in found:
@@ -27,8 +26,8 @@ def fixed_frame(model: Model, joint: str, function: str) -> Frame:
 
 
 def cut(model: Model, frame: str) -> Model:
-    """The model with a frame and all that is fixed to it as a body of its own, the last one, behind
-    a hinge.
+    """The model with a frame and all that is fixed to it as a body of its own, put last, behind a
+    hinge.
 
     Its axes are those of the body that it was part of, so that no placement changes; the hinge has
     the last coordinate, and held at 0 transmits what the fixed joint does.
@@ -60,7 +59,7 @@ def cut(model: Model, frame: str) -> Model:
 
 
 def behind(model: Model, name: str) -> set[str]:
-    """Names of a frame and of all that are fixed to it, one by way of another."""
+    """Names of a frame and of all frames fixed to it, directly or through others."""
     on: dict[str, list[str]] = {}
     for frame in model.frames:
         on.setdefault(frame.parent, []).append(frame.name)
@@ -73,7 +72,7 @@ def behind(model: Model, name: str) -> set[str]:
 
 
 def rides(part: Attached, frames: Collection[str]) -> bool:
-    """Whether an inertia is fixed to one of some frames."""
+    """Whether an inertia is attached to one of some frames."""
     return (part.frame if part.load else part.link) in frames
 
 
@@ -84,6 +83,6 @@ def _inertias(model: Model, body: int) -> tuple[Attached, ...]:
 def _split(
     parts: Iterable[Attached], beyond: Collection[str]
 ) -> tuple[tuple[Attached, ...], tuple[Attached, ...]]:
-    """(inertias that do not ride in the frames, inertias that do)."""
+    """(inertias that are not attached to the frames, inertias that are)."""
     told = [(part, rides(part, beyond)) for part in parts]
     return tuple(part for part, at in told if not at), tuple(part for part, at in told if at)

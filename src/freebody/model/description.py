@@ -46,8 +46,8 @@ class Limits:
                 object.__setattr__(self, name, real(value, f"Limits: {name}"))
 
     def fault(self) -> str | None:
-        """Why no joint has these limits, or None; of a family, of the first member that has
-        none."""
+        """The reason why no joint has these limits, or None; for a family, that of the first member
+        with one."""
         given = (
             x.array if isinstance(x, Members) else x
             for x in (self.lower, self.upper, self.velocity, self.effort)
@@ -69,8 +69,8 @@ class Limits:
 
     @property
     def meant(self) -> Limits:
-        """The limits as whatever uses them takes them: files write 0 for "not given", so a position
-        range of no width and a speed or effort of 0 are none."""
+        """The limits as they are used: a position range of no width, and a speed or effort of 0,
+        which files write for "not given", count as infinite."""
         none = self.lower == self.upper
         return Limits(
             -INFINITE if none else self.lower,
@@ -111,29 +111,30 @@ else:
 @dataclass(frozen=True, init=False)
 class Drive(_LawNumbers, Keeps):
     """Forces along a joint of one coordinate besides the motor's: the numbers of all laws
-    (`model.drives`), 0 where a law does not act; names of symbols may be given.
+    (`model.drives`), 0 where a law does not act, or names of symbols.
 
     Among them viscous and dry friction; a rotor, whose inertia J a gear shows as J gear²; a spring.
     """
 
     @property
     def strengths(self) -> tuple[Quantity, ...]:
-        """The numbers without which the laws do not act, one a law."""
+        """The strength of each law, the number without which the law does not act."""
         return tuple(getattr(self, law.strength) for law in LAWS.values())
 
     @cached_property
     def listed_laws(self) -> list[DriveLaw]:
-        """The laws by which a joint is described: the usual ones, and all others that are
-        given."""
+        """The laws by which a joint is described: the usual ones, and all others that have a
+        strength."""
         return [x for x in LAWS.values() if x.usual or _is_given(getattr(self, x.strength))]
 
     @property
     def listed(self) -> tuple[LawNumber, ...]:
-        """The numbers of these laws."""
+        """The numbers of the laws by which a joint is described."""
         return tuple([number for law in self.listed_laws for number in law.numbers])
 
     def fault(self, bounded: bool = False) -> str | None:
-        """Why no joint has this drive, or None; of a family, of the first member that has none.
+        """The reason why no joint has this drive, or None; for a family, that of the first member
+        with one.
 
         bounded: look at numbers within bounds alone, without which no motion follows.
         """
@@ -164,7 +165,8 @@ def _is_given(number: Quantity) -> bool:
 
 
 def _values(number: Quantity) -> list[float]:
-    """The numbers of a quantity, none where its value is not known."""
+    """The values of a quantity as a list, for a family one for each member; empty where the value
+    is not known."""
     known = number.value if isinstance(number, Parameter) else number
     if known is None:
         return []
@@ -248,8 +250,7 @@ TIP = "tip"
 
 @dataclass(frozen=True)
 class Notice:
-    """Something worth knowing about how a model was read: snapped angles, ignored tags, what is
-    doubtful."""
+    """A remark on how a model was read: snapped angles, ignored tags, doubtful values."""
 
     kind: str
     text: str

@@ -85,9 +85,9 @@ def describe(
     base: Placement | None = None,
     tool: Placement | None = None,
 ) -> RobotDescription:
-    """The links and joints of a DH table; for a file also its name, the line of each row, and names
-    of joints. base: where frame 0 is in the root link; tool: a frame behind the last, the tip
-    then."""
+    """The links and joints of a DH table; of a file also its name, the line of each row, and names
+    of joints. base: placement of frame 0 in the root link; tool: a frame behind the last one, which
+    is then the tip."""
     if convention not in ("standard", "modified"):
         raise UnknownNameError("convention", convention, "dh", ("standard", "modified"))
     if not isinstance(rows, Sequence) or not all(isinstance(row, Mapping) for row in rows):
@@ -136,7 +136,8 @@ def _row(
     line: int | None,
     name: str,
 ) -> tuple[Link, Joint, Placement]:
-    """Link, joint and the placement of DH frame i in the link's frame."""
+    """The link and joint of a row of a DH table, and the placement of DH frame i in the link's
+    frame."""
     where = f"dh row {i + 1}"
     for key in row:
         if key not in KEYS:
@@ -173,7 +174,7 @@ def _row(
 
 
 def _entry(row: Mapping[str, Any], key: str, where: str, joint: str) -> Quantity:
-    """A number of the table, which keeps its name, or a symbol."""
+    """An entry of a DH table: a number that keeps its joint and column as a name, or a symbol."""
     given = quantity(row.get(key, 0.0), f"{where}: {key}")
     return NamedNumber(given, (joint, key)) if isinstance(given, float) else given
 

@@ -1,4 +1,4 @@
-"""Doubts on a robot: one table of kinds, and the doubts that a model has.
+"""Doubts about a robot: one table of kinds, and the doubts that a model has.
 
 A kind says what it touches and what weight it has: it bars the verdict, or stands beside it. What
 follows from the model's numbers is found anew for each model, so that a changed copy has its own
@@ -77,7 +77,7 @@ About = tuple[tuple[str, Inertia | Limits | None], ...]
 
 @dataclass(frozen=True)
 class Doubt(Notice):
-    """One doubt on a model: its kind (a name of `DOUBT_KINDS`) and a sentence.
+    """A doubt about a model: its kind (a name of `DOUBT_KINDS`) and a sentence.
 
     joints: the coordinates whose limits are meant; () all. about: names of links, with the inertia
     that is doubted (None: that there is none), or of joints with their limits; () of a doubt that
@@ -89,12 +89,13 @@ class Doubt(Notice):
 
     @property
     def of(self) -> DoubtKind:
-        """The kind of the doubt, which says what it touches and what it weighs."""
+        """The record of the doubt's kind, which says what the doubt touches and how serious it
+        is."""
         return DOUBT_KINDS[self.kind]
 
     @property
     def clause(self) -> str:
-        """The sentence, to go on after."""
+        """The sentence without its full stop, so that a text can go on."""
         return self.text.rstrip(".")
 
 
@@ -122,7 +123,7 @@ class DoubtKind:
 
 # ------------------------------------------------------------ what results ask
 def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
-    """The doubts on these aspects of a model, in the order of the table.
+    """The doubts about these aspects of a model, in the order of the table.
 
     Of a family those of each kind that its first member with such doubts has; of one with very many
     members, `_MEMBERS` of them from the first to the last are looked at. Of a model with parameters
@@ -135,7 +136,7 @@ def doubts_on(model: Model, *aspects: str) -> tuple[Doubt, ...]:
 
 
 def in_one_line(doubts: Iterable[Doubt]) -> str:
-    """Doubts in one line: what bars a verdict after "Not judged:", then what stands beside it; ""
+    """All doubts in one line: those that prevent a verdict after "Not judged:", then the others; ""
     for none."""
     every = list(doubts)
     barring = "; ".join(x.clause for x in every if x.of.bars)
@@ -144,13 +145,14 @@ def in_one_line(doubts: Iterable[Doubt]) -> str:
 
 
 def attribute(doubts: Iterable[Doubt]) -> dict[str, str]:
-    """Doubts as an attribute of a dataset or an entry of a manifest, which those without lack."""
+    """The doubts as an attribute of a dataset or manifest; an empty dict where there are none."""
     line = in_one_line(doubts)
     return {"doubts": line} if line else {}
 
 
 def named(doubts: Iterable[Doubt]) -> str:
-    """Doubts by the names of their kinds, to go on after a title; "" for none."""
+    """The kinds of doubts as text to follow a title, such as "; not judged: placeholders"; "" for
+    none."""
     every = list(doubts)
     barring = ", ".join(dict.fromkeys(x.kind for x in every if x.of.bars))
     beside = dict.fromkeys(x.kind for x in every if not x.of.bars)
@@ -159,24 +161,24 @@ def named(doubts: Iterable[Doubt]) -> str:
 
 
 def capital(text: str) -> str:
-    """A sentence with a capital at its start, unless a name stands there."""
+    """A sentence with a capital first letter, unless it starts with a name."""
     first = text.split(" ", 1)[0].rstrip(",")
     return text[:1].upper() + text[1:] if first.isalpha() and first.islower() else text
 
 
 def doubts_used(model: Model, *aspects: str) -> tuple[Doubt, ...]:
-    """The doubts on what is used of these aspects, where nothing is judged by them: without those
-    on what is not given."""
+    """The doubts about these aspects of a model where they are used but not judged: doubts about
+    missing numbers are left out."""
     return tuple(doubt for doubt in doubts_on(model, *aspects) if not doubt.of.absent)
 
 
 def readings(model: Model) -> tuple[Notice, ...]:
-    """Notices on how the model's file was read, besides doubts and the choice of the tip."""
+    """Notices on how the model's file was read, other than doubts and the choice of the tip."""
     return tuple(x for x in model.notices if not isinstance(x, Doubt) and x.kind != TIP)
 
 
 def barring(doubts: Iterable[Doubt]) -> tuple[Doubt, ...]:
-    """The doubts that bar a verdict."""
+    """The doubts that prevent a verdict."""
     return tuple(doubt for doubt in doubts if doubt.of.bars)
 
 
@@ -207,7 +209,8 @@ def _found(kind: DoubtKind, model: Model, aspects: Sequence[str]) -> list[Doubt]
 
 
 def read_doubts(model: Model) -> list[Doubt]:
-    """The doubts that the model's file tells, and that its numbers have not refuted since."""
+    """The doubts that the model's file states and that the model's numbers have not refuted
+    since."""
     read = [notice for notice in model.notices if isinstance(notice, Doubt)]
     if not read or model.missing or model.family:
         return read
@@ -252,7 +255,7 @@ def weighs(part: Attached) -> bool:
 
 
 def _parts(model: Model) -> list[Attached]:
-    """All links and loads of the robot that move."""
+    """The inertias of all moving links and loads of the robot."""
     return [part for body in model.bodies for part in body.inertias]
 
 
@@ -282,8 +285,8 @@ def _inexact(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 
 def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, str]]:
-    """Names of the links whose inertias no rigid body has, and why, of bodies that break the
-    triangle inequality by so much; without what is never felt."""
+    """Names of links whose inertia no rigid body has, with the reason, on bodies whose breach of
+    the triangle inequality is `wanted`; faults that no motion feels are left out."""
     found = []
     for body, axes in zip(model.bodies, _turned_about(model), strict=True):
         faults = [
@@ -297,9 +300,8 @@ def _faults(model: Model, wanted: Callable[[float], bool]) -> list[tuple[str, st
 
 
 def unfelt_links(model: Model) -> set[str]:
-    """Names of the links with an inertia that no rigid body has, of which nothing is ever felt:
-    those of the base, and such as turn about no other axis than the one that their inertia is
-    given about."""
+    """Names of links whose impossible inertia affects no motion: those of the base, and those that
+    turn only about the axis for which their inertia is given."""
     moving = {
         part.link
         for body, axes in zip(model.bodies, _turned_about(model), strict=True)
@@ -310,16 +312,16 @@ def unfelt_links(model: Model) -> set[str]:
 
 
 def _breach(body: Body) -> float:
-    """The excess of a body's principal moments over the triangle inequality, as a share of the
-    largest one; infinite for masses and moments below 0."""
+    """The excess of a body's principal moments over the triangle inequality, relative to the
+    largest; infinite for negative masses and moments."""
     if any(VALUES.quantity(part.inertia.mass) < 0.0 for part in body.inertias):
         return math.inf
     return excess(_whole(body))
 
 
 def excess(tensor: Array) -> float:
-    """The excess of a tensor's principal moments over the triangle inequality, as a share of the
-    largest one; infinite where none is above 0."""
+    """The excess of a tensor's principal moments over the triangle inequality, relative to the
+    largest; infinite where none is above 0."""
     if tensor.shape == (1, 1):
         return math.inf if tensor[0, 0] < 0.0 else 0.0
     a, b, c = np.linalg.eigvalsh(tensor)
@@ -327,8 +329,8 @@ def excess(tensor: Array) -> float:
 
 
 def _unfelt(part: Attached, axes: Array | None) -> bool:
-    """Whether nothing is felt of what is wrong with a link's inertia: its body never turns, or only
-    about the axis of which alone an inertia is given. axes: see `_turned_about`."""
+    """Whether no motion feels the fault in a link's inertia, since its body never turns, or only
+    about the axis for which its inertia is given. axes: see `_turned_about`."""
     mass, _, tensor = part.inertia.numbers()
     if axes is None or mass < 0.0:
         return False
@@ -342,9 +344,8 @@ def _unfelt(part: Attached, axes: Array | None) -> bool:
 
 
 def _turned_about(model: Model) -> list[Array | None]:
-    """For each body in space the axes about which it ever turns, in its own: none (0, 3), or one
-    (1, 3), about which alone its inertia is felt; None where there are several, and in the
-    plane."""
+    """For each body in space the axes, in its frame, about which it can turn: none (0, 3), or a
+    single one (1, 3); None where there are several, and for planar models."""
     if model.dim == 2:
         return [None] * len(model.bodies)
     space = of_dimension(3)
@@ -371,7 +372,7 @@ def _turned_about(model: Model) -> list[Array | None]:
 
 
 def _whole(body: Body) -> Array:
-    """Inertia about the centre of mass of all that is fixed together."""
+    """The inertia of a body about its centre of mass, all links fixed to it included."""
     dim = body.inertias[0].inertia.dim
     placed = [
         part.inertia.placed(*part.placement.lower(of_dimension(dim), VALUES))
@@ -396,8 +397,8 @@ _ROTORS = tuple(law.strength for law in LAWS.values() if law.inertia is not None
 
 
 def _no_rotor(model: Model, _: Sequence[str]) -> Iterator[str]:
-    """Rotor inertias that are missing in joints whose drive is described otherwise; a textbook's
-    have none."""
+    """A doubt about joints without rotor inertia whose limits are otherwise given; models of
+    textbooks have no such limits."""
     described_joints, without = 0, []
     for body in model.bodies:
         limits, drive = body.joint.limits.meant, body.joint.drive
@@ -433,7 +434,8 @@ def _point(model: Model, _: Sequence[str]) -> Iterator[str]:
 
 # ------------------------------------------------------------ limits
 class _MotorLimits(NamedTuple):
-    """Limits of one coordinate, and what its motor moves: mass, and how far that reaches (m)."""
+    """The limits of one coordinate, with the mass that its motor moves and how far that extends
+    (m)."""
 
     name: str
     slides: bool
@@ -447,18 +449,18 @@ class _MotorLimits(NamedTuple):
 
     @property
     def most(self) -> str:
-        """The effort limit in words."""
+        """The effort limit as text."""
         return f"{self.effort:g} {'N' if self.slides else 'N m'}"
 
     @property
     def fastest(self) -> str:
-        """The speed limit in words."""
+        """The speed limit as text."""
         return f"{self.speed:g} {'m' if self.slides else 'rad'}/s"
 
 
 def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
-    """Limits that are placeholders: equal round numbers on joints that move different masses, or
-    such as no robot has."""
+    """Doubts about limits that are placeholders: equal round numbers on joints that move different
+    masses, or values that no robot has."""
     motors = _motors(model)
     alike = [*_alike(motors)]
     yield from alike
@@ -471,7 +473,7 @@ def _placeholders(model: Model, _: Sequence[str]) -> Iterator[Doubt]:
 
 
 def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doubt]:
-    """A doubt on limits that no robot has: names of joints with their limits in words."""
+    """A doubt about limits that no robot has, from the joints' names and their limits as text."""
     if found:
         names, several = tuple(name for name, _ in found), len(found) > 1
         text = (
@@ -482,7 +484,7 @@ def _beyond_belief(what: str, found: Sequence[tuple[str, str]]) -> Iterator[Doub
 
 
 def _motors(model: Model) -> list[_MotorLimits]:
-    """The limits of all coordinates that a motor of their own moves."""
+    """The limits and moved masses of all coordinates that have a motor of their own."""
     given, moved = usable_limits(model).given, _moved(model)
     based = any(VALUES.quantity(part.inertia.mass) for part in model.base_inertias)
     return [
@@ -500,7 +502,7 @@ def _motors(model: Model) -> list[_MotorLimits]:
 
 
 def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
-    """Round limits that several joints share, though they move different masses."""
+    """Doubts about round limits that several joints share although they move different masses."""
     groups: dict[tuple[str, str], list[_MotorLimits]] = {}
     for motor in motors:
         if _is_round(motor.speed) and _is_round(motor.effort):
@@ -516,15 +518,15 @@ def _alike(motors: Sequence[_MotorLimits]) -> Iterator[Doubt]:
 
 
 def _is_strong(drive: _MotorLimits, mass: float) -> bool:
-    """Whether no joint of a robot of this mass (kg) has such an effort."""
+    """Whether an effort limit is larger than any joint of a robot of this mass (kg) has."""
     strongest = _STRONGEST["N" if drive.slides else "N m"] * mass
     strongest *= 1.0 if drive.carried else _ON_THE_GROUND
     return isfinite(drive.effort) and drive.effort > strongest > 0.0
 
 
 def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_MotorLimits]:
-    """Motors too strong for the robot of this mass (kg) that carries them: the strongest, and all
-    that are as strong, until the others are not too strong together."""
+    """Motors too strong for the robot of this mass (kg) that carries them: the strongest and its
+    equals, removed until the rest together is plausible."""
     carried = [d for d in drives if d.carried and not d.slides and isfinite(d.effort)]
     total, least = sum(drive.effort for drive in carried), math.inf
     for drive in sorted(carried, key=lambda drive: -drive.effort):
@@ -535,12 +537,12 @@ def _overloading(drives: Sequence[_MotorLimits], mass: float) -> Iterator[_Motor
 
 
 def _is_round(x: float) -> bool:
-    """Whether one digit is all that it has."""
+    """Whether a number has a single significant digit."""
     return isfinite(x) and x > 0.0 and float(f"{x:.0e}") == x
 
 
 def _different(masses: Iterable[float]) -> int:
-    """The number of masses that are not the same."""
+    """The number of clearly different masses."""
     count, last = 0, 0.0
     for mass in sorted(masses):
         if mass > _APART * last:
@@ -549,7 +551,8 @@ def _different(masses: Iterable[float]) -> int:
 
 
 def _moved(model: Model) -> list[tuple[float, float]]:
-    """For each joint the mass that it moves, and how far that reaches from it at most (m)."""
+    """For each joint the mass that it moves (kg), and the largest distance of that mass from it
+    (m)."""
     space = of_dimension(model.dim)
 
     def far(placement: Placement, beyond: Vector = ()) -> float:
@@ -576,8 +579,8 @@ def _moved(model: Model) -> list[tuple[float, float]]:
 
 
 def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
-    """Limits that the description does not give, and joints of which nothing tells what moves
-    them."""
+    """A doubt about limits that the description does not give, and about joints of several
+    coordinates without motors."""
     allowed = usable_limits(model)
     found = _absent_limits(model, allowed, aspects)
     if allowed.apart and RANGES in aspects:
@@ -591,7 +594,7 @@ def _missing(model: Model, aspects: Sequence[str]) -> Iterator[str]:
 
 
 def _absent_limits(model: Model, allowed: UsableLimits, aspects: Sequence[str]) -> list[str]:
-    """The limits of driven joints that are not given, in words, those of the same joints
+    """The missing limits of driven joints in words, with joints that lack the same limits
     together."""
     driven = [
         (body, at.v[0])

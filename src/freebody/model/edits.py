@@ -1,5 +1,5 @@
-"""Copies of a model in which a few numbers are other: its numbers are found at once, its pieces
-when somebody looks at them.
+"""Copies of a model with a few numbers changed: their numbers are computed at once, their pieces on
+first access.
 
 An edited copy is a `NumberLayout` and its *edits*, {slot: number}; an edit of an edited copy is one
 of the same layout, so that a row of changes keeps no row of models. Whatever is no plain change
@@ -38,7 +38,7 @@ Edits = dict[int, float]
 
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
-    """The model with other numbers, see `Model.bind`."""
+    """The model with other numbers; see `Model.bind`."""
     if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
         return _asked(model, named_numbers.bind(model, values)) if found is None else found
@@ -46,7 +46,7 @@ def bound(model: Model, values: Mapping[Any, Any]) -> Model:
 
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
-    """The model with another drive in a joint, see `Model.with_drive`."""
+    """The model with another drive in a joint; see `Model.with_drive`."""
     for name in given:
         if name not in NUMBERS:
             raise UnknownNameError("number", name, "a drive", tuple(NUMBERS))
@@ -56,7 +56,7 @@ def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
 
 
 def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
-    """The model with a load more, see `Model.with_payload`."""
+    """The model with another load; see `Model.with_payload`."""
     found = _loaded(model, inertia, frame, name)
     if found is None:
         found = _asked(model, changes.with_payload(model, inertia, frame, name))
@@ -64,7 +64,8 @@ def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Mode
 
 
 def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
-    """The model with other numbers, by names in full."""
+    """The model with other numbers, given by their full names; None where the layout of numbers
+    does not allow it."""
     layout = _layout(model)
     if layout is None:
         return None
@@ -103,7 +104,8 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
 
 
 def _loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model | None:
-    """The model with a load, by the layout of its numbers; None where that is not enough."""
+    """The model with a load, made from the layout of its numbers; None where the layout does not
+    allow it."""
     layout = _layout(model)
     entries = inertia.mass, *inertia.com, *inertia.tensor
     if (
@@ -138,9 +140,8 @@ def _copy(layout: NumberLayout, edits: Edits, values: SlotValues) -> Model:
 
 # ---------------------------------------------------------------- when it is worth while
 def _layout(model: Model) -> NumberLayout | None:
-    """The model's layout, which takes as long to find as many changes: found when the model, or
-    those that it is made from, have been changed before. None for families and where values are
-    missing."""
+    """The layout of a model's numbers, made only for models that are changed repeatedly, since it
+    takes as long as many changes; None for others, for families and where values are missing."""
     own = model.__dict__
     if "_layout" in own:
         return own["_layout"]
@@ -158,14 +159,14 @@ _ASKED = "_asked_for_layout"
 
 
 def _asked(model: Model, copy: Model) -> Model:
-    """The copy, which is one of a row of changes."""
+    """The copy, marked as one of a series of changes if the model is."""
     if _ASKED in model.__dict__:
         copy.__dict__[_ASKED] = True
     return copy
 
 
 def _are_plain(model: Model, names: Iterable[Any]) -> bool:
-    """Whether numbers of these names may have slots, as angles and limits do not."""
+    """Whether numbers of these names can be changed by the layout, as angles and limits cannot."""
     known = named_numbers.known(model)
     rows = [known.rows.get(str(known.aliases.get(name, name))) for name in names]
     return all(
@@ -178,8 +179,7 @@ def _are_plain(model: Model, names: Iterable[Any]) -> bool:
 
 # ---------------------------------------------------------------- pieces
 class LazyPiece:
-    """A field that an edited copy has not yet; whatever has it keeps it in the instance, where it
-    is found before this."""
+    """A field that an edited copy computes on first access and then keeps in the instance."""
 
     def __init__(self, name: str):
         self.name = name
@@ -201,8 +201,8 @@ class LazyPiece:
 
 
 def make_lazy(kind: type) -> None:
-    """Let the class of models find the pieces of edited copies. A `__getattr__` would do it too,
-    but take ten nanoseconds from every call of every robot."""
+    """Make a class of models compute the pieces of edited copies lazily. A `__getattr__` could do
+    so too, but would cost every call of every robot ten nanoseconds."""
     for name in CHANGING:
         setattr(kind, name, LazyPiece(name))
 
@@ -212,7 +212,7 @@ RowPlan = tuple[list[int], list[tuple[slice, list[RowEntries]]]]
 
 
 class NumberLayout:
-    """The places of the numbers of a model that is one robot and has all values."""
+    """The places of a model's numbers in its arrays, for a single robot with all values."""
 
     def __init__(self, model: Model):
         self.origin = copied(model)  # no circle of references
@@ -253,21 +253,20 @@ class NumberLayout:
         self._loads: dict[tuple[Any, Any], LoadedLayout | None] = {}
 
     def _leads(self, path: PiecePath) -> bool:
-        """Whether all that follows from the number at a path is known; frames of a tree are none of
-        its numbers."""
+        """Whether all results of changing the number at a path are known; a tree's frames depend on
+        none of its numbers."""
         return path in self.rows.at or (path[0] == "frames" and path[-2] == "by")
 
     # ------------------------------------------------------------ what follows
     def filled(self, edits: dict[int, float]) -> SlotValues:
-        """The number in each slot, other ones in some."""
+        """The number in each slot, with some slots edited."""
         values = self.rows.values.copy()
         for slot, value in edits.items():
             values[slot] = value
         return values
 
     def is_physical(self, slots: Iterable[int], values: SlotValues) -> bool:
-        """Whether the inertias that these slots belong to surely are those of rigid bodies, and
-        the drives those of motors."""
+        """Whether the inertias and drives that use these slots are surely physical."""
         for slot in slots:
             if slot in self.rows.below and not 0.0 < values[slot] < self.rows.below[slot]:
                 return False
@@ -278,8 +277,8 @@ class NumberLayout:
         return True
 
     def numbers_with(self, edits: dict[int, float], values: SlotValues) -> Array | None:
-        """The numbers of the structure, those of `edits` being in the values; None where the
-        structure is another."""
+        """The structure's numbers with some slots edited, whose values include the edits; None
+        where the edits change the structure."""
         slots = tuple(edits)
         positions, rows = self._plans.get(slots) or self._planned(slots)
         places = self.rows.places.copy()
@@ -297,7 +296,7 @@ class NumberLayout:
         return numbers
 
     def _planned(self, slots: tuple[int, ...]) -> RowPlan:
-        """The positions and rows that follow from slots."""
+        """The positions and rows of numbers that depend on the given slots."""
         touched = frozenset(slots)
         positions = [k for k, x in enumerate(self.rows.positions) if x.slots & touched]
         rows = []
@@ -310,7 +309,8 @@ class NumberLayout:
 
     # ------------------------------------------------------------ loads
     def loaded(self, frame: str | None, name: str) -> LoadedLayout | None:
-        """The layout with a load more; None when it is first asked for, since most are once."""
+        """The layout with another load; None on the first request, since most loads are used
+        once."""
         key = frame, name
         if key in self._loads:
             return self._loads.get(key) or self._grown(key)
@@ -342,7 +342,7 @@ def _known(part: RowPart) -> RowEntries:
 
 
 class LoadedLayout(NamedTuple):
-    """A layout of numbers with one load more."""
+    """The layout of a model's numbers with one more load."""
 
     layout: NumberLayout
     moved: dict[int, int]

@@ -1,5 +1,5 @@
-"""A program of its own: MuJoCo parses and compiles a file, and the numbers that freebody reads are
-printed as JSON.
+"""A separate program in which MuJoCo parses and compiles a file, and which prints the numbers that
+freebody reads as JSON.
 
 MuJoCo is written in C, and a broken file can end its process: that is not to be the user's. Run as
 `python compiled.py FILE`, or without a file with the text on standard input. It imports nothing of
@@ -151,8 +151,8 @@ def actuators(m, mujoco):
 
 
 def tendons(m, mujoco):
-    """Each tendon's spring and damper; the two sites between which it runs, none of one that runs
-    otherwise; and whether it has anything more."""
+    """Each tendon's spring and damper, the two sites between which it runs straight (none for other
+    courses), and whether it has further properties."""
     found = rows(
         m,
         mujoco,

@@ -49,7 +49,7 @@ def describe(file: str, on_disk: bool, data: bytes, name: str) -> RobotDescripti
 
 
 def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
-    """The numbers that MuJoCo makes of the file, in a process that may fail."""
+    """The numbers of a file as MuJoCo compiles it, in a process of its own that may fail."""
     from importlib.util import find_spec
 
     if find_spec("mujoco") is None:
@@ -86,7 +86,7 @@ def _compiled(file: str, on_disk: bool, data: bytes) -> dict[str, Any]:
 
 @dataclass
 class _MjcfReader:
-    """One compiled model, and the parts of the description found so far."""
+    """A reader of one compiled model, with the parts of the description found so far."""
 
     file: str
     given: dict[str, Any]
@@ -141,7 +141,8 @@ class _MjcfReader:
         )
 
     def home(self) -> tuple[tuple[str, float], ...]:
-        """Where the file draws the joints, and closes its loops."""
+        """Joint positions (rad, m) in which the file draws the robot and closes its loops, by
+        joint, where they are not 0."""
         single = zip(self.joint_names, self.given["joints"], strict=True)
         return tuple(
             (name, joint["zero"])
@@ -150,7 +151,7 @@ class _MjcfReader:
         )
 
     def names(self, parts: list[dict[str, Any]], what: str) -> list[str]:
-        """Their names, made up where the file gives none."""
+        """The names of parts, made up and unique where the file gives none."""
         taken = {part["name"] for part in parts}
         found = []
         for i, part in enumerate(parts):
@@ -273,7 +274,7 @@ class _MjcfReader:
 
     # ------------------------------------------------------------ constraints
     def followers(self) -> dict[int, Mimic]:
-        """The joints that equalities make follow another."""
+        """The joints that equality constraints make follow another joint, by index."""
         found = {}
         for equality in self.given["equalities"]:
             if equality["type"] != "joint" or not equality["active"]:
@@ -291,7 +292,7 @@ class _MjcfReader:
         return found
 
     def equality(self, given: dict[str, Any]) -> None:
-        """A loop, from a connect or a weld."""
+        """Add the loop that a connect or weld constraint closes."""
         kind, index = given["type"], len(self.loops) + 1
         called = given["name"] or f"loop{index}"
         if kind == "joint":
@@ -321,7 +322,7 @@ class _MjcfReader:
         self.loops.append(Loop(called, closing, (frames[0], frames[1])))
 
     def tendon(self, given: dict[str, Any]) -> None:
-        """A strut, from a tendon between sites of two bodies."""
+        """Add the strut that a tendon between sites of two bodies stands for."""
         if not (given["stiffness"] or given["damping"] or given["more"]):
             return
         name = given["name"] or f"tendon{len(self.struts) + 1}"
@@ -341,11 +342,11 @@ class _MjcfReader:
 
     # ------------------------------------------------------------ frames and notices
     def in_link(self, body: int, position: Any, quaternion: Any) -> Placement:
-        """A pose given in a body's frame, in its link's."""
+        """A pose given in a body's frame, expressed in the frame of its link."""
         return _moved(np.array(position) - self.at[body]).then(_turned(quaternion))
 
     def mount(self, name: str, body: int, placement: Placement) -> str:
-        """Fix a frame to a body's link; the name that it has."""
+        """Fix a frame to a body's link; returns the name that it gets."""
         taken = {*self.body_names, *(mount.name for mount in self.mounts)}
         while name in taken:
             name += "_site"

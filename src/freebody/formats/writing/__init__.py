@@ -1,1 +1,1 @@
-"""Models as text of each format that is written, a file each."""
+"""Writers of models as text, a file for each format."""

@@ -1,5 +1,5 @@
-"""Models for formats that hold less than freebody's own: in plain numbers, with the joints that
-the format knows, and with sentences on whatever it cannot hold.
+"""A model's contents for formats that hold less than freebody's own: in plain numbers, with joints
+that the format knows, and sentences on whatever is lost.
 
 A writer of a format says what it holds (`Holds`), and prints what `contents_of` makes of a model.
 """
@@ -36,7 +36,7 @@ _OUTSIDE_XML = re.compile(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
 
 @dataclass(frozen=True)
 class Holds:
-    """A format's place for what a model can have besides links, joints and masses.
+    """The features beyond links, joints and masses that a file format can hold.
 
     kinds: of joints, by their names here. drive: numbers of drives. loops: kinds of loops.
     struts, gravity, velocity (its limits): whether there is a place for it. base: how a floating
@@ -58,9 +58,8 @@ class Holds:
 
 @dataclass(frozen=True)
 class WrittenLink:
-    """A link, or a frame that is mounted on one, where it is in its parent link; without a joint it
-    is fixed there, by a fixed joint whose name is known or empty. The root has no parent. Its
-    inertia is in its own frame."""
+    """A link, or a frame mounted on one, with its pose in its parent; without a joint it is fixed,
+    by a joint whose name may be known. The root has no parent. Its inertia is in its own frame."""
 
     name: str
     parent: str
@@ -86,7 +85,7 @@ class WrittenJoint:
 
 @dataclass(frozen=True)
 class WrittenLoop:
-    """A loop; each of its frames is a link and a pose there."""
+    """A loop; each of its frames is given by a link and a pose on it."""
 
     name: str
     kind: str
@@ -108,7 +107,8 @@ class WrittenStrut:
 
 @dataclass(frozen=True)
 class Contents:
-    """A model in plain numbers, links in an order where parents come first, and its losses."""
+    """A model in plain numbers, each link behind its parent, with sentences on what a format loses
+    of it."""
 
     name: str
     links: tuple[WrittenLink, ...]
@@ -122,13 +122,13 @@ class Contents:
     """The joint that carries the root of a robot whose base floats."""
 
     def with_losses(self, more: Iterable[str]) -> Contents:
-        """Contents like these that lose more."""
+        """A copy of the contents with further losses."""
         return replace(self, losses=(*self.losses, *more))
 
     @property
     def joined(self) -> list[WrittenLink]:
-        """The links and frames that have a parent, those that move in the order of their joints,
-        the others behind."""
+        """The links and frames that have a parent: those that joints move in the joints' order,
+        then the others."""
         place = {name: k for k, name in enumerate(self.joint_names)}
         last = len(place)
         held = (link for link in self.links if link.parent)
@@ -136,13 +136,13 @@ class Contents:
 
     @property
     def taken(self) -> set[str]:
-        """Names of joints, fixed ones included."""
+        """The names of all joints, fixed ones included."""
         fixed = {link.fixed for link in self.links if link.fixed}
         return fixed.union(self.joint_names)
 
     @property
     def parts(self) -> dict[str, WrittenLink]:
-        """Links and mounted frames by name."""
+        """Links and mounted frames, by name."""
         return {link.name: link for link in self.links}
 
 
@@ -154,7 +154,7 @@ def contents_of(model: Model, holds: Holds) -> Contents:
 
 @dataclass
 class _Collection:
-    """One model on its way into a format, and what was lost so far."""
+    """The conversion of one model to what a format holds, with the losses found so far."""
 
     given: Model
     holds: Holds
@@ -189,7 +189,8 @@ class _Collection:
 
     # ------------------------------------------------------------ what becomes another
     def in_known_joints(self) -> Model:
-        """The model in space, joints of kinds that the format lacks taken apart."""
+        """The model in space, with joints of kinds that the format lacks replaced by simpler
+        ones."""
         model, known = self.given, self.holds.kinds
         if model.dim == 2:
             self.losses.append("the plane: its twin in space is written (model.to_space())")
@@ -242,7 +243,8 @@ class _Collection:
         return tuple(found)
 
     def masses(self) -> dict[str, Inertia]:
-        """The inertia of each link, in its own frame; a load's counts to the frame it rides in."""
+        """The inertia of each link in its own frame; a load's is added to the link or frame that
+        carries it."""
         model = self.model
         frames = {frame.name: frame for frame in model.frames}
         parts: dict[str, list[Inertia]] = {}
@@ -261,7 +263,7 @@ class _Collection:
         }
 
     def carrier(self, load: Attached) -> str:
-        """The link that a load's mass counts to: that of the frame that it rides in."""
+        """The name of the link or frame to which a load's mass is added."""
         frames = {frame.name: frame for frame in self.model.frames}
         name = load.frame
         while frames[name].mounted:
@@ -287,7 +289,8 @@ class _Collection:
         )
 
     def drive(self, joint: str, given: Drive) -> dict[str, float]:
-        """The numbers of all laws, at their defaults where the format has no place for them."""
+        """The numbers of all drive laws of a joint, with defaults for those that the format cannot
+        hold."""
         kept = {n.name: float(n.default) for law in LAWS.values() for n in law.numbers}
         for law in LAWS.values():
             numbers = {n.name: float(VALUES.quantity(getattr(given, n.name))) for n in law.numbers}
@@ -335,7 +338,8 @@ class _Collection:
         return x, y, z
 
     def lose_names(self) -> None:
-        """The names of parameters, but that of gravity, which readers give."""
+        """Record the loss of the parameters' names and formulas; gravity's name is not counted,
+        since readers restore it."""
         model = self.given
         gravity = {p.name for p in each_parameter(model.gravity_size)} & {"g"}
         names = [name for name in model.parameters if name not in gravity]
@@ -365,7 +369,8 @@ class _Collection:
         self.losses += [f"the doubt that {_begun(doubt.clause)}" for doubt in read_doubts(model)]
 
     def motors_tell(self) -> bool:
-        """Whether motors, of which there are some, say which joints have none."""
+        """Whether a written file shows by its motors which joints are passive: it has loops and at
+        least one motor."""
         kept = [loop for loop in self.model.loops if loop.kind in self.holds.loops]
         return bool(kept and self.model.actuated)
 
@@ -375,7 +380,8 @@ def _begun(sentence: str) -> str:
 
 
 def behind(outer: Placement, whole: Placement) -> tuple[np.ndarray, np.ndarray]:
-    """The pose of a frame in another one, both being placed in the same body."""
+    """The rotation and position of a frame in another one, from both placements in the same
+    body."""
     steps = outer.steps
     if whole.steps[: len(steps)] == steps:  # as they were written, without rounding
         R, p = Placement(whole.steps[len(steps) :]).lower(space, VALUES)
@@ -392,7 +398,7 @@ def _as_tuples(R: np.ndarray, p: np.ndarray) -> Pose:
 
 
 def lost_names(fixed: Iterable[str]) -> list[str]:
-    """The loss of the names of fixed joints, if there are any."""
+    """The sentence on lost names of fixed joints; none where there are none."""
     names = sorted(fixed)
     if not names:
         return []
@@ -401,7 +407,7 @@ def lost_names(fixed: Iterable[str]) -> list[str]:
 
 
 def fixed_name(link: str, taken: set[str]) -> str:
-    """A name for the joint that holds a link, where the model keeps none."""
+    """A new name for the fixed joint of a link, for models that keep none."""
     name = f"{link}_joint"
     while name in taken:
         name += "_"
@@ -419,7 +425,7 @@ def checked_names(contents: Contents, format_name: str, more: Sequence[str] = ()
 
 
 def kept_name(name: str, format_name: str) -> str:
-    """The name, where XML keeps it; else it is refused."""
+    """The name itself where XML keeps it; else an error is raised."""
     if _OUTSIDE_XML.search(name) or name != name.strip():
         raise FreebodyError(
             f"save: {name!r} is no name in {format_name}, which is XML: remove control "

@@ -1,5 +1,6 @@
-"""Denavit-Hartenberg table of a serial arm: fitted to its joint axes, which every arm of joints
-that turn or slide allows (Siciliano et al. 2009, section 2.8.2), between a base and a tool.
+"""The Denavit-Hartenberg table of a serial arm, fitted to its joint axes, which is possible for
+every arm of turning and sliding joints (Siciliano et al. 2009, section 2.8.2), between a base and a
+tool.
 
 Frame i of the standard convention has its z on the axis of joint i + 1 and its x on the common
 normal of the axes i and i + 1, so that the pose of a link is told by two turns and two shifts.
@@ -52,7 +53,7 @@ DhFrame = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True)
 class _Fit:
-    """Where the table's frames are with all joints at 0, frame 0 first, and their rows theta, d, a,
+    """A fitted DH table: its frames with all joints at 0, frame 0 first, and its rows theta, d, a,
     alpha."""
 
     frames: tuple[DhFrame, ...]
@@ -60,7 +61,7 @@ class _Fit:
 
 
 def written(model: Model) -> tuple[str, list[str]]:
-    """The text, and in words what of the model is not in it."""
+    """The DH table of a model as text, and sentences on what the table loses of the model."""
     contents = contents_of(model, HOLDS)
     chain = _chain(contents)
     drawn = _drawn(contents)
@@ -94,8 +95,8 @@ def written(model: Model) -> tuple[str, list[str]]:
 
 
 def _lost_of_arm(contents: Contents, chain: list[WrittenLink], inner: str | None) -> list[str]:
-    """The losses of an arm that has its coordinates in another order, or its tip, `inner`, not on
-    the last link, or a base with mass."""
+    """Sentences on what a DH table loses of an arm: the order of its coordinates, a tip (`inner`)
+    that is not on the last link, a base with mass."""
     losses = []
     if inner is not None:
         losses.append(
@@ -150,7 +151,7 @@ def _refuse(contents: Contents, why: str) -> None:
 
 
 def _drawn(contents: Contents) -> dict[str, DhFrame]:
-    """Poses of links and frames with every joint at 0."""
+    """The poses of links and frames with every joint at 0, by name."""
     found: dict[str, DhFrame] = {"": (np.eye(3), np.zeros(3))}
     for link in contents.links:
         found[link.name] = _composed(found[link.parent], link.pose)
@@ -158,14 +159,15 @@ def _drawn(contents: Contents) -> dict[str, DhFrame]:
 
 
 def _axis(link: WrittenLink, drawn: dict[str, DhFrame]) -> DhFrame:
-    """A frame with its origin in the joint's and its z along the axis."""
+    """A frame with its origin at a link's joint and its z axis along the joint's axis."""
     R, p = drawn[link.name]
     assert link.joint
     return R @ _towards(np.array(link.joint.axis)), p
 
 
 def _towards(axis: np.ndarray) -> np.ndarray:
-    """A rotation whose z is an axis; where that is a coordinate axis, of whole numbers."""
+    """A rotation that takes z to a given axis; made of whole numbers where that is a coordinate
+    axis."""
     if axis[2] == 1.0:
         return np.eye(3)
     k = int(np.argmin(abs(axis)))
@@ -176,7 +178,8 @@ def _towards(axis: np.ndarray) -> np.ndarray:
 
 # ---------------------------------------------------------------- the fit
 def _fitted(axes: list[DhFrame], tip: DhFrame) -> _Fit:
-    """Frames by the axes of the joints, in order; the last is the tip where it can be."""
+    """A DH table fitted to the joints' axes in their order; its last frame is the tip where a row
+    can reach it."""
     first = axes[0]
     on_z = math.hypot(*first[1][:2]) <= _ROUNDED and first[0][2, 2] >= 1.0 - _ROUNDED
     frames = [(np.eye(3), np.zeros(3)) if on_z else first]
@@ -196,7 +199,7 @@ def _fitted(axes: list[DhFrame], tip: DhFrame) -> _Fit:
 
 
 def _common_normal(frame: DhFrame, axis: DhFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x, z and origin of the next frame, whose z is on an axis."""
+    """The x axis, z axis and origin of the next DH frame, whose z lies along a given axis."""
     (R, p), z, on = frame, axis[0][:, 2], axis[1]
     across = np.cross(R[:, 2], z)
     sine = np.linalg.norm(across)
@@ -211,7 +214,8 @@ def _common_normal(frame: DhFrame, axis: DhFrame) -> tuple[np.ndarray, np.ndarra
 
 
 def _end(frame: DhFrame, tip: DhFrame) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """x, z and origin of the tip, if the last row reaches it; else of the frame before it."""
+    """The x axis, z axis and origin of the last DH frame: the tip's where a row can reach it, else
+    those of the frame before."""
     R, p = _between(frame, tip)
     x, z = R[:, 0], R[:, 2]
     off = p - p[2] * np.array((0.0, 0.0, 1.0)) - (p @ x) * x
@@ -226,7 +230,8 @@ def _clean(value: float) -> float:
 
 
 def _residual(fit: _Fit, axes: list[DhFrame], tool: DhFrame, tip: DhFrame) -> float:
-    """How far axes and tip of the table are from the arm's, in m or as the sine of an angle."""
+    """How far the table's axes and tip are from the arm's: the largest deviation, in m or as the
+    sine of an angle."""
     R, p = _composed(fit.frames[-1], tool)
     off = [abs(R - tip[0]).max(), abs(p - tip[1]).max()]
     for (own, at), (its, on) in zip(fit.frames[:-1], axes, strict=True):
@@ -266,7 +271,7 @@ def _row(
 def _mass(
     contents: Contents, link: WrittenLink, drawn: dict[str, DhFrame], frame: DhFrame
 ) -> Inertia | None:
-    """The inertia of all that moves with a link, in the frame of its row."""
+    """The inertia of all parts that move with a link, in the DH frame of its row."""
     moved, parts = {link.name}, []
     for other in contents.links:
         if other.name == link.name or (other.parent in moved and other.joint is None):
@@ -278,7 +283,7 @@ def _mass(
 
 
 def _resting(contents: Contents) -> list[str]:
-    """The links with mass that no joint moves."""
+    """The names of the links with mass that no joint moves."""
     still, found = {""}, []
     for link in contents.links:
         if link.parent in still and link.joint is None:
@@ -300,7 +305,8 @@ def _number(x: float) -> str:
 
 # ---------------------------------------------------------------- what is lost
 def _lost(contents: Contents, drawn: dict[str, DhFrame], text: str, tip: str | None) -> list[str]:
-    """The frames that the table, as it is read, has not or has elsewhere, and gravity."""
+    """Sentences on the direction of gravity and the frames that a table, read back, lacks or has
+    elsewhere."""
     x, y, z = contents.gravity
     losses = []
     if x or y or z > 0.0:
@@ -333,7 +339,7 @@ def _is_near(one: DhFrame, other: DhFrame) -> bool:
 
 
 def _stepped(theta: float, d: float, a: float, alpha: float) -> Pose:
-    """The pose of a row's frame in the one before, as readers compute it."""
+    """The pose of a DH row's frame in the frame before, computed as readers do."""
     steps = (
         AxisRotation("z", theta),
         Shift((0.0, 0.0, d)),

@@ -1,5 +1,5 @@
-"""MJCF of a model: bodies one in another, their joints in them, frames as sites, loops and mimics
-as equalities between sites and joints, struts as tendons between sites."""
+"""MJCF of a model: bodies nested with their joints, frames as sites, loops and mimics as equalities
+between sites and joints, struts as tendons between sites."""
 
 from __future__ import annotations
 
@@ -54,14 +54,15 @@ _ROUNDED = 1e-12
 
 
 def written(model: Model) -> tuple[str, list[str]]:
-    """The text, and in words what of the model is not in it."""
+    """The MJCF text of a model, and sentences on what it loses of the model."""
     contents = contents_of(model, HOLDS)
     checked_names(contents, "MJCF", [strut.name for strut in contents.struts])
     return _Writer(contents, flat=model.dim == 2).written()
 
 
 class _Writer:
-    """One file: the elements of links by name, and what was lost so far."""
+    """The writer of one MJCF file, with the elements of links by name and the losses found so
+    far."""
 
     def __init__(self, contents: Contents, flat: bool):
         self.contents, self.flat = contents, flat
@@ -172,7 +173,7 @@ class _Writer:
         )
 
     def principal(self, name: str, tensor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The principal moments of inertia and axes, as MuJoCo takes them."""
+        """The principal moments and axes of an inertia tensor in the form that MuJoCo takes."""
         if self.flat:
             # nothing turns out of the plane, so that a disc moves as what only turns in it
             zz = tensor[2, 2]
@@ -267,7 +268,8 @@ class _Writer:
                 self.equality(equality, tag, loop.name, ends, np.zeros(3))
 
     def end(self, frame: str) -> tuple[Element, np.ndarray, np.ndarray]:
-        """The body that a loop's frame is fixed to, and the pose there."""
+        """The body element that a loop's frame is fixed to, and the frame's rotation and position
+        there."""
         link, R, p = self.contents.parts[frame], np.eye(3), np.zeros(3)
         while link.mounted:
             own = np.array(link.pose[0])
@@ -283,7 +285,8 @@ class _Writer:
         ends: list[tuple[Element, np.ndarray, np.ndarray]],
         by: np.ndarray,
     ) -> None:
-        """Two sites that are held together, `by` off the frames of a loop."""
+        """Add an equality that holds two sites together, at the offset `by` from the frames of a
+        loop."""
         # readers call the ends so
         sites = [
             self.site(f"{name}_{side}", body, (R, p + R @ by))
@@ -292,7 +295,7 @@ class _Writer:
         SubElement(equality, tag, {"name": name, "site1": sites[0], "site2": sites[1]})
 
     def site(self, name: str, body: Element, pose: Pose | tuple[np.ndarray, np.ndarray]) -> str:
-        """The name of a new site on a body."""
+        """Add a site to a body; returns its name."""
         while name in self.sites:
             name += "_"
         self.sites.add(name)
@@ -301,7 +304,7 @@ class _Writer:
 
     # ------------------------------------------------------------ struts
     def tendons(self) -> None:
-        """Struts as tendons that are a spring and a damper between two sites."""
+        """Add struts as tendons, each a spring and a damper between two sites."""
         told = [(strut, self.spring(strut)) for strut in self.contents.struts]
         kept = [(strut, rest) for strut, rest in told if strut.stiffness or strut.damping]
         if not kept:
@@ -323,8 +326,8 @@ class _Writer:
                 SubElement(spatial, "site", {"site": site})
 
     def spring(self, strut: WrittenStrut) -> float:
-        """The rest length at which the spring of a strut, which has no preload in MuJoCo, has the
-        same force."""
+        """The rest length (m) that gives a strut's spring the right force in MuJoCo, which knows no
+        preload."""
         stiffness, rest, preload = strut.stiffness, strut.rest, strut.preload
         if not stiffness and not strut.damping:
             which = "which is a preload alone" if preload else "which has no force"

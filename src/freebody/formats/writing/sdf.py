@@ -1,5 +1,5 @@
-"""SDF of a model: each link's pose is given in its parent's, so that joints, which have their
-child's frame, say nothing of their own; rotors as Drake reads them."""
+"""SDF of a model: each link's pose is given in its parent's, so that joints, whose frame is their
+child's, need no pose; rotors as Drake reads them."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ _CLOSED = 1e-12
 
 
 def written(model: Model) -> tuple[str, list[str]]:
-    """The text, and in words what of the model is not in it."""
+    """The SDF text of a model, and sentences on what it loses of the model."""
     contents = _with_names_apart(contents_of(model, HOLDS))
     checked_names(contents, "SDF")
     contents = contents.with_losses(snapped(contents))
@@ -82,8 +82,8 @@ def written(model: Model) -> tuple[str, list[str]]:
 
 
 def _with_names_apart(contents: Contents) -> Contents:
-    """The contents with other names for joints and loops that are called like a link or frame,
-    which no two parts of a model are in SDF."""
+    """The contents with new names for joints and loops that share the name of a link or frame,
+    which SDF does not allow."""
     parts = {link.name for link in contents.links}
     given = [*sorted(contents.taken), *(loop.name for loop in contents.loops)]
     taken, renamed = parts.union(given), dict[str, str]()
@@ -118,7 +118,8 @@ def _with_names_apart(contents: Contents) -> Contents:
 
 
 def _links(contents: Contents) -> list[WrittenLink]:
-    """The links; not one without mass that is the world itself."""
+    """The links to be written; a massless root named "world" is left out, since it is SDF's world
+    itself."""
     root = contents.links[0]
     if root.name != _WORLD:
         return list(contents.links)
@@ -131,7 +132,7 @@ def _links(contents: Contents) -> list[WrittenLink]:
 
 
 def _floating(contents: Contents) -> list[str]:
-    """The losses of free joints, which SDF says by no joint."""
+    """Sentences on losses of free joints, which SDF expresses by the absence of a joint."""
     found = []
     root = contents.links[0].name
     alone = root == _WORLD and sum(link.parent == root for link in contents.links) == 1
@@ -155,7 +156,7 @@ def _is_unit(pose: Pose) -> bool:
 
 
 def _held(robot: Element, contents: Contents, links: list[WrittenLink], taken: set[str]) -> None:
-    """A root beside which others float is held by the world."""
+    """Add a fixed joint from the world to a root link beside which other links float."""
     root = contents.links[0]
     if root in links and any(link.joint and link.joint.kind == "free" for link in links):
         name = fixed_name(root.name, taken)
@@ -237,8 +238,8 @@ def _axis(element: Element, joint: WrittenJoint) -> None:
 
 # ---------------------------------------------------------------- loops
 def _loops(robot: Element, contents: Contents) -> list[str]:
-    """Joints of links that have one already; a loop that is open where the file draws it is lost,
-    since its frames would be one there."""
+    """Add loops as joints to links that already have one; returns sentences on the loops lost
+    because they are open with all joints at zero, where SDF draws them closed."""
     drawn = _drawn(contents)
     lost = []
     for loop in contents.loops:
@@ -266,7 +267,7 @@ def _loops(robot: Element, contents: Contents) -> list[str]:
 
 
 def _drawn(contents: Contents) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    """Poses of links and frames with every joint at zero."""
+    """The poses of links and frames with every joint at zero, by name."""
     found: dict[str, tuple[np.ndarray, np.ndarray]] = {"": (np.eye(3), np.zeros(3))}
     for link in contents.links:
         R, p = found[link.parent]

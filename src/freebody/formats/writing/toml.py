@@ -24,7 +24,7 @@ from freebody.model.tree import Attached
 
 
 def written(model: Model) -> tuple[str, list[str]]:
-    """The text of a model; nothing is lost."""
+    """The TOML text of a model, and no losses."""
     writer = _TomlWriter(model)
     parts = (writer.head(), writer.parameters(), writer.home(), *writer.parts())
     return "\n\n".join(filter(None, parts)) + "\n", []
@@ -67,7 +67,8 @@ class _TomlWriter:
         return _entries(entries)
 
     def parameters(self) -> str:
-        """Their numbers or formulas; not what only formulas use that nothing uses any more."""
+        """The [parameters] table with the model's values and formulas; numbers that only unused
+        formulas need are left out."""
         formulas = used(self.model)
         values = {
             _key(name): repr(value)
@@ -119,7 +120,7 @@ class _TomlWriter:
         return _section("link", entries)
 
     def payload(self, part: Attached) -> str:
-        """A load sits in some frame of its body."""
+        """The [[payload]] table of a load that is fixed to a frame."""
         return _section(
             "payload", {"name": _text(part.link), "frame": _text(part.frame), **_mass(part.inertia)}
         )
@@ -183,7 +184,7 @@ def _strut(strut: Strut) -> str:
 
 
 def _told(key: str, value: float) -> bool:
-    """Whether an infinite limit differs from the default."""
+    """Whether a limit differs from the default, so that it is written."""
     return value != getattr(Limits(), key)
 
 
@@ -223,12 +224,12 @@ def _mass(inertia: Inertia) -> dict[str, str]:
 
 # ---------------------------------------------------------------- placements
 def _behind(outer: Placement, whole: Placement) -> Placement:
-    """The steps behind `outer` in a placement that starts with it."""
+    """The remaining steps of a placement that starts with the steps of `outer`."""
     return Placement(whole.steps[len(outer.steps) :])
 
 
 def _place(placement: Placement) -> dict[str, str]:
-    """A shift and a rotation where that is all; else the list of steps."""
+    """A placement as TOML: a shift and a rotation where that is enough; else the list of steps."""
     match placement.steps:
         case ():
             return {}
@@ -268,7 +269,7 @@ def _text(value: str) -> str:
 
 
 def _key(name: str) -> str:
-    """A bare key where TOML allows it."""
+    """A key as TOML, bare where that is allowed, else quoted."""
     return (
         name if name.replace("_", "").replace("-", "").isalnum() and name.isascii() else _text(name)
     )

@@ -42,7 +42,7 @@ _TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def written(model: Model) -> tuple[str, list[str]]:
-    """The text, and in words what of the model is not in it."""
+    """The URDF text of a model, and sentences on what it loses of the model."""
     contents = contents_of(model, HOLDS)
     checked_names(contents, "URDF")
     contents = contents.with_losses(snapped(contents))
@@ -88,7 +88,7 @@ def _origin(element: Element, pose: Pose) -> None:
 
 
 def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
-    """The joint that moves a link, or holds it."""
+    """Add the joint that moves a link, or fixes it to its parent."""
     joint = link.joint
     name = joint.name if joint else link.fixed or fixed_name(link.name, taken)
     kind = HOLDS.kinds[joint.kind] if joint else "fixed"
@@ -113,7 +113,8 @@ def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
 
 
 def _limit(element: Element, kind: str, limits: Limits) -> None:
-    """Speed and effort, which readers elsewhere require, and the range of a joint that has one."""
+    """Add the limits of a joint: speed and effort, which other readers require, and its range if it
+    has one."""
     ranges = {"lower": limits.lower, "upper": limits.upper} if KINDS[kind].ranged else {}
     given = {**ranges, "velocity": limits.velocity, "effort": limits.effort}
     if ranges or min(limits.velocity, limits.effort) < INFINITE:
@@ -121,7 +122,8 @@ def _limit(element: Element, kind: str, limits: Limits) -> None:
 
 
 def _transmission(robot: Element, joint: WrittenJoint, closed: bool) -> None:
-    """The motor of a joint: with its rotor, or of a closed chain to tell that it has one."""
+    """Add the transmission of a joint with a rotor or gear, or in a closed chain of every joint
+    with a motor."""
     rotor, gear = joint.drive["rotor"], joint.drive["gear"]
     motor = closed and not joint.passive and joint.mimic is None
     if KINDS[joint.kind].nv != 1 or not (motor or (rotor, gear) != (0.0, 1.0)):

@@ -1,5 +1,5 @@
-"""XML as the writers of URDF, SDF and MJCF put it together: numbers to the last bit, and angles
-that readers turn back into the same rotation."""
+"""XML for the writers of URDF, SDF and MJCF: numbers to the last bit, and angles that readers turn
+back into the same rotation."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ __all__ = ["Element", "SubElement"]
 
 
 def text_of(root: Element) -> str:
-    """The text of a document."""
+    """The text of an XML document."""
     ElementTree.indent(root)
     body = ElementTree.tostring(root, encoding="unicode")
     return f'<?xml version="1.0" encoding="utf-8"?>\n{body}\n'
 
 
 def numbers(values: Iterable[float]) -> str:
-    """Numbers apart by blanks, each so that it is read as itself."""
+    """Numbers separated by blanks, each written so that it is read back exactly."""
     return " ".join(repr(float(x) + 0.0) for x in values)
 
 
 def limit(value: float) -> str:
-    """A limit, an infinite one as the number from which there is none."""
+    """A limit as text; an infinite one as the number from which limits count as infinite."""
     return repr(max(-UNLIMITED, min(UNLIMITED, value)))
 
 
 def angles(R: Matrix) -> tuple[float, float, float]:
-    """Roll, pitch and yaw of a rotation; where the pitch is a right angle, of the many the ones
-    that give this matrix, and near it a right yaw, which readers do not round, where it does."""
+    """Roll, pitch and yaw (rad) that give a rotation back; near a pitch of 90°, where many do,
+    those with an exact right yaw if possible, which readers do not round."""
     across = math.hypot(R[0][0], R[1][0])
     pitch = math.atan2(-R[2][0], across)
     yaw = math.atan2(R[1][0], R[0][0])
@@ -56,7 +56,8 @@ def angles(R: Matrix) -> tuple[float, float, float]:
 
 
 def snapped(contents: Contents) -> list[str]:
-    """The loss of angles that readers round to right ones, unless they are told not to."""
+    """A sentence on angles so close to right angles that readers round them unless told not to;
+    none where there are none."""
     moved = [link.name for link in contents.links if _is_snapped(link.pose)]
     if not moved:
         return []

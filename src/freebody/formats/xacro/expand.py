@@ -41,8 +41,8 @@ _TEXT = 4000  # characters read of an element's text
 
 @dataclass(frozen=True)
 class Expanded:
-    """Result of a xacro file: the URDF's root, notices, and the macros that it defines, or else
-    those of its includes, each as `name(parameters)`."""
+    """The result of expanding a xacro file: the URDF's root, notices, and the macros that it (or
+    else its includes) defines, each as `name(parameters)`."""
 
     root: XmlElement
     notices: tuple[Notice, ...]
@@ -73,7 +73,7 @@ def without_links(found: Expanded) -> str:
 
 
 class _XacroExpansion(XacroTexts):
-    """One file being expanded, with the files that it includes."""
+    """The expansion of one xacro file with the files that it includes."""
 
     def __init__(
         self,
@@ -114,7 +114,7 @@ class _XacroExpansion(XacroTexts):
 
     # ------------------------------------------------------------ elements
     def children(self, source: XmlElement, scope: XacroScope, into: XmlElement) -> None:
-        """The elements inside, expanded, become `into`'s."""
+        """Append the expansion of an element's children to another element."""
         self.depth += 1
         if self.depth > _DEEPEST:
             self.refuse(
@@ -202,7 +202,7 @@ class _XacroExpansion(XacroTexts):
         return found
 
     def parsed(self, source: XmlElement, path: Path) -> XmlElement:
-        """The root of an included file, read once."""
+        """The root element of an included file, which is read only once."""
         self.readable(source, path)
         key = os.fspath(path)
         if key not in self.known:
@@ -327,7 +327,8 @@ class _XacroExpansion(XacroTexts):
         scope: XacroScope,
         inner: XacroScope,
     ) -> None:
-        """A parameter that a call does not give: the caller's value of that name, or a default."""
+        """Set a macro's parameter that the call does not give: to the caller's value of that name,
+        or to its default."""
         if parameter.forward and parameter.name in scope:
             inner.put(parameter.name, scope[parameter.name])
         elif parameter.default is not None:
@@ -345,7 +346,7 @@ class _XacroExpansion(XacroTexts):
     def flag(
         self, source: XmlElement, key: str, scope: XacroScope, default: bool | None = None
     ) -> bool:
-        """A condition: true, false or a number."""
+        """The truth of a condition in an attribute: true, false or a number."""
         if default is not None and key not in source.attributes:
             return default
         text = self.given_text(source, key)

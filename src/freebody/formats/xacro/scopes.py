@@ -41,8 +41,8 @@ class XacroMacro:
 
 
 class XacroScope(Mapping[str, Any]):
-    """Names of a file, a macro's call or a namespace, over those around it. Text that is no literal
-    is evaluated when it is first asked for."""
+    """Names of a file, a macro's call or a namespace, backed by the scopes around it. A text that
+    is no literal is evaluated when its name is first used."""
 
     def __init__(
         self, evaluate: Callable[[str, XacroScope], Any], around: XacroScope | None = None
@@ -98,7 +98,7 @@ class XacroScope(Mapping[str, Any]):
             scope.unread.pop(name, None)
 
     def outer(self, where: str) -> XacroScope:
-        """The file's scope ("global"), or that of the caller ("parent")."""
+        """The scope of the whole file ("global") or of the caller ("parent")."""
         *_, outermost = self.chain()
         if where == "global" or self.around is None:
             return outermost
@@ -106,8 +106,8 @@ class XacroScope(Mapping[str, Any]):
         return next(around, outermost)
 
     def macro(self, name: str) -> tuple[XacroMacro, XacroScope] | None:
-        """The macro of that name, perhaps with namespaces before it, and the scope it is called
-        over."""
+        """The macro of that name, perhaps with namespaces in front, and the scope in which it is
+        called; None where there is none."""
         for scope in self.chain():
             if name in scope.macros:
                 return scope.macros[name], self

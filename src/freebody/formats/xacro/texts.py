@@ -1,5 +1,5 @@
-"""Values of a xacro file's texts: `${…}` evaluated over the names of a scope, `$(…)` replaced, and
-the files and environment variables that they may ask for."""
+"""Values of texts in a xacro file: `${…}` evaluated over the names of a scope, `$(…)` replaced, and
+the files and environment variables that these may use."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ _PARTS = re.compile(
 
 
 class XacroTexts:
-    """The texts of one file and of those that it includes: their values, what they may read, and
-    refusals with the place that is being expanded."""
+    """The texts of a xacro file and its includes: their values, the files they may read, and errors
+    with the place that is being expanded."""
 
     def __init__(
         self,
@@ -52,7 +52,8 @@ class XacroTexts:
         self.roots = [*packages.readable]
 
     def value(self, text: str, scope: Mapping[str, Any]) -> Any:
-        """The value of a text with ${…} and $(…) in it: of one alone its own, else text."""
+        """The value of a text with ${…} and $(…) in it: the value itself where the text is a single
+        one, else text."""
         self.budget.spend(1 + len(text) // 16)
         parts, at = list[Any](), 0
         while at < len(text):
@@ -79,7 +80,7 @@ class XacroTexts:
         return joined
 
     def command(self, text: str, scope: Mapping[str, Any]) -> Any:
-        """Value of a substitution $(…) whose inside is `text`."""
+        """The value of a substitution $(…) whose inner text is given."""
         name, _, rest = text.strip().partition(" ")
         if name == "eval":
             read = {"arg": XacroFunction(lambda of: literal(self.arg(of)))}
@@ -136,8 +137,8 @@ class XacroTexts:
         return {name: literal(value) for name, value in self.arguments.items()}
 
     def find(self, name: str) -> str:
-        """The folder of a package. What is not found is left as its name: a mesh in it plays no
-        part, and an include of it is refused with that name."""
+        """The folder of a package; the name itself where none is found, so that a mesh in it is
+        ignored and an include of it is refused by that name."""
         folder = self.packages.find(name)
         if folder is None:
             return f"package://{name}"

@@ -1,5 +1,5 @@
-"""The value of an expression in a xacro file, `${2*pi/3}`: Python's syntax, of which only what is
-listed here is allowed.
+"""The value of an expression in a xacro file, such as `${2*pi/3}`: a subset of Python's syntax, in
+which only the listed nodes are allowed.
 
 A file comes from anywhere, so nothing in it is run. The expression is parsed and walked: numbers,
 text, lists, tuples, dicts, arithmetic, comparisons, conditions, comprehensions, keys, and calls of
@@ -32,8 +32,8 @@ class ExpressionError(Exception):
 
 @dataclass
 class Budget:
-    """Work that all expressions of a file have left together: a visit of a part of an expression
-    costs ten, an entry of a list or sixteen characters that it makes or compares one."""
+    """The work left for all expressions of a file: visiting a node costs ten; each entry of a list,
+    or sixteen characters, made or compared costs one."""
 
     left: int = 6_000_000
 
@@ -45,7 +45,7 @@ class Budget:
 
 @dataclass(frozen=True)
 class Namespace:
-    """Names behind a dot, such as `math.pi`, or those of an included file."""
+    """Names reached with a dot, such as `math.pi`, or those of an included file."""
 
     names: Mapping[str, Any]
     called: str = ""
@@ -253,7 +253,7 @@ def evaluated(text: str, names: Mapping[str, Any], budget: Budget) -> Any:
 
 
 class _ExpressionWalk:
-    """One expression being walked."""
+    """The evaluation of one expression by a walk over its syntax tree."""
 
     def __init__(self, names: Mapping[str, Any], budget: Budget):
         self.names, self.budget, self.depth = names, budget, 0
@@ -272,7 +272,8 @@ class _ExpressionWalk:
         return found
 
     def made(self, value: Any) -> Any:
-        """A value that an operation made, refused where it is too large or no value of xacro."""
+        """The result of an operation; raises ExpressionError where it is too large or of a type
+        that xacro has not."""
         if isinstance(value, int) and value.bit_length() > _BITS:
             raise ExpressionError("a whole number is too large")
         if isinstance(value, complex | bytes):
@@ -395,7 +396,8 @@ class _ExpressionWalk:
             self.names = outer
 
     def rounds(self, loops: list[ast.comprehension], names: Mapping[str, Any]) -> Iterator[None]:
-        """Once for each round of the loops, with their names bound."""
+        """Run through all rounds of a comprehension's loops, with their names bound, yielding once
+        for each."""
         if not loops:
             self.names = names
             yield

@@ -1,4 +1,5 @@
-"""YAML that xacro files take numbers from, read as data: no tag but units makes anything."""
+"""YAML files that xacro files take numbers from, read as plain data: no tag but units has an
+effect."""
 
 from __future__ import annotations
 
@@ -31,7 +32,7 @@ def read_yaml(path: Path, evaluate: Callable[[str], Any]) -> Any:
         raise MissingPackageError("load: YAML in a xacro file", "yaml", "xacro") from None
 
     class Loader(yaml.SafeLoader):
-        """Safe loading with units, and with a bound on what << merges."""
+        """A safe YAML loader with units, and with a bound on merges by <<."""
 
         def flatten_mapping(self, node: Any) -> None:
             super().flatten_mapping(node)

@@ -1,1 +1,1 @@
-"""Problems of inverse kinematics as data: task, solver, closed form, and what was found."""
+"""Problems of inverse kinematics as data: task, solver, closed form, and solutions found."""

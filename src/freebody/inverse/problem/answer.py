@@ -16,14 +16,14 @@ from freebody.inverse.problem.workspace import Away, distances
 
 
 class Numbered(NamedTuple):
-    """Rows (N,) of some targets among `count`."""
+    """Row numbers (N,) of some targets among `count`, for messages."""
 
     rows: np.ndarray
     count: int
 
     def sentences(self, sentence: Callable[[int], str], of: np.ndarray) -> list[str]:
-        """Sentences on these targets, with their numbers where there are several targets; three at
-        most."""
+        """Sentences on some of these targets, preceded by the target's number where there are
+        several; at most three."""
         if self.count == 1:
             return [sentence(k) for k in range(len(of))]
         shown = [f"Target {row}: {sentence(k)}" for k, row in enumerate(self.rows[of[:3]])]
@@ -80,7 +80,8 @@ def gathered(
 def _dropped(
     problem: InverseProblem, found: Found, there: np.ndarray, chosen: np.ndarray
 ) -> tuple[Callable[[int], str], np.ndarray]:
-    """A sentence for each target all of whose solutions lie outside the limits."""
+    """A function that gives a sentence for each target whose solutions are all outside the limits,
+    and the rows of these targets."""
     low, high = problem.solver.bounds
     names = problem.solver.model.position_names
     rows = np.flatnonzero(there.any(axis=-1) & ~chosen.any(axis=-1))

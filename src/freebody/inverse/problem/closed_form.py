@@ -1,5 +1,5 @@
-"""The closed form for a frame and a task, if its chain of joints has one, decided by the lines its
-joints turn about and slide along, never by a name; and the names of its branches.
+"""The closed form for a frame and a task, if the chain of joints has one, decided by how the axes
+lie and never by a robot's name; and the names of its branches.
 
 Shoulder right, left: a positive turn of joint 2 lifts, lowers what it carries along joint 1's axis
 (Lee and Ziegler 1984). Elbow up, down (left, right for arms that move level): on which side of the
@@ -61,12 +61,14 @@ class ClosedFormArm:
 
     @property
     def held(self) -> int | None:
-        """The place in q of the joint whose position has to be given: of seven joints one."""
+        """The index in q of the joint whose position has to be given, of an arm with one joint more
+        than the task needs; None of others."""
         return self.branches.held
 
     @property
     def decides(self) -> bool:
-        """Whether its branches are all that the task asks for, and not candidates alone."""
+        """Whether every branch fulfils the task, rather than being a candidate that still has to be
+        checked."""
         return self.branches.kind != "position" or not self.task.angular
 
     @property
@@ -80,8 +82,8 @@ class ClosedFormArm:
         return _joined(parts, q.shape[:-1])
 
     def counted(self, target: Array) -> Array:
-        """The part that counts of targets (…, dim + 1, dim + 1): all, the point (…, dim) or the
-        rotation."""
+        """The counted part of targets (…, dim + 1, dim + 1): the whole pose, the point (…, dim) or
+        the rotation."""
         arm = self.branches
         if arm.kind == "pose":
             return target
@@ -89,7 +91,7 @@ class ClosedFormArm:
         return target[..., :d, d] if arm.kind == "position" else target[..., :d, :d]
 
     def of_counted(self, target: Any) -> tuple[Matrix, Vector]:
-        """Rotation and position in space, of scalars, from what counts of a target."""
+        """Rotation and position in space, over scalars, from the counted part of a target."""
         arm = self.branches
         if arm.kind == "pose":
             return arm.in_space(target)
@@ -100,8 +102,8 @@ class ClosedFormArm:
     def resting(
         self, at_rest: Sequence[Scalar], R: Matrix, p: Vector, held: Scalar | None = None
     ) -> list[PlacedBranch]:
-        """The branches for a pose in space, none of them verified; joints that could stand anywhere
-        are at rest (n,)."""
+        """The unverified branches for a pose in space; joints that could stand anywhere stand at
+        `at_rest` (n,)."""
         arm = self.branches
         chain = arm.chain.resting(at_rest)
         recipe = recipe_for(chain, arm.kind, arm.dim == 2)
@@ -110,9 +112,9 @@ class ClosedFormArm:
 
     @cached_property
     def candidates(self) -> Kernel:
-        """(what counts of a target, at rest (n,), held?) -> (x (branches, n), 1 where a joint could
-        stand anywhere (branches, n), how clear a branch is (branches,)), none of them verified, NaN
-        where there is none."""
+        """The kernel (counted part of a target, at rest (n,), held?) -> (x (branches, n), 1 where a
+        joint could stand anywhere (branches, n), margin of existence (branches,)) of unverified
+        branches, NaN where one does not exist."""
         arm, n = self.branches, len(self.chain.screws)
 
         def evaluate(target: Any, at_rest: Any, *held: Any) -> tuple[Any, ...]:
@@ -130,7 +132,8 @@ class ClosedFormArm:
         return compile_program(trace("candidates", evaluate, inputs, outputs))
 
     def complete(self, target: Array) -> Array:
-        """Targets (N, …) with what the task leaves open as the arm has it."""
+        """Targets (N, …) with the coordinates that the task leaves open set to those of the arm's
+        zero position."""
         free = [k for k in range(self.task.dim) if k not in self.task.linear]
         if not free:
             return target
@@ -150,9 +153,9 @@ class ClosedFormArm:
     def reached(
         self, target: Array, held: Array | None
     ) -> tuple[tuple[Screw, ...], Array, Array] | None:
-        """(screws, c, points): a target (N, …) is in the workspace where the screws bring the point
-        c (3,) to points (N, 3); None where that is not what decides. held: (N,), where it is
-        given."""
+        """(screws, c, points): targets (N, …) are within reach where the screws bring the point c
+        (3,) to points (N, 3); None where reach depends on something else. held: positions (N,) of
+        the held joint."""
         found = self.branches.reached(*self.branches.in_space(over_arrays(target)), held)
         if found is None:
             return None
@@ -166,7 +169,7 @@ def over_arrays(target: Array) -> tuple[tuple[Array, ...], ...]:
 
 
 def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormArm | None:
-    """The closed form that gives all solutions of a task, or None."""
+    """The closed form that gives all solutions of a task; None where there is none."""
     found = (
         branches(model.tree, frame, task.rows)
         or _level(model, frame, task)
@@ -179,8 +182,8 @@ def closed_form_for(model: Model, frame: str, task: Task) -> ClosedFormArm | Non
 
 
 def _level(model: Model, frame: str, task: Task) -> Branches | None:
-    """Branches of an arm with parallel axes in space, for rows that tell where it stands across and
-    along them."""
+    """Branches of an arm in space with parallel axes, for tasks that count its position across the
+    axes and along them; None for others."""
     chain = chain_to(model.tree, frame)
     if chain is None or model.dim == 2:
         return None
@@ -197,8 +200,8 @@ def _level(model: Model, frame: str, task: Task) -> Branches | None:
 
 
 def _placed(model: Model, frame: str, task: Task) -> Branches | None:
-    """Branches of an arm of three joints in space, whose position leaves no choice of the
-    orientation."""
+    """Branches of an arm of three joints in space, whose position determines its orientation; None
+    for others."""
     chain = chain_to(model.tree, frame)
     if chain is None or model.dim == 2 or not task.places or len(chain.screws) != 3:
         return None
@@ -207,8 +210,8 @@ def _placed(model: Model, frame: str, task: Task) -> Branches | None:
 
 
 def _elbows(model: Model, chain: ScrewChain) -> tuple[str, str]:
-    """Up and down for an arm that moves in an upright plane, left and right (from above) for one
-    that moves level."""
+    """The two words for an elbow's sides: up and down for an arm that moves in an upright plane,
+    left and right (from above) for one that moves level."""
     axis = next((s.w for s in chain.screws if s.turning), None)
     if axis is None:
         return ("up", "down")
@@ -220,8 +223,8 @@ def _elbows(model: Model, chain: ScrewChain) -> tuple[str, str]:
 
 @singledispatch
 def _of_recipe(recipe: Recipe, x: Array, words: _ElbowWords) -> list[np.ndarray]:
-    """Names (...) of the branches of solutions x (..., n), in parts; words: of an arm whose turning
-    axes are all parallel."""
+    """Parts of the names (...) of the branches of solutions x (..., n), by the recipe's joints;
+    words: those for elbows of planar arms."""
     raise TypeError(f"no names of branches of a {type(recipe).__name__}")
 
 
@@ -275,8 +278,8 @@ def _(recipe: Across, x: Array, words: _ElbowWords) -> list[np.ndarray]:
 
 
 def _shoulder(s1: Screw, s2: Screw, wrist: Array) -> np.ndarray:
-    """Names for two turning joints that are not parallel; wrist: the carried point (..., 3) before
-    joint 1 turns."""
+    """Branch names of two turning joints that are not parallel; wrist: the carried point (..., 3)
+    before joint 1 turns."""
     value = (wrist - s2.p) @ np.cross(s1.w, s2.w)
     size = _size(wrist - s1.p)
     return side_of(value, size, "shoulder right", "shoulder left", "shoulder overhead")
@@ -290,8 +293,8 @@ def _elbow(
     side: str | np.ndarray = "",
     words: tuple[str, str] = ("up", "down"),
 ) -> np.ndarray:
-    """Names for two parallel turning joints at x (..., 2) that carry c; on the left side they are
-    seen from the back."""
+    """Branch names of two parallel turning joints at x (..., 2) that carry the point c; on the left
+    side they are seen from the back."""
     upper = _across(s2.w, s3.p - s2.p)
     fore = _across(s2.w, s3.moved(x[..., 1], c) - s3.p)
     bend = _cross(upper, fore) @ s2.w
@@ -302,14 +305,14 @@ def _elbow(
 
 
 def _flip(u: Array, s5: Screw, v: Array, x5: Array) -> np.ndarray:
-    """Names for the joint at x5 (...) between two directions u and v, which it bends one way or the
-    other."""
+    """Branch names of a joint at x5 (...) between two directions u and v, by the way it bends
+    them."""
     value = _cross(u, s5.turned(x5, v)) @ s5.w
     return side_of(value, 1.0, "wrist not flipped", "wrist flipped", "wrist straight")
 
 
 def _wrist(screws: Sequence[Screw], x: Array) -> list[np.ndarray]:
-    """Names for a wrist of three turning joints at x (..., 3)."""
+    """Branch names of a wrist of three turning joints at x (..., 3)."""
     s4, s5, s6 = screws
     return [_flip(s4.w, s5, s6.w, x[..., 1])]
 
@@ -317,7 +320,7 @@ def _wrist(screws: Sequence[Screw], x: Array) -> list[np.ndarray]:
 def _pair(
     s1: Screw, s2: Screw, c: Array, x: Array, words: tuple[str, str] = ("up", "down")
 ) -> list[np.ndarray]:
-    """Names for two joints at x (..., 2) that bring c to a point."""
+    """Branch names of two joints at x (..., 2) that bring the point c to another one."""
     if s1.turning and s2.turning:
         if parallel(s1.w, s2.w):
             return [_elbow(s1, s2, c, x, words=words)]
@@ -328,7 +331,7 @@ def _pair(
 
 
 def _forward(s1: Screw, s2: Screw, c: Array, x: Array) -> np.ndarray:
-    """Names for a turning and a sliding joint: whether the arm reaches out along the slide or
+    """Branch names of a turning and a sliding joint: whether the arm reaches out along the slide or
     against it."""
     turning, sliding = (s1, s2) if s1.turning else (s2, s1)
     way = s2.moved(x[..., 1], c) - turning.p
@@ -338,7 +341,7 @@ def _forward(s1: Screw, s2: Screw, c: Array, x: Array) -> np.ndarray:
 
 
 def _arm(screws: Sequence[Screw], c: Array, x: Array) -> list[np.ndarray]:
-    """Names for three joints at x (..., 3) that bring c to a point."""
+    """Branch names of three joints at x (..., 3) that bring the point c to another one."""
     s1, s2, s3 = screws
     carried = s3.moved(x[..., 2], c)
     names = _pair(s1, s2, carried, x[..., :2])
@@ -357,7 +360,7 @@ def _arm(screws: Sequence[Screw], c: Array, x: Array) -> list[np.ndarray]:
 
 
 def _joined(parts: list[np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
-    """Names (...) from their parts, with commas between."""
+    """Branch names (...) joined from their parts by commas."""
     if not parts:
         return np.full(shape, "")
     whole = np.broadcast_to(parts[0], shape)

@@ -1,5 +1,5 @@
-"""Descents towards targets from many starts, side by side, for arms without a closed form, and to
-polish what a closed form gave: Levenberg-Marquardt by matrices, or by one kernel of the structure.
+"""Descents towards targets from many starts side by side, for arms without a closed form and to
+polish closed-form solutions: Levenberg-Marquardt on matrices, or by one kernel.
 
 Source: Levenberg 1944; Marquardt 1963.
 """
@@ -40,7 +40,7 @@ _TOGETHER = 4
 
 @dataclass(frozen=True, eq=False)
 class NumericalSolver:
-    """Finds positions of a frame of a model that do a task, from many starts."""
+    """A numerical solver for positions of a model's frame that fulfil a task, from many starts."""
 
     model: Model
     frame: str
@@ -50,7 +50,8 @@ class NumericalSolver:
 
     @cached_property
     def length(self) -> float:
-        """Length of the arm, of a closed chain of the mechanism (m): what a radian is worth."""
+        """The length of the arm, or of a closed chain's mechanism (m), by which lengths and radians
+        are compared."""
         if self.model.loops:
             return mechanism_length(self.model)
         return arm_length(self.model.tree, self.frame)
@@ -62,7 +63,7 @@ class NumericalSolver:
 
     @cached_property
     def scale(self) -> Array:
-        """Factors (r,) that make angles of the task's rows."""
+        """Factors (r,) that turn the task's rows into angles."""
         angular = len(self.task.angular)
         return np.array([1.0 / self.length] * len(self.task.linear) + [1.0] * angular)
 
@@ -88,7 +89,8 @@ class NumericalSolver:
 
     @cached_property
     def freedom(self) -> int:
-        """How many coordinates move the frame beyond those that the task takes, at most poses."""
+        """How many of the coordinates that move the frame are left over by the task, at most
+        poses."""
         q, _, _ = generic_state(self.model, 0, 8)
         J = self.pose_and_jacobian(q)[1] / self.length
         used = int((np.abs(J).max(axis=(0, 1)) > 1e-12).sum())
@@ -101,12 +103,12 @@ class NumericalSolver:
 
     @cached_property
     def descent(self) -> Bound | None:
-        """The kernel of a step of `solve`; None without one."""
+        """The kernel of one step of `solve`; None where there is none."""
         return descent_kernel(self.model, self.frame, self.task.rows, self.columns)
 
     @property
     def columns(self) -> list[int]:
-        """The entries of q that are moved."""
+        """The indices in q of the coordinates that the solver moves."""
         return [k for k in np.flatnonzero(self.moving).tolist() if k != self.still]
 
     def pose_and_jacobian(self, q: Array) -> tuple[Array, Array]:
@@ -119,8 +121,8 @@ class NumericalSolver:
         return T, J
 
     def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
-        """(what is missing (..., r + m), its slopes (..., r + m, nv) over `rates`) of the task and
-        of a closed chain's loops, as angles; loops count `weight` times."""
+        """(residuals (..., r + m), their slopes (..., r + m, nv) over `rates`) of the task and of a
+        closed chain's loops, as angles; loops count `weight` times."""
         T, J = self.pose_and_jacobian(q)
         missing = self.scale * self.task.error(T, target)
         slopes = self.scale[:, None] * J * self.rates
@@ -134,11 +136,12 @@ class NumericalSolver:
         )
 
     def miss(self, q: Array, target: Array) -> Array:
-        """How far q (..., nq) is from the targets, by forward kinematics: m or rad, the larger."""
+        """The distance of q (..., nq) from the targets by forward kinematics: the larger of m and
+        rad."""
         return self.task.miss(self.pose_and_jacobian(q)[0], target)
 
     def moved(self, q: Array, step: Array) -> Array:
-        """q moved along a step (..., nv)."""
+        """The positions q moved along a step (..., nv)."""
         return q + step if self.model.nq == self.model.nv else integrate(self.model, q, step)
 
     def solve(
@@ -173,7 +176,8 @@ class NumericalSolver:
         return descend(residual, starts, move, goal=goal, iterations=iterations)
 
     def polished(self, q: Array, target: Array) -> tuple[Array, Array]:
-        """(q, miss) after Newton steps, each kept where it helped; q (N, nq), target (N, …)."""
+        """(q, miss) after Newton steps, each kept only where it helped; q (N, nq), target (N,
+        …)."""
         error, J = self._error_and_jacobian(q, target)
         miss = self.task.size(error)
         for _ in range(3):
@@ -194,8 +198,8 @@ class NumericalSolver:
         return self.task.error(T, target), J
 
     def settled(self, q: Array, target: Array, towards: Array, within: bool) -> Array:
-        """q (N, nq) slid along the solutions of a redundant arm as near to `towards` (nq,) as can
-        be."""
+        """Positions q (N, nq) of a redundant arm, moved along its solutions as near to `towards`
+        (nq,) as possible."""
         slid = q
         for _ in range(40):
             T, J = self.pose_and_jacobian(slid)
@@ -229,7 +233,7 @@ def descend(
     iterations: int = 60,
     rest: float = 1e-14,
 ) -> tuple[Array, Array]:
-    """(x, |e|) after descending from each start x (N, n).
+    """(x, |e|) after a least-squares descent of the residual e from each start x (N, n).
 
     A problem stops where |e| ≤ goal or where its steps fall below `rest`. Each has a damping of its
     own, a third of the last after a step that helped, three times after one that did not.
@@ -270,8 +274,8 @@ def _step(e: Array, E: Array, damping: Array) -> Array:
 def descent_kernel(
     model: Model, frame: str, rows: Sequence[int], columns: Sequence[int]
 ) -> Bound | None:
-    """(q, damping, target, scales, low, high) -> (q, damping, left, longest) of `step_towards`,
-    with the model's numbers; compiled when it is first asked for.
+    """The kernel (q, damping, target, scales, low, high) -> (q, damping, left, longest) of
+    `step_towards`, with the model's numbers; compiled on first use.
 
     None where coordinates do not add up, as those of quaternions, where nothing is to be moved, and
     where no machine code is made: NumPy, node by node, is slower than by matrices.
@@ -334,7 +338,8 @@ def descend_by_kernel(
     iterations: int = 60,
     rest: float = 1e-14,
 ) -> tuple[Array, Array]:
-    """(q, what is left) of starts q (N, nq) to targets (N, …), as `descend` does.
+    """(q, remaining error) of descents by a kernel from starts q (N, nq) to targets (N, …), as
+    `descend` does.
 
     limits: (low, high) that are kept to. numbers: (N, …), of the robot that each start is of.
     """

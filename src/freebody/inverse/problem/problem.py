@@ -36,12 +36,12 @@ class InverseProblem:
     """Whether the robot is solved for but this once, so that no machine code of its own is made."""
 
     def part(self, rows: np.ndarray) -> InverseProblem:
-        """The targets of these rows alone."""
+        """The problem restricted to the targets of the given rows."""
         held = None if self.held is None else self.held[rows]
         return replace(self, target=self.target[rows], held=held)
 
     def refuse_search(self) -> None:
-        """Refuse arguments of a search, where a closed form answers."""
+        """Refuse arguments of a search (starts, seed) where a closed form answers."""
         if self.searched:
             raise FreebodyError(
                 f"inverse_kinematics: starts= and seed= are of the numeric search; for "
@@ -62,7 +62,7 @@ class InverseProblem:
 
     @cached_property
     def rest(self) -> Array:
-        """q (nq,) of what does not move the frame."""
+        """Positions q (nq,) for the coordinates that do not move the frame."""
         if self.q0 is not None:
             return self.q0
         neutral_q = np.clip(neutral(self.solver.model), *self.solver.bounds)
@@ -71,8 +71,8 @@ class InverseProblem:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """Solutions found for targets (N, …), k at most for one of them, NaN and "" where it has fewer;
-    the method, and notes."""
+    """Solutions found for targets (N, …), with room for k of each; missing ones are NaN and "".
+    With the method and notes."""
 
     q: Array
     """Positions (N, k, nq) that were found."""
@@ -85,16 +85,16 @@ class Found:
 
     @property
     def branches(self) -> np.ndarray:
-        """Names (N, k), "" where there is no solution."""
+        """The names (N, k) of the solutions' branches; "" where there is no solution."""
         return named(self.names, self.q, np.isfinite(self.miss))
 
     @property
     def lost(self) -> np.ndarray:
-        """The targets without a solution."""
+        """The row numbers of the targets without a solution."""
         return np.flatnonzero(~np.isfinite(self.miss).any(axis=-1))
 
     def with_rows(self, rows: np.ndarray, other: Found) -> Found:
-        """Solutions with those that another found for the targets of these rows."""
+        """The solutions with those for the targets of the given rows replaced by another's."""
         k = max(self.miss.shape[1], other.miss.shape[1])
         alike = callable(self.names) and (
             self.names == other.names if callable(other.names) else np.isnan(other.miss).all()
@@ -114,13 +114,13 @@ class Found:
 
 
 def _widened(x: np.ndarray, k: int) -> np.ndarray:
-    """(N, k, …) with nothing in the new columns."""
+    """The array (N, k, …) with its second axis widened to k, new entries NaN or ""."""
     empty = np.full((len(x), k - x.shape[1], *x.shape[2:]), "" if x.dtype.kind == "U" else np.nan)
     return np.concatenate([x, empty.astype(x.dtype)], axis=1)
 
 
 def nothing(problem: InverseProblem, method: str) -> Found:
-    """Solutions of a problem without targets."""
+    """The empty result of a problem without targets."""
     return found_in_turn([], None, problem.solver.model.nq, method, [])
 
 
@@ -131,7 +131,7 @@ def found_in_turn(
     method: str,
     notes: list[str],
 ) -> Found:
-    """Gather solutions found target by target; branches: names, if there are any."""
+    """Solutions gathered target by target into arrays; branches: their names, if there are any."""
     N, k = len(solutions), max((len(s.q) for s in solutions), default=0)
     q, miss = np.full((N, k, nq), np.nan), np.full((N, k), np.nan)
     names = np.full((N, k), "", dtype=object)

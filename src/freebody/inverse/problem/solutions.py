@@ -71,9 +71,9 @@ class Solutions(Tabled, ByValue):
     def of_kernel(
         cls, names: BranchNames, q: Array, residual: Array, within: Array, others: dict[str, Any]
     ) -> Solutions:
-        """Solutions from a kernel's outputs, at once: within (..., branches), 1 where the limits
-        are kept, is made into flags when it is asked for; others: what no kernel gives, arrays that
-        cannot be written to, and `_ignored` where limits do not count."""
+        """Solutions from a kernel's outputs without delay: within (..., branches), 1 where the
+        limits are kept, becomes flags on first access; others: read-only fields that no kernel
+        gives, and `_ignored` where limits do not count."""
         q.setflags(write=False)
         residual.setflags(write=False)
         made = object.__new__(cls)
@@ -103,7 +103,8 @@ class Solutions(Tabled, ByValue):
         )  # before they are asked for too
 
     def __len__(self) -> int:
-        """Solutions of the target, or of that with most."""
+        """The number of rows for each target: the number of solutions of the target that has
+        most."""
         return self.q.shape[-2]
 
     @property
@@ -174,8 +175,8 @@ class Solutions(Tabled, ByValue):
 
 @dataclass(frozen=True, eq=False)
 class Verified:
-    """The solutions of one target: q (k, nq), misses (k,), and the rows of the candidates that they
-    came from."""
+    """The verified solutions of one target: q (k, nq), misses (k,), and the rows of the candidates
+    that they came from."""
 
     q: Array
     miss: Array
@@ -185,7 +186,8 @@ class Verified:
 def verified(
     solver: NumericalSolver, q: Array, target: Array, reference: Array, apart: float = APART
 ) -> list[Verified]:
-    """Candidates q (N, k, nq) that reach their targets (N, …), polished, wrapped, each once.
+    """The solutions among candidates q (N, k, nq): those that reach their targets (N, …), polished,
+    wrapped, each once.
 
     Positions nearer to each other than `apart` (rad, m) count as one.
     """
@@ -214,8 +216,8 @@ def verified(
 
 
 def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
-    """Angles of q (N, nq) moved by whole turns: into their limits where that can be, and there next
-    to `reference`."""
+    """Positions q (N, nq) with angles moved by whole turns: into their limits where possible, and
+    within these next to `reference`."""
     turns = turning_coordinates(solver.model)
     low, high = (bound[turns] for bound in solver.bounds)
     x = q[:, turns]
@@ -232,8 +234,8 @@ def wrapped(solver: NumericalSolver, q: Array, reference: Array) -> Array:
 
 
 def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndarray:
-    """Flags of the positions q (N, k, nq), among those that are there (N, k), that are none before
-    them, to `apart`."""
+    """Flags (N, k) of the positions q (N, k, nq) marked in `there` that differ from all earlier
+    ones of their target by more than `apart`."""
     turn = _TURN * turning_coordinates(model)
 
     def alike(rows: np.ndarray, first: np.ndarray) -> np.ndarray:
@@ -247,8 +249,8 @@ def distinct(model: Model, q: Array, there: np.ndarray, apart: float) -> np.ndar
 def each_once(
     there: np.ndarray, alike: Callable[[np.ndarray, np.ndarray], np.ndarray]
 ) -> np.ndarray:
-    """Flags of the solutions that are there (N, k) and none before them; alike: rows (M,), one of
-    each (M,) -> which others are as that one (M, k)."""
+    """Flags (N, k) of the solutions marked in `there` that equal no earlier one; alike: (rows (M,),
+    one solution of each (M,)) -> which of the row's solutions equal it (M, k)."""
     kept, left = np.zeros(there.shape, dtype=bool), there.copy()
     while len(rows := np.flatnonzero(left.any(axis=1))):
         first = np.argmax(left[rows], axis=1)
@@ -259,7 +261,8 @@ def each_once(
 
 
 def turning_coordinates(model: Model) -> np.ndarray:
-    """Which entries of q are angles that repeat (nq,), also for what follows them."""
+    """Flags (nq,) of the entries of q that are angles which repeat after a turn, also through mimic
+    joints that follow them."""
     mask, again = np.zeros(model.nq, dtype=bool), repeating(model.tree)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.kind.nq == body.kind.nv:

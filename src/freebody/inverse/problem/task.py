@@ -1,4 +1,5 @@
-"""Tasks of a frame: which rows of its motion count, the targets, and how far a pose is from one."""
+"""Tasks of a frame: the rows of its motion that count, the targets, and how far a pose is from a
+target."""
 
 from __future__ import annotations
 
@@ -36,12 +37,12 @@ class Task:
 
     @property
     def places(self) -> bool:
-        """Whether all of the position counts."""
+        """Whether the task counts the whole position."""
         return len(self.linear) == self.dim
 
     @property
     def turns(self) -> bool:
-        """Whether all of the orientation counts."""
+        """Whether the task counts the whole orientation."""
         return len(self.angular) == (3 if self.dim == 3 else 1)
 
     @property
@@ -50,20 +51,20 @@ class Task:
         return tuple(row_names(self.dim)[r] for r in self.rows)
 
     def error(self, T: Array, target: Array) -> Array:
-        """(..., r): what is missing from pose T to the target, position (m) and rotation vector
-        (rad), world axes."""
+        """The error (..., r) from a pose T to the target in the counted rows: position (m) and
+        rotation vector (rad), world axes."""
         d = self.dim
         shift = target[..., :d, d] - T[..., :d, d]
         turn = target[..., :d, :d] @ np.swapaxes(T[..., :d, :d], -1, -2)
         return np.concatenate([shift, rotation_vector(turn)], axis=-1)[..., list(self.rows)]
 
     def miss(self, T: Array, target: Array) -> Array:
-        """(...): the larger of distance (m) and angle (rad) between a pose and a target, in the
+        """The larger (...) of distance (m) and angle (rad) between a pose and a target, in the
         counted rows."""
         return self.size(self.error(T, target))
 
     def size(self, error: Array) -> Array:
-        """(...): the larger of distance (m) and angle (rad) of an error (..., r)."""
+        """The larger (...) of distance (m) and angle (rad) of an error (..., r)."""
         k = len(self.linear)
         parts = [np.linalg.norm(part, axis=-1) for part in (error[..., :k], error[..., k:])]
         return np.maximum(*parts)
@@ -75,7 +76,7 @@ def row_names(dim: int) -> tuple[str, ...]:
 
 
 def combined_rates(factors: Array, names: Sequence[str]) -> str:
-    """vx + 0.309 vy - 2 w: factors times rates by name."""
+    """A combination of rates as text, such as vx + 0.309 vy - 2 w, from factors and names."""
     text = ""
     for factor, name in zip(factors, names, strict=True):
         if abs(factor) > 1e-9:
@@ -109,8 +110,8 @@ def rows_of(function: str, model: Model, task: str | Sequence[str]) -> tuple[int
 def read_target(
     function: str, model: Model, target: ArrayLike, task: str | Sequence[str] | None
 ) -> tuple[Task, Array]:
-    """The task and the targets as poses (..., dim + 1, dim + 1); what a target does not say is left
-    at the identity."""
+    """The task, and the targets as poses (..., dim + 1, dim + 1); parts that a target does not give
+    are those of the identity."""
     d = model.dim
     given = as_floats(function, "target", target)
     matrices = ((d + 1, d + 1), (d, d)) if task == "orientation" else ((d + 1, d + 1),)
@@ -155,7 +156,8 @@ def _embedded(R: Array, d: int) -> Array:
 
 
 def _orthogonal(function: str, poses: Array, d: int) -> Array:
-    """Poses with their rotations made exactly orthogonal; refuses what is no rotation."""
+    """Poses with their rotations made exactly orthogonal; refuses matrices that are no
+    rotations."""
     R = poses[..., :d, :d]
     off = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(d)).max(initial=0.0)
     last = np.abs(poses[..., d, :] - np.eye(d + 1)[d]).max(initial=0.0)

@@ -1,5 +1,5 @@
-"""Distances of targets out of reach, many side by side, by kernels where the geometry of a closed
-form tells them, else from many starts; and a sentence for each."""
+"""Distances of unreachable targets, many side by side: by kernels where a closed form's geometry
+gives them, else by descents from many starts; and a sentence for each."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ Away = tuple[Array, Callable[[int], str]]
 
 
 def distances(problem: InverseProblem, form: ClosedFormArm | None) -> Away:
-    """Distances of a problem's targets, which have no solution; 0 where only the orientation is
-    wrong."""
+    """The distances (N,) of a problem's targets, all without a solution, from what the frame
+    reaches, and a sentence for each; 0 where only the orientation is out of reach."""
     solver, count = problem.solver, len(problem.target)
     if not solver.task.linear:
         return np.zeros(count), lambda _: "The frame cannot reach this orientation."
@@ -67,7 +67,8 @@ def distances(problem: InverseProblem, form: ClosedFormArm | None) -> Away:
 
 
 def _searched(solver: NumericalSolver, target: Array) -> Array:
-    """Distances by many descents; of the position alone where the orientation cannot be had."""
+    """Distances (N,) found by many descents; of the position alone where the orientation cannot be
+    reached."""
     away, turned = _nearest(solver, target)
     if solver.task.angular and (turned > 1e-6).any():
         places = replace(solver, task=Task(solver.task.dim, solver.task.linear))
@@ -95,8 +96,8 @@ def _sentence(solver: NumericalSolver, distance: float, out: bool, how: str, als
 
 
 def beyond_the_starts(solver: NumericalSolver) -> str:
-    """A sentence on angles whose turns differ and have no limits, as those of screws: starts lie
-    within one turn of them, so that what is not found may be there; "" without such."""
+    """A sentence for arms with unlimited angles whose turns are not equivalent, such as those of
+    screws, since solutions beyond one turn are not searched; "" for others."""
     model, again = solver.model, turning_coordinates(solver.model)
     limited = np.logical_and(*map(np.isfinite, solver.bounds))
     names = [
@@ -115,14 +116,15 @@ def beyond_the_starts(solver: NumericalSolver) -> str:
 
 
 def _nearest_rows(cost: Array) -> np.ndarray:
-    """Rows of the least costs of each target, of the costs of all starts, target by target."""
+    """The indices of the lowest costs of each target, from the costs of all starts target by
+    target."""
     by_target = cost.reshape(-1, _STARTS)
     best = np.argpartition(by_target, _KEPT, axis=-1)[:, :_KEPT]
     return (best + _STARTS * np.arange(len(by_target))[:, None]).ravel()
 
 
 def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:
-    """(distance, angle) left (N,) by the best of many descents in which an angle counts a
+    """(distance, angle) (N,) remaining after the best of many descents in which an angle counts a
     thousandfold."""
     q, _, _ = random_state(solver.model, 1, _STARTS)
     starts, goals = np.tile(q, (len(target), 1)), np.repeat(target, _STARTS, axis=0)
@@ -138,9 +140,9 @@ def _nearest(solver: NumericalSolver, target: Array) -> tuple[Array, Array]:
 
 
 def exact_distances(problem: InverseProblem, form: ClosedFormArm | None) -> Array | None:
-    """Distances (N,) of a problem's targets from what can be had with their orientation, where the
-    geometry of a closed form tells: by the screws that bring a point to another one, or over the
-    one joint that decides; else None."""
+    """Distances (N,) of targets from the nearest pose of the same orientation, where the geometry
+    of a closed form gives them: by screws that bring a point to another one, or by a search over
+    one joint; else None."""
     if form is None:
         return None
     at = range(0, len(problem.target), _SIDE_BY_SIDE)
@@ -162,7 +164,7 @@ def _some_distances(problem: InverseProblem, form: ClosedFormArm) -> Array | Non
 
 # ---------------------------------------------------------------- by screws
 class _Descents:
-    """Newton's steps towards points from many starts."""
+    """Newton descents that bring a point, from many starts, as near as possible to given points."""
 
     def __init__(
         self, problem: InverseProblem, form: ClosedFormArm, screws: Sequence[Screw], c: Array
@@ -189,8 +191,8 @@ class _Descents:
         return compile_program(trace("closer", step, inputs, outputs), target=target)
 
     def _sampled(self) -> tuple[Array, Any]:
-        """Positions anywhere (angles, and shifts of up to twice the arm's length), and where they
-        bring the point, as a tree."""
+        """Random joint positions (angles, and shifts of up to twice the arm's length), and a KD
+        tree of the points to which they bring the moved point."""
         from scipy.spatial import KDTree  # half of freebody's own time to import
 
         rng = np.random.default_rng(1)
@@ -231,7 +233,8 @@ class _Descents:
 
 # ---------------------------------------------------------------- over one joint
 def _gap_kernel(problem: InverseProblem, form: ClosedFormArm) -> Kernel | None:
-    """(target, x) -> squares of distances (ways,); None for a form that has none."""
+    """The kernel (target, x) -> squares of distances (branches,) with the deciding joint at x; None
+    for a form that has none."""
     arm, compiled = form.branches, problem.solver.model.compiled
     key = ("gaps", problem.solver.frame, arm.kind, problem.alone)
     if key not in compiled:
@@ -245,7 +248,8 @@ def _gap_kernel(problem: InverseProblem, form: ClosedFormArm) -> Kernel | None:
 
 
 def _target(problem: InverseProblem) -> str | None:
-    """NumPy, where compiling would take longer than all else."""
+    """The name of the NumPy target for single problems, for which compiling would take longer than
+    computing; else None."""
     return "numpy" if problem.alone else None
 
 
@@ -261,7 +265,7 @@ def _gaps_compiled(form: ClosedFormArm, ways: int, target: str | None) -> Kernel
 
 
 def _over_one_joint(kernel: Kernel, target: Array) -> Array:
-    """The least over the joint's turn (N,)."""
+    """The least distance squared (N,) over all positions of the deciding joint."""
     grid = np.linspace(-np.pi, np.pi, _GRID, endpoint=False)
     squares = kernel(target[:, None], grid)  # (N, G, ways)
     valley = (squares <= np.roll(squares, 1, axis=1)) & (squares <= np.roll(squares, -1, axis=1))

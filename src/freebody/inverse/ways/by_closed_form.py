@@ -1,6 +1,6 @@
-"""Solutions by a closed form: by the kernel that has all branches side by side, and of targets that
-are not clear to it with every candidate looked at; of arms of seven joints of each branch the
-solution nearest to the reference, over the position of the joint that is left."""
+"""Solutions by a closed form: by a kernel of all branches side by side, with every candidate
+checked for targets that it cannot decide; for arms of seven joints the solution of each branch
+nearest to the reference, over their self-motion."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def by_closed_form(problem: InverseProblem, form: ClosedFormArm) -> Found:
 
 
 def _by_steps(problem: InverseProblem, form: ClosedFormArm) -> tuple[Found, np.ndarray]:
-    """Every candidate put through forward kinematics, polished and compared with the others; which
-    joints (n,) could stand anywhere."""
+    """Solutions from all candidates after forward kinematics, polishing and comparison; and flags
+    of the joints (n,) that could stand anywhere."""
     solver, chain = problem.solver, form.chain
     at_rest = chain.positions(np.zeros(solver.model.nq) if problem.q0 is None else problem.q0)
     x, free, clear = candidates(form, at_rest, problem)
@@ -83,9 +83,8 @@ def _by_steps(problem: InverseProblem, form: ClosedFormArm) -> tuple[Found, np.n
 def candidates(
     form: ClosedFormArm, at_rest: Array, problem: InverseProblem
 ) -> tuple[Array, np.ndarray, Array]:
-    """The branches' joint positions x (N, k, n), none of them verified, NaN where there is none;
-    which joints could stand anywhere (N, k, n) and are at rest; how clear the branches are (N,
-    k)."""
+    """Unverified joint positions x (N, k, n) of the branches, NaN where there is none; flags (N, k,
+    n) of joints that could stand anywhere and are at rest; margins of existence (N, k)."""
     N, held = len(problem.target), problem.held
     if not problem.alone:
         given = [] if held is None else [held]
@@ -102,7 +101,7 @@ def candidates(
 
 
 def notes(problem: InverseProblem, form: ClosedFormArm, free: np.ndarray) -> list[str]:
-    """Notes on joints (n,) that could stand anywhere, and on those that do not matter."""
+    """Notes on joints (n,) that could stand anywhere, and on joints that do not move the frame."""
     solver, index = problem.solver, form.chain.index
     names = solver.model.position_names
     found = [
@@ -172,8 +171,8 @@ def _compiled(model: Model, solver: NumericalSolver, form: ClosedFormArm, in_fro
 
 
 def by_self_motion(problem: InverseProblem, form: ClosedFormArm) -> Found | None:
-    """Solutions nearest to the reference, one of each branch, the nearest first; None where no
-    kernel has the branches."""
+    """The solution of each branch nearest to the reference along the arm's self-motion, the nearest
+    first; None where there is no kernel of the branches."""
     kernel = branch_kernel(problem.solver, form, in_front=False)
     if kernel is None:
         return None
@@ -198,7 +197,8 @@ def by_self_motion(problem: InverseProblem, form: ClosedFormArm) -> Found | None
 
 
 class _Nearest:
-    """Some targets, and how far their solutions are from the reference."""
+    """The search along an arm's self-motion for the solutions of some targets that are nearest to
+    the reference."""
 
     def __init__(self, problem: InverseProblem, form: ClosedFormArm, kernel: Kernel):
         self.problem, self.form, self.kernel = problem, form, kernel
@@ -243,8 +243,8 @@ class _Nearest:
         return np.append(grid, middle), float(grid[1] - grid[0])
 
     def _solved(self, held: Array) -> tuple[Array, Array, Array]:
-        """(q (N, …, branches, nq), miss, distance from the reference, infinite where there is none
-        within the limits) with the joint at held (N, …)."""
+        """(q (N, …, branches, nq), miss, distance from the reference, infinite where no solution is
+        within the limits) with the held joint at `held` (N, …)."""
         problem = self.problem
         target = problem.target[(slice(None), *[None] * (held.ndim - 1))]
         q, miss, inside, _ = self.kernel(target, problem.reference, problem.rest, held)
@@ -256,14 +256,15 @@ class _Nearest:
         return q, miss, np.where(good, far, np.inf)
 
     def _own(self, held: Array) -> tuple[Array, Array, Array]:
-        """Solutions of each branch at its own positions (N, branches, G), as of `_solved`."""
+        """(q, miss, distance from the reference) of each branch at held positions of its own (N,
+        branches, G), as from `_solved`."""
         q, miss, far = self._solved(held)
         b = np.arange(held.shape[1])
         q, miss, far = (np.moveaxis(x[:, b, :, b], 0, 1) for x in (q, miss, far))
         return q, miss, far
 
     def _vertex(self, tried: Array) -> Array:
-        """The place of the vertex of the parabola through the squares of three distances (N,
+        """The offset of the vertex of the parabola through the squares of three distances (N,
         branches, 1)."""
         _, _, far = self._own(tried)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -273,7 +274,7 @@ class _Nearest:
         return (tried[..., 1] + shift * (tried[..., 2] - tried[..., 1]))[..., None]
 
     def _sorted(self, q: Array, miss: Array, far: Array) -> tuple[Array, Array]:
-        """The nearest first, each once."""
+        """Solutions sorted by distance from the reference, with repeated ones marked by NaN."""
         order = np.argsort(far, axis=-1, kind="stable")
         q = np.take_along_axis(q, order[..., None], axis=1)
         miss = np.take_along_axis(miss, order, axis=1)

@@ -40,15 +40,15 @@ reach."""
 def of_closed_chain(
     problem: InverseProblem, batch: tuple[int, ...], away: Callable[[Array], Away] | None = None
 ) -> Solutions:
-    """Working modes of a closed chain, `fb.inverse_kinematics`; away: how far targets are out of
-    reach, by default sought."""
+    """Working modes of a closed chain as solutions of inverse kinematics; away: the function that
+    gives the distance of unreachable targets, by default a search."""
     work = _Held(problem)
     found = _searched(work) if work.plan is None else _by_dyads(work, work.plan)
     return gathered(problem, None, found, batch, away or work.away)
 
 
 def _by_dyads(work: _Held, plan: Decomposition) -> Found:
-    """Solutions in closed form, and from many starts where pins of a dyad lie on one another."""
+    """Solutions in closed form by dyads, and from many starts where the pins of a dyad coincide."""
     problem = work.problem
     candidates, anywhere = plan.solve(np.tile(work.rest, (len(problem.target), 1)), problem.target)
     rows = np.flatnonzero(anywhere)
@@ -68,7 +68,8 @@ def _by_dyads(work: _Held, plan: Decomposition) -> Found:
 
 
 def unmeasured(target: Array) -> Away:
-    """NaN for targets out of reach, whose distance takes longer to find than all solutions."""
+    """Distances NaN and a sentence for unreachable targets, where finding a distance would take
+    longer than all solutions."""
     return np.full(len(target), np.nan), lambda _: "Out of reach."
 
 
@@ -78,7 +79,7 @@ def still_moves(problem: InverseProblem, q: Array) -> bool:
 
 
 def _searched(work: _Held) -> Found:
-    """Solutions from many starts, nearest to the reference first."""
+    """Solutions found from many starts, the nearest to the reference first."""
     problem = work.problem
     starts = work.starts(problem.starts or 96)
     solutions = []
@@ -107,7 +108,7 @@ def _searched(work: _Held) -> Found:
 
 @dataclass(frozen=True, eq=False)
 class _Held:
-    """A closed chain whose tip is held at targets."""
+    """A closed chain whose tip is held at targets, as inverse kinematics of all its loops."""
 
     problem: InverseProblem
 
@@ -132,7 +133,7 @@ class _Held:
     def descend(
         self, target: Array, starts: Array, weight: float, iterations: int
     ) -> tuple[Array, Array]:
-        """Result (q, what is left) of descents from starts (N, nq) to targets (N, …)."""
+        """(q, remaining error) of descents from starts (N, nq) to targets (N, …)."""
         solver = self.solver
 
         def at(q: Array, rows: np.ndarray) -> tuple[Array, Array]:
@@ -145,7 +146,7 @@ class _Held:
         return descend(at, starts, move, goal=goal, iterations=iterations)
 
     def starts(self, count: int) -> Array:
-        """(count, nq): the reference, some near it, and some anywhere."""
+        """Starting positions (count, nq): the reference, some near it, and the others random."""
         model = self.solver.model
         q, noise, _ = random_state(model, self.problem.seed, count)
         if self.problem.q0 is not None:
@@ -156,8 +157,9 @@ class _Held:
 
     # ------------------------------------------------------------ solutions
     def verified(self, q: Array, target: Array, *, nearest_first: bool = False) -> list[Verified]:
-        """Candidates (N, K, nq) that reach their targets (N, …) with all loops closed, polished,
-        wrapped, each once; in their order, or the nearest to the reference first."""
+        """The solutions among candidates q (N, K, nq): those that reach their targets (N, …) with
+        all loops closed, polished, wrapped, each once; in their order, or the nearest to the
+        reference first."""
         model = self.solver.model
         rows = np.isfinite(q).all(axis=-1)
         q, miss, fine = q.copy(), np.full(rows.shape, np.inf), np.zeros(rows.shape, dtype=bool)
@@ -178,7 +180,7 @@ class _Held:
         ]
 
     def named(self, solutions: list[Verified]) -> list[list[str]]:
-        """Names of the branches of the targets' solutions, by their dyads."""
+        """The branch names of each target's solutions, from the dyads."""
         assert self.plan is not None
         counts = [len(s.q) for s in solutions]
         every = np.concatenate([s.q for s in solutions]) if solutions else np.zeros((0, 0))
@@ -197,7 +199,7 @@ class _Held:
         return closed & ~backward(model, q).any(axis=-1)
 
     def _polished(self, q: Array, target: Array) -> Array:
-        """q after Newton steps, each kept where it helped."""
+        """Positions q after Newton steps, each kept only where it helped."""
         solver = self.solver
         q = q.copy()
         e, E = solver.equations(q, target)
@@ -217,12 +219,12 @@ class _Held:
         return q
 
     def freedom(self, q: Array) -> int:
-        """Motions that are left with the tip held."""
+        """The number of motions that remain with the tip held."""
         _, E = self.solver.equations(q, self.solver.pose_and_jacobian(q)[0])
         return E.shape[-1] - int(np.linalg.matrix_rank(E, rtol=1e-8))
 
     def thinned(self, s: Verified) -> Verified:
-        """A few solutions of infinitely many."""
+        """A few well separated solutions out of infinitely many."""
         kept: list[int] = []
         for row in range(len(s.q)):
             if len(kept) < _SHOWN and all(
@@ -244,7 +246,8 @@ class _Held:
         return np.array([d if d > near else 0.0 for d, _ in found]), sentences.__getitem__
 
     def _nearest(self, target: Array) -> tuple[float, float]:
-        """(m, rad) that are missing at the nearest closed position found."""
+        """The distance (m) and angle (rad) to a target that remain at the nearest closed position
+        found."""
         model = self.solver.model
         q = self.starts(48)
         goals = np.broadcast_to(target, (len(q), *target.shape))
@@ -280,6 +283,6 @@ class _Held:
 
 
 def _apart(model: Model, a: Array, b: Array) -> Array:
-    """The largest difference (...) of positions (..., nq), as rates, whole turns left out."""
+    """The largest difference (...) between positions (..., nq), as a rate, whole turns left out."""
     way = np.abs(rate_scale(model) * shortest_way(model, a, b))
     return np.asarray(way.max(axis=-1, initial=0.0))

@@ -1,5 +1,5 @@
-"""Arms that are nearly one with a closed form, such as calibrated ones, and members of families:
-every branch of that one, followed to the arms themselves by steps side by side."""
+"""Solutions for arms that nearly have a closed form, such as calibrated ones, and for members of
+families: the branches of the nearby arm, followed numerically side by side."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _SolvedPiece = tuple[np.ndarray, Solutions]
 
 @dataclass(frozen=True, eq=False)
 class Follow:
-    """The arms that branches are followed to, each target's its own."""
+    """The arms to which the branches of a nearby arm are followed, one for each target."""
 
     poses: Poses
     kernel: Bound | None
@@ -84,21 +84,21 @@ class Follow:
 
 @dataclass(frozen=True, eq=False)
 class NearbyForm:
-    """The closed form of an arm, and how far (rad, arm lengths) the one that is asked for differs
-    from it."""
+    """The closed form of a nearby arm, and how far (rad, arm lengths) the wanted arm differs from
+    it."""
 
     form: ClosedFormArm
     differs: float
 
     @property
     def method(self) -> str:
-        """Name of the method, for results."""
+        """The name of the method in results."""
         return f"{self.form.method}, of the arm nearby, and Levenberg–Marquardt from there"
 
 
 def nearby_form(model: Model, frame: str, task: Task) -> NearbyForm | None:
-    """The closed form of the arm that this one nearly is, for a whole pose; None without one, or
-    where a joint would have to be given."""
+    """The closed form of the arm that this one nearly is, for a whole pose; None where there is
+    none, or where a joint would have to be held."""
     chain = chain_to(model.tree, frame)
     if chain is None or model.dim == 2 or not (task.places and task.turns):
         return None
@@ -124,13 +124,14 @@ def form_near(model: Model, frame: str, task: Task) -> NearbyForm | None:
 
 
 def farther(known: NearbyForm, differs: float) -> NearbyForm:
-    """The closed form nearby, for arms that differ so much from it."""
+    """The nearby closed form with its difference raised to at least `differs` (rad, arm
+    lengths)."""
     return replace(known, differs=max(known.differs, differs))
 
 
 def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array) -> float:
-    """The largest difference (rad, arm lengths) of poses T (…) at q (…) from those of the form's
-    arm."""
+    """The largest difference (rad, arm lengths) between given poses T (…) at q (…) and those of the
+    closed form's arm."""
     chain = form.chain
     x = chain.positions(q)
     points = [np.broadcast_to(v, (*x.shape[:-1], 3)) for v in (chain.p, *chain.R.T)]
@@ -144,8 +145,8 @@ def difference(form: ClosedFormArm, solver: NumericalSolver, q: Array, T: Array)
 
 
 def by_nearby(problem: InverseProblem, known: NearbyForm) -> Found:
-    """Solutions that the branches lead to, and for targets for which this is not sure many starts
-    too."""
+    """Solutions followed from the branches of the nearby arm, and from many starts as well for
+    targets where these are not sure."""
     solver = problem.solver
     follow = Follow(lambda q, _: solver.pose_and_jacobian(q), solver.descent)
     found, sure = followed(problem, known, follow)
@@ -159,8 +160,8 @@ def by_nearby(problem: InverseProblem, known: NearbyForm) -> Found:
 def of_family(
     model: Model, given: InverseProblem, batch: tuple[int, ...], one: _OneMember
 ) -> Solutions:
-    """Solutions of all members of a family, `fb.inverse_kinematics`; given: the problem for the
-    first member, whose targets are of a batch that broadcasts with the family."""
+    """Solutions of inverse kinematics for all members of a family; given: the problem for the first
+    member, whose targets have a batch that broadcasts with the family."""
     try:
         whole = np.broadcast_shapes(batch, model.family)
     except ValueError:
@@ -189,7 +190,8 @@ def of_family(
 def _side_by_side(
     model: Model, problem: InverseProblem, member: np.ndarray
 ) -> tuple[list[_SolvedPiece], np.ndarray]:
-    """Solutions that are sure for all members at once; the rows for which nothing is."""
+    """Solutions that are sure for all members at once, in pieces, and the rows of targets that
+    remain unsolved."""
     every = np.arange(len(problem.target))
     solver, task = problem.solver, problem.solver.task
     limits = [body.joint.limits for body in model.bodies]
@@ -239,7 +241,7 @@ def _how_far(known: NearbyForm) -> str:
 def _joined(
     pieces: list[_SolvedPiece], batch: tuple[int, ...], nq: int, notes: tuple[str, ...]
 ) -> Solutions:
-    """Join the solutions of all pieces to those of a batch."""
+    """The solutions of all pieces joined into one batch."""
     M = int(np.prod(batch))
     k = max((len(s) for _, s in pieces), default=0)
     q, residual = np.full((M, k, nq), np.nan), np.full((M, k), np.nan)
@@ -268,8 +270,9 @@ def _joined(
 def followed(
     problem: InverseProblem, known: NearbyForm, follow: Follow
 ) -> tuple[Found, np.ndarray]:
-    """The solutions (N, branches) that the branches of the arm nearby lead to, and whether this is
-    sure (N,): each of them led to one of its own, or is none there either."""
+    """The solutions (N, branches) that the branches of the nearby arm lead to, and flags (N,) of
+    the targets where these are sure: each branch led to a solution of its own, or has none on the
+    nearby arm either."""
     solver, form = problem.solver, known.form
     chain, nq = form.chain, solver.model.nq
     x, _, clear = candidates(form, chain.positions(problem.reference), problem)

@@ -16,7 +16,7 @@ _AT_ONCE = 1024
 
 
 def by_search(problem: InverseProblem, known: Array | None = None) -> Found:
-    """Solutions that the starts lead to: within the limits, and beyond them where none is found
+    """Solutions found from many starts: those within the limits, or those beyond where none is
     within.
 
     known: (N, k, nq), positions to be looked at besides, NaN where there is none.
@@ -48,7 +48,7 @@ def by_search(problem: InverseProblem, known: Array | None = None) -> Found:
 
 
 def _from_starts(problem: InverseProblem, starts: Array, known: Array | None) -> list[Verified]:
-    """The solutions of each target."""
+    """The verified solutions of each target from the given starts."""
     solver, N, K = problem.solver, len(problem.target), len(starts)
     goals = np.repeat(problem.target, K, axis=0)
     keep = problem.limits != "ignore"
@@ -69,7 +69,8 @@ def _from_starts(problem: InverseProblem, starts: Array, known: Array | None) ->
 
 
 def _starts(problem: InverseProblem, K: int) -> Array:
-    """(K, nq): q0, some near it, and some anywhere; without q0 all anywhere within the limits."""
+    """Starts (K, nq): q0, some near it, and the others random; all random within the limits where
+    there is no q0."""
     model, solver = problem.solver.model, problem.solver
     q, noise, _ = random_state(model, problem.seed, K)
     if problem.q0 is not None:
@@ -80,8 +81,8 @@ def _starts(problem: InverseProblem, K: int) -> Array:
 
 
 def _sorted_out(problem: InverseProblem, q: Array, keep: bool) -> list[Verified]:
-    """Solutions among what was found (N, K, nq), nearest to the reference first; `keep`: only those
-    within limits."""
+    """The verified solutions among positions (N, K, nq), nearest to the reference first; keep: only
+    those within the limits."""
     solver, reference = problem.solver, problem.reference
     redundant = solver.freedom > 0
     if redundant and problem.q0 is not None and solver.model.nq == solver.model.nv:
@@ -96,7 +97,8 @@ def _sorted_out(problem: InverseProblem, q: Array, keep: bool) -> list[Verified]
 
 
 def _settled(problem: InverseProblem, q: Array, q0: Array, keep: bool) -> Array:
-    """Positions that reached their target, slid along the solutions as near to q0 as can be."""
+    """Positions (N, K, nq), where those that reached their target are moved along the redundant
+    arm's solutions as near to q0 as possible."""
     flat, goals = q.reshape(-1, q.shape[-1]), np.repeat(problem.target, q.shape[1], axis=0)
     good = problem.solver.miss(flat, goals) < 1e-6
     if good.any():

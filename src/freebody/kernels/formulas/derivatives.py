@@ -34,8 +34,8 @@ def _matrices(derivatives: Derivatives) -> tuple[Any, ...]:
 
 
 def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivatives:
-    """Derivatives of inverse dynamics by forward mode: shorter where a robot's geometry folds
-    well."""
+    """Derivatives of inverse dynamics by forward mode, which takes fewer operations where many of a
+    robot's geometric numbers are 0 or 1."""
     if tree.lossy:  # then the derivative by q̈ is not M
         return inverse_dynamics_derivatives(tree, q, qd, qdd)
     n = tree.nv
@@ -49,13 +49,13 @@ def _by_dual_scalars(tree: Tree, q: Vector, qd: Vector, qdd: Vector) -> Derivati
 def _along(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, dq: Vector, dqd: Vector
 ) -> tuple[Any, ...]:
-    """Change of tau along a direction (dq, dqd) of the tangent space."""
+    """The change of tau along a direction (dq, dqd) of the tangent space."""
     moved = seeded(q, position_rates(tree, q, dq))
     return (tuple(slopes(t, 1)[0] for t in rnea(tree, moved, seeded(qd, dqd), qdd).tau),)
 
 
 def _second(tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector) -> tuple[Any, ...]:
-    """Second derivatives of tau: those of its first ones along every direction of q, and of q̇."""
+    """Second derivatives of tau: its first derivatives along every direction of q, and of q̇."""
     n = tree.nv
     by_q = inverse_dynamics_derivatives(tree, along_every_direction(tree, q), qd, qdd)
     faster = tuple(Dual(x, {k: 1.0}) for k, x in enumerate(qd))
@@ -72,7 +72,8 @@ _MATRIX, _CUBE = ("nv", "nv"), ("nv", "nv", "nv")
 def _inverse_derivatives(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """Columns of ∂τ/∂q, ∂τ/∂q̇ and M, (..., column, row), by derivatives along unit vectors."""
+    """Columns of ∂τ/∂q, ∂τ/∂q̇ and M, (..., column, row), from directional derivatives along unit
+    vectors."""
     q, qd, qdd = given
     along, none, units = fetch("inverse_dynamics_along"), np.zeros(n), np.eye(n)
     by_q = along(q, qd, qdd, units, none, threads=threads)
@@ -83,7 +84,8 @@ def _inverse_derivatives(
 def _forward_derivatives(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """Columns of ∂q̈/∂q, ∂q̈/∂q̇ and M⁻¹, (..., column, row)."""
+    """Columns of ∂q̈/∂q, ∂q̈/∂q̇ and M⁻¹, (..., column, row), from the derivatives of inverse
+    dynamics."""
     q, qd, tau = given
     qdd = fetch("forward_dynamics")(q, qd, tau, threads=threads)
     by_q, by_qd, M = (

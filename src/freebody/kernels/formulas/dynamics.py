@@ -69,8 +69,8 @@ def _inverse(
 def forward(
     tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    """Accelerations of a tree or a closed chain, as the one entry of a tuple; at a stage of a step
-    too, which is a little beside the loops."""
+    """Accelerations of a tree or a closed chain, in a tuple of one; also for states of a step that
+    are slightly off the loops."""
     if tree.loops:
         return (_closed_forward(tree, o, q, qd, tau, external(tree, o, q, wrenches)),)
     method = aba if _prefers_articulated_bodies(tree) else forward_dynamics
@@ -102,8 +102,8 @@ def _forward(
 
 
 def _prefers_articulated_bodies(tree: Tree) -> bool:
-    """Whether articulated bodies take fewer operations than factoring the mass matrix: chains are
-    long."""
+    """Whether the articulated-body algorithm takes fewer operations than factoring the mass matrix,
+    as it does for long chains."""
     longest = max((len(above) for above in supports(tree).values()), default=0)
     return longest >= 24 and not tree.follows and not tree.lossy
 
@@ -150,7 +150,8 @@ def _every_wrench(
 
 
 def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    """Wrenches of every joint and loop by each combination of multipliers that no motion feels."""
+    """Wrenches of every joint and loop caused by each combination of multipliers that no motion
+    feels."""
     return (
         [
             [
@@ -165,7 +166,8 @@ def _loose_wrenches(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
 def _balance(
     tree: Tree, o: Option, q: Vector, qd: Vector, qdd: Vector, reactions: Any, wrenches: Any = ()
 ) -> tuple[Any, ...]:
-    """Poses and their derivatives come from the positions' alone, by jets in time."""
+    """Residuals of the equations of all bodies under given reactions; poses and their rates are
+    computed from q, q̇ and q̈ by truncated Taylor series in time."""
     rates = kinematics.position_rates(tree, q, qd)
     second = kinematics.position_rates(tree, seeded(q, rates), seeded(qd, qdd))
     jets = tuple(Jet(*x) for x in zip(q, rates, (slopes(x, 1)[0] for x in second), strict=True))
@@ -185,7 +187,7 @@ def mass_by_columns(
 def _inverse_mass_by_columns(
     given: list[Array], n: int, fetch: Fetch, threads: int | None
 ) -> tuple[Array, ...]:
-    """Columns of M⁻¹, (..., column, row)."""
+    """Columns of M⁻¹, (..., column, row), by inverting M."""
     inverse: Array = np.asarray(
         np.linalg.inv(mass_by_columns(given, n, fetch, threads)[0]), dtype=np.float64
     )

@@ -8,8 +8,8 @@ from freebody.kernels.formulas.record import Dimensions
 
 
 class Input(NamedTuple):
-    """Dimensions, what it is with units, and where it makes no sense below 0, of what size it
-    usually is."""
+    """An input of a formula: its dimensions, its meaning with units, and a usual size for inputs
+    that must be positive."""
 
     dims: Dimensions
     meaning: str

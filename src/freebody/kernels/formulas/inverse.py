@@ -13,7 +13,8 @@ from freebody.spatial import Matrix
 
 
 def known_branches(tree: Tree, o: Option) -> Branches:
-    """The recipe for the frame; refuses arms without one, and lengths that are not numbers."""
+    """The closed-form recipe for the option's frame; refuses arms without one, and lengths that are
+    not numbers."""
     places = [x for body in tree.bodies for x in (*body.p, *sum(body.R, ()), *body.axis)]
     _, R, p = tree.frames[frame_of(o)]
     if not all(isinstance(x, (float, int)) for x in (*places, *p, *sum(R, ()))):

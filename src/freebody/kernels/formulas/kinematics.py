@@ -1,4 +1,4 @@
-"""Kinematics: poses of frames, their motion, and positions moved along the rates."""
+"""Formulas of kinematics: poses of frames, their motion, and positions moved along rates."""
 
 from __future__ import annotations
 

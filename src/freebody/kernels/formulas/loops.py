@@ -1,5 +1,5 @@
-"""Loop equations, the rates and accelerations that they allow, and what they do to the motion and
-to the drives."""
+"""Formulas of closed chains: loop equations, the rates and accelerations that they allow, and the
+loops' effect on motion and drives."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def _consistent(
 
 
 def _jerk(tree: Tree, o: Option, q: Vector, qd: Vector, x: Vector) -> tuple[Any, ...]:
-    """Φ's third derivative when q̈ = x and q⃛ = 0: affine in x. It tells how a mechanism goes on
-    where Φ_q loses rank."""
+    """The third time derivative of Φ for q̈ = x and zero jerk, which is affine in x; it shows how a
+    mechanism moves on where Φ_q loses rank."""
     moved = seeded(q, kinematics.position_rates(tree, q, qd))
     second = sub(
         times(constraint_jacobian(tree, moved), x), constraint_bias(tree, moved, seeded(qd, x))

@@ -1,4 +1,4 @@
-"""Operational space of a frame, and momentum as a function of the rates."""
+"""Formulas of operational space, and of momentum as a function of the rates."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""A formula as a record, and the option that picks a variant of it by structure: what frame is
-meant, which loads act, what the drives of a closed chain do."""
+"""A formula as a record, and the option that picks its variant by structure: the frame, the loaded
+frames, and the drives of a closed chain."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ ByColumns = Callable[[list[Array], int, Fetch, int | None], tuple[Array, ...]]
 
 
 class Option(NamedTuple):
-    """Structure that a formula depends on, besides the model; part of the key of every call, so
-    quick to hash."""
+    """The structure that a formula depends on besides the model: part of the key of every call, and
+    so quick to hash."""
 
     frame: str | None = None
     reference: str = "world"
@@ -59,8 +59,7 @@ class Option(NamedTuple):
 
 
 class Output(NamedTuple):
-    """An output of a formula: its dimensions and, for whoever reads a text without its model, its
-    meaning."""
+    """An output of a formula: its dimensions, and its meaning for readers of generated text."""
 
     dims: Dimensions
     meaning: str
@@ -73,7 +72,8 @@ def one(name: str, dims: Dimensions, meaning: str) -> dict[str, Output]:
 
 @dataclass(frozen=True)
 class Formula:
-    """A computable quantity.
+    """A computable quantity: its inputs, its outputs, the function that evaluates it, and the
+    properties by which kernels are made of it.
 
     inputs: names of the table `INPUTS`, and `wrenches`.
     outputs: by their name, which is unique within the formula.
@@ -118,7 +118,7 @@ class Formula:
     derivatives: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     def uses(self, option: str) -> bool:
-        """Whether the option of `fb.kernel` means something for it."""
+        """Whether an option of `fb.kernel` has an effect on the formula."""
         return {
             "frame": self.of_frame,
             "reference": bool(self.axes),
@@ -128,19 +128,19 @@ class Formula:
 
 
 def frame_of(o: Option) -> str:
-    """Name of the frame that the option chooses."""
+    """The name of the frame that the option chooses."""
     assert o.frame is not None  # the public functions resolve the tip
     return o.frame
 
 
 def partition_of(o: Option) -> Partition:
-    """Partition of the loops that the option chooses."""
+    """The partition of the loop equations that the option chooses."""
     assert o.partition is not None  # `kernel` and the functions of closed chains choose it
     return o.partition
 
 
 def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> list[External]:
-    """The wrenches on the option's frames as they act on bodies."""
+    """The external wrenches on the option's frames, as they act on bodies."""
     loads = (
         external_on_frame(tree, q, f, w) for f, w in zip(o.wrench_frames, wrenches, strict=True)
     )
@@ -148,7 +148,8 @@ def external(tree: Tree, o: Option, q: Vector, wrenches: tuple[Vector, ...]) -> 
 
 
 def at_driven_joints(tree: Tree, o: Option, q: Vector, needed: Vector) -> Vector:
-    """Torques of a tree, or of the drives of a closed chain that do the same."""
+    """The needed torques themselves for a tree, or for a closed chain the torques of its drives
+    with the same effect."""
     return drive_torques(tree, q, needed, partition_of(o)) if tree.loops else needed
 
 
@@ -158,5 +159,5 @@ def still(tree: Tree) -> Vector:
 
 
 def seeded(values: Vector, rates: Vector) -> Vector:
-    """Values, each with a slope."""
+    """Dual scalars from values and their slopes."""
     return tuple(Dual(x, {0: rate}) for x, rate in zip(values, rates, strict=True))

@@ -1,4 +1,4 @@
-"""Torques, energies and accelerations by inertial parameters."""
+"""Formulas of torques, energies and accelerations as functions of inertial parameters."""
 
 from __future__ import annotations
 

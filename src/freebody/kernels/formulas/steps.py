@@ -16,7 +16,8 @@ from freebody.spatial import Vector
 
 
 def _explicit(method: Callable[..., simulation_steps.MotionState]) -> Evaluation:
-    """A step by an explicit method, the torque and the wrenches held."""
+    """The evaluation of one simulation step by an explicit method, with torque and wrenches
+    constant."""
 
     def evaluate(
         tree: Tree, o: Option, q: Vector, qd: Vector, tau: Vector, h: Scalar, wrenches: Any = ()

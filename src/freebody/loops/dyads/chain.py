@@ -1,4 +1,4 @@
-"""The joints on the way between two frames, and postures: where a planar chain stands in many
+"""The joints between two frames of a planar chain, and postures: the chain's places in many
 samples."""
 
 from __future__ import annotations
@@ -66,8 +66,8 @@ Complex = NDArray[np.complexfloating]
 
 @dataclass(frozen=True, eq=False)
 class Posture:
-    """Positions q (N, K, nq) and where everything is; target: points (N, 1), angle: directions (N,
-    1)."""
+    """Positions q (N, K, nq) with the places of all bodies at them; target: points (N, 1), angle:
+    directions (N, 1)."""
 
     tree: Tree
     q: Array
@@ -80,19 +80,19 @@ class Posture:
         return world_poses(self.tree, joint_poses(self.tree, tuple(np.moveaxis(self.q, -1, 0))))
 
     def point(self, frame: str | None) -> Complex:
-        """Origin of a frame, or the target."""
+        """The origin of a frame, as complex numbers (N, K); of None the target."""
         if frame is None:
             assert self.target is not None
             return np.broadcast_to(self.target, self.q.shape[:-1])
         return self._complex(frame_pose(self.tree, self.world, frame)[1])
 
     def heading(self, frame: str) -> Array:
-        """Angle of a frame's x axis."""
+        """The angle of a frame's x axis (rad)."""
         R, _ = frame_pose(self.tree, self.world, frame)
         return np.asarray(np.angle(self._complex((R[0][0], R[1][0]))), dtype=float)
 
     def pivot(self, body: int) -> Complex:
-        """Place of a joint in the world."""
+        """The place of a joint in the world, as complex numbers."""
         return self._complex(self.world[body][1])
 
     def slide(self, crossing: Crossing) -> Complex:
@@ -101,7 +101,8 @@ class Posture:
         return sign * self._complex(times(self.world[body][0], self.tree.bodies[body].axis))
 
     def turned(self, *turns: tuple[Crossing, Array]) -> Array:
-        """q with joints turned by angles of what comes behind them."""
+        """The positions q after turning joints so that the bodies behind them turn by the given
+        angles."""
         q = np.array(self.q)
         for (body, sign), angle in turns:
             (w,), _ = self.tree.bodies[body].columns[0]
@@ -109,13 +110,14 @@ class Posture:
         return q
 
     def slid(self, crossing: Crossing, way: Array) -> Array:
-        """q with a joint slid by a way of what comes behind it, along its own axis."""
+        """The positions q after moving a slide along its own axis, so that the bodies behind it
+        move by a given length."""
         q = np.array(self.q)
         q[..., coordinate(self.tree, crossing)] += way
         return q
 
     def moved(self, q: Array) -> Posture:
-        """Posture of other positions with the same target."""
+        """The posture of other positions, with the same target."""
         return Posture(self.tree, q, self.target, self.angle)
 
     def _complex(self, p: tuple) -> Complex:

@@ -1,4 +1,4 @@
-"""Triangles and right-angled triangles, of vectors as complex numbers; words for their two
+"""Triangles and right-angled triangles of vectors as complex numbers, and names for their two
 solutions."""
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ def corner(opposite: Array, a: Array, b: Array) -> Array:
 
 
 def _by_triangle(above: Array, below: Array, scale: Array) -> Array:
-    """ψ = 2 atan √(above / below), the half-angle formula of a triangle; NaN where one is below
-    0."""
+    """The angle ψ = 2 atan √(above / below) by the half-angle formula of a triangle; NaN where one
+    of them is below 0."""
     loose = -_NEGATIVE * scale
     with np.errstate(invalid="ignore"):
         good = (above >= loose) & (below >= loose)
@@ -48,7 +48,8 @@ def _by_triangle(above: Array, below: Array, scale: Array) -> Array:
 
 
 def root(a: Array, b: Array) -> Array:
-    """√(a² - b²); 0 where it is short of that by rounding, else NaN."""
+    """The leg √(a² - b²) of a right-angled triangle; 0 where a² - b² is negative by rounding only,
+    else NaN."""
     square = (a - b) * (a + b)
     with np.errstate(invalid="ignore"):
         return np.sqrt(np.where((square < 0) & (square > -_LOOSE * (a * a + b * b)), 0.0, square))
@@ -64,14 +65,15 @@ def side(base: Complex, other: Complex, elbow: Complex) -> Array:
 def side_of(
     value: Array, size: Array | float, positive: str, negative: str, between: str | np.ndarray
 ) -> np.ndarray:
-    """One of three words (...) by the sign of values (...), `between` where they are small beside
-    `size`."""
+    """One of three words (...) by the sign of values (...); `between` where they are small relative
+    to `size`."""
     flat = np.abs(value) <= _FLAT * size
     return np.where(flat, between, np.where(value > 0, positive, negative))
 
 
 def shifted(at: Posture, first: Crossing, second: Crossing, way: Complex) -> Array:
-    """q with two joints slid so that together they move what comes behind by `way`."""
+    """The positions q after moving two slides so that together they move the bodies behind them by
+    the vector `way`."""
     e, g = at.slide(first), at.slide(second)
     det = across(e, g)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -81,8 +83,8 @@ def shifted(at: Posture, first: Crossing, second: Crossing, way: Complex) -> Arr
 
 
 def coincident(*sides: Array) -> NDArray[np.bool_]:
-    """Where two pins of a triangle with these three sides lie on one another while the other two
-    sides are as long as each other: any angle does."""
+    """Where two pins of a triangle with these three sides coincide while its other two sides are
+    equal, so that its angle is arbitrary."""
     near = _COINCIDE * np.maximum(np.add.reduce(sides), 1e-300)
     a, b, c = sides
     found = np.zeros(np.shape(near), dtype=bool)

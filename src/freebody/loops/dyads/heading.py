@@ -1,4 +1,4 @@
-"""The pin that turns the tip to the direction wanted."""
+"""The step that turns a frame to the wanted direction by its last unknown pin."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from freebody.loops.dyads.step import ConstructionStep
 
 
 class Heading(ConstructionStep):
-    """Name: of the frame whose direction is wanted; it closes no chain."""
+    """A step that turns a frame to the wanted direction; its name is the frame's, and it closes no
+    chain."""
 
     @property
     def frames(self) -> tuple[str, ...]:
@@ -20,5 +21,5 @@ class Heading(ConstructionStep):
 
 
 def heading(frame: str, turn: Crossing) -> ConstructionStep:
-    """The step that turns a frame."""
+    """The step that turns a frame to the wanted direction by a joint."""
     return Heading((), (turn,), (frame,))

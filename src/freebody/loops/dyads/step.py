@@ -1,4 +1,4 @@
-"""A dyad: unknown joints of chains, found from the others."""
+"""A construction step: unknown joints of chains, found from the known ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ to."""
 
 @dataclass(frozen=True)
 class ConstructionStep(ABC):
-    """Unknown joints of one chain, or of two, found from the others."""
+    """A step that finds the unknown joints of one or two chains from the known ones."""
 
     chains: tuple[Chain, ...]
     crossings: tuple[Crossing, ...]
@@ -38,30 +38,32 @@ class ConstructionStep(ABC):
 
     @property
     def frames(self) -> tuple[str, ...]:
-        """The frames that it brings together."""
+        """The names of the robot's frames at the ends of the step's chains."""
         return tuple(frame for chain in self.chains for frame in chain.frames)
 
     @property
     def called(self) -> str:
-        """Word for what lies one way or the other."""
+        """The name of the part that lies on one side or the other in the step's two solutions."""
         return self.names[0]
 
     @abstractmethod
     def solve(self, at: Posture) -> list[Array]:
-        """q (N, K, nq) of each solution, NaN where there is none."""
+        """The positions q (N, K, nq) of each solution of the step; NaN where there is none."""
 
     def anywhere(self, at: Posture) -> NDArray[np.bool_]:
-        """Flags (N, K) of the postures in which pins lie on one another, so that any angle does and
-        no solution is singled out."""
+        """Flags (N, K) of the postures in which pins coincide, so that any angle solves the
+        step."""
         return np.zeros(at.q.shape[:-1], dtype=bool)
 
     def label(self, at: Posture) -> Array | None:
-        """The solution that a posture is: a positive or a negative number (N, K)."""
+        """Which of the step's solutions a posture is, as a positive or negative number (N, K); None
+        where there is only one."""
         del at
         return None
 
     def reach(self, at: Posture) -> Reach | None:
-        """Distance and lengths that keep the dyad from closing."""
+        """The distance to be bridged and the lengths that cannot do it; None where the step always
+        closes."""
         del at
         return None
 
@@ -72,7 +74,7 @@ NameOf = Callable[[Crossing], str]
 
 @dataclass(frozen=True)
 class OfOne:
-    """A kind of step that closes one chain."""
+    """A kind of step that closes a single chain."""
 
     joints: str
     """The unknown joints in their order: R pins, P slides."""

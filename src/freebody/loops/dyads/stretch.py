@@ -1,4 +1,4 @@
-"""A slide in a chain whose ends stay a distance apart."""
+"""The step for a chain with one unknown slide, whose ends stay a distance apart."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
 class Stretch(ConstructionStep):
-    """A chain whose slide closes it; named by the slide."""
+    """A step that closes a chain by its slide; its name is the slide's."""
 
     ways = ("forward", "backward")
 

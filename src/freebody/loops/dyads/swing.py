@@ -1,4 +1,4 @@
-"""A pin in a chain whose ends stay a distance apart."""
+"""The step for a chain with one unknown pin, whose ends stay a distance apart."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 
 class Swing(ConstructionStep):
-    """Names: of the pin, and of the end that turns about it."""
+    """A step that closes a chain by turning a pin; names: the pin, and the end that turns about
+    it."""
 
     @property
     def called(self) -> str:

@@ -1,4 +1,5 @@
-"""Two pins and the cut: R R R, a triangle with known sides."""
+"""The step for a chain with two unknown pins: R R R, a triangle with known sides, whose third
+corner is where the loop was cut."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne, Reach
 
 
 class Triangle(ConstructionStep):
-    """Names: of the first pin, the second, the cut."""
+    """A step that closes a chain by two pins as a triangle; names: the first pin, the second, the
+    cut."""
 
     @property
     def called(self) -> str:
@@ -51,13 +53,13 @@ class Triangle(ConstructionStep):
 
     @property
     def _elbow(self) -> int:
-        """The number of the pin that moves: 1 and 2 the joints, 0 the cut; the other two are where
-        the rest of the robot holds them."""
+        """Which corner of the triangle is the elbow: 1 or 2 for a pin, 0 for the cut; the other two
+        corners are held in place by the rest of the robot."""
         signs = tuple(sign for _, sign in self.crossings)
         return 2 if signs == (1.0, 1.0) else 1 if signs == (-1.0, -1.0) else 0
 
     def _pins(self, at: Posture) -> tuple[Complex, Complex, Complex, Complex]:
-        """The cut's first end, both pins, the cut's second end."""
+        """The positions of the cut's first end, of both pins, and of the cut's second end."""
         start, end = (at.point(end) for end in self.chain.ends)
         p, r = (at.pivot(body) for body, _ in self.crossings)
         return start, p, r, end

@@ -1,4 +1,5 @@
-"""A pin and a slide, R P or P R: a right-angled triangle."""
+"""The step for a chain with an unknown pin and an unknown slide, R P or P R: a right-angled
+triangle."""
 
 from __future__ import annotations
 
@@ -14,7 +15,8 @@ from freebody.loops.dyads.step import ConstructionStep, NameOf, OfOne
 
 
 class TurnAndSlide(ConstructionStep):
-    """Crossings: the pin, then the slide. Name: of the slide."""
+    """A step that closes a chain by a pin and a slide, its crossings in this order; its name is the
+    slide's."""
 
     ways = ("forward", "backward")
 
@@ -43,8 +45,8 @@ class TurnAndSlide(ConstructionStep):
         return along(e, sliding) / np.maximum(np.abs(sliding), 1e-300)
 
     def _parts(self, at: Posture) -> tuple[Complex, Complex, Complex, bool]:
-        """Vectors from the pin: what is rigid, what slides, along which way; and whether the slide
-        lies behind the pin."""
+        """Vectors from the pin to the end that only turns and to the end that also slides, the
+        slide's direction, and whether the slide lies behind the pin."""
         turn, slide = self.crossings
         o = at.pivot(turn[0])
         near, far = (at.point(end) - o for end in self.chain.ends)

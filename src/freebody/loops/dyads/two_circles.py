@@ -1,4 +1,4 @@
-"""Two slides that carry the ends of two rods: where two circles meet."""
+"""The step for two slides that carry the ends of two rods: an intersection of two circles."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ from freebody.model.tree import Tree
 
 @dataclass(frozen=True)
 class TwoCircles(ConstructionStep):
-    """Name: of what the slides carry."""
+    """A step that closes the chains of two rods by two slides; its name is that of the part the
+    slides carry."""
 
     signs: tuple[float, ...] = ()
     """Signs with which the slides move the second end of each chain against its first."""
@@ -49,7 +50,7 @@ class TwoCircles(ConstructionStep):
         return str(a), str(b), np.abs(one - two), np.abs(r - t), r + t
 
     def _gaps(self, at: Posture) -> list[Complex]:
-        """The vectors of the carried end from the centre of each circle."""
+        """The vectors from the centre of each circle to the carried end."""
         return [
             sign * (at.point(c.ends[1]) - at.point(c.ends[0]))
             for c, sign in zip(self.chains, self.signs, strict=True)

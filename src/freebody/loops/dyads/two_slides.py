@@ -1,4 +1,4 @@
-"""Two slides, P P: one solution."""
+"""The step for a chain with two unknown slides, P P, which has one solution."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from freebody.loops.dyads.step import ConstructionStep, OfOne
 
 
 class TwoSlides(ConstructionStep):
-    """Nothing to tell apart, so without names."""
+    """A step that closes a chain by two slides; its only solution needs no name."""
 
     def solve(self, at: Posture) -> list[Array]:
         first, second = self.crossings

@@ -1,4 +1,5 @@
-"""The laws that act along a joint, over scalars: what the algorithms ask of a drive."""
+"""The drive laws of a joint over scalars: torque, inertia and energy, as the algorithms need
+them."""
 
 from __future__ import annotations
 
@@ -35,8 +36,8 @@ def _sign(law: DriveLaw, rate: Scalar) -> Scalar:
 
 @dataclass(frozen=True)
 class DriveScalars:
-    """The laws along a joint of one coordinate. at: its coordinates. sign: (law, rate) -> what
-    stands for the sign of the joint's rate in a law."""
+    """The drive laws along a joint of one coordinate. at: its coordinates. sign: the function (law,
+    rate) whose result replaces the sign of the joint's rate in a law."""
 
     laws: tuple[ActingLaw, ...]
     at: Coordinates
@@ -49,36 +50,36 @@ class DriveScalars:
         return inertia_of(self.laws)
 
     def torque(self, q: Vector, qd: Vector) -> Scalar:
-        """The torque that friction, springs and the like need, without inertia and without what is
-        lost of the torque transmitted."""
+        """The torque that friction, springs and the like need, without inertia and without losses
+        of the transmitted torque."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
         return self._torque(position, rate, rate)
 
     @property
     def lossy(self) -> bool:
-        """Whether part of the torque that the joint transmits is lost."""
+        """Whether the joint loses part of the torque that it transmits."""
         return any(x.law.losses is not None for x in self.laws)
 
     @property
     def at_joint(self) -> DriveScalars:
-        """The laws that act on the joint itself, so that what is transmitted has their torque."""
+        """The laws that act on the joint itself, so that their torque is transmitted too."""
         return self.only(lambda law: law.at_joint)
 
     @property
     def at_motor(self) -> DriveScalars:
-        """The laws that act on the motor's side of what loses a part of the torque."""
+        """The laws that act on the motor's side of a lossy gear, so that their torque is not
+        transmitted."""
         return self.only(lambda law: not law.at_joint)
 
     def lost(self, needed: Scalar, q: Vector, qd: Vector) -> Scalar:
-        """The torque that the motor gives besides, since the joint transmits what the bodies need
-        of it and what acts on the joint itself."""
+        """The torque that the motor supplies in addition because of losses: what is transmitted is
+        the torque that the bodies need and that of the laws at the joint itself."""
         transmitted = needed + self.at_joint.torque(q, qd)
         return self.lost_part(qd, transmitted) * transmitted
 
     def lost_part(self, qd: Vector, direction: Scalar) -> Scalar:
-        """Which part of the torque that the joint transmits the motor gives besides, friction
-        aside: below 0 where the joint drives the motor. direction: a number with that torque's
-        sign."""
+        """The loss as a fraction of the transmitted torque, without friction; negative where the
+        joint drives the motor. direction: a number with the sign of the transmitted torque."""
         lossy = [x for x in self.laws if x.law.losses is not None]
         if not lossy:
             return 0.0
@@ -88,8 +89,8 @@ class DriveScalars:
 
     @property
     def losses(self) -> tuple[Scalar, Scalar]:
-        """Which part of what is transmitted is lost while the motor drives the joint, and which
-        the motor is spared while the joint drives it: of all laws, one behind the other."""
+        """The lost fraction of the transmitted torque while the motor drives the joint, and the
+        fraction that the motor is spared while the joint drives it, of all laws in a row."""
         driving, driven = 0.0, 0.0
         for x in self.laws:
             if x.law.losses is not None:
@@ -98,12 +99,12 @@ class DriveScalars:
         return driving, driven
 
     def energy(self, q: Vector) -> Scalar:
-        """The energy that is stored at a position."""
+        """The energy that springs and the like store at a position (J)."""
         (position,) = self.at.position(q)
         return _sum(x.law.energy(x.p, position) for x in self.laws if x.law.energy is not None)
 
     def slopes(self, q: Vector, qd: Vector) -> tuple[Scalar, Scalar]:
-        """The derivatives of the torque by the joint's position and rate, whose sign is
+        """The derivatives of the torque by the joint's position and rate, with the rate's sign kept
         constant."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
         found = self._torque(Dual(position, {0: 1.0}), Dual(rate, {1: 1.0}), rate)
@@ -112,11 +113,11 @@ class DriveScalars:
 
     # ------------------------------------------------------------ as a linear function
     def parameters(self) -> list[Scalar]:
-        """The parameters in which torque and energy are linear, law by law."""
+        """The parameters of all laws in which torque and energy are linear, law by law."""
         return [x for own in self.laws for x in own.law.parameter_values(own.p)]
 
     def unit_torques(self, q: Vector, qd: Vector, qdd: Vector) -> list[Scalar]:
-        """The torque at the joint of each parameter, being 1."""
+        """The torque at the joint for each parameter set to 1 alone."""
         (position,), (rate,), (second,) = self.at.position(q), self.at.rates(qd), self.at.rates(qdd)
         found: list[Scalar] = []
         for x in self.laws:
@@ -126,17 +127,17 @@ class DriveScalars:
         return found
 
     def unit_inertias(self) -> list[Scalar]:
-        """The inertia of each parameter, being 1."""
+        """The inertia for each parameter set to 1 alone."""
         return [inertia for x in self.laws for inertia in x.law.inertias(x.p)]
 
     def unit_energies(self, q: Vector) -> list[Scalar]:
-        """The energy that each parameter stores, being 1."""
+        """The stored energy for each parameter set to 1 alone."""
         (position,) = self.at.position(q)
         return [energy for x in self.laws for energy in x.law.energies(x.p, position)]
 
     # ------------------------------------------------------------
     def drag(self, q: Vector, qd: Vector) -> Scalar:
-        """The torque for each unit of the sign of the rate: what dry friction is at a state."""
+        """The torque per unit of the sign of the rate: the strength of dry friction at a state."""
         (position,), (rate,) = self.at.position(q), self.at.rates(qd)
         signs = replace(self, sign=lambda law, rate: Dual(0.0, {0: 1.0}))
         return slopes(signs._torque(position, rate, rate), 1)[0]
@@ -146,7 +147,8 @@ class DriveScalars:
         return replace(self, laws=tuple(x for x in self.laws if keeps(x.law)))
 
     def _torque(self, position: Scalar, rate: Scalar, signed: Scalar) -> Scalar:
-        """signed: the rate whose sign counts."""
+        """The torque of all laws at a position and rate; signed: the rate whose sign the laws
+        take."""
         return _sum(
             x.law.torque(x.p, position, rate, self.sign(x.law, signed) if x.law.signed else 0.0)
             for x in self.laws
@@ -155,7 +157,7 @@ class DriveScalars:
 
 
 def inertia_of(laws: Sequence[ActingLaw]) -> Scalar:
-    """Inertia that laws add to their joint, which multiplies its second rate."""
+    """The inertia that laws add to their joint, the factor of its acceleration."""
     return _sum(x.law.inertia(x.p) for x in laws if x.law.inertia is not None)
 
 
@@ -169,7 +171,8 @@ def _sum(terms: Iterable[Scalar]) -> Scalar:
 def every_law(
     read: Callable[[str], Scalar], among: Iterable[DriveLaw] = tuple(LAWS.values())
 ) -> tuple[ActingLaw, ...]:
-    """The usual laws and those that act, with their scalars, of numbers by name."""
+    """The usual laws and all others that act, with scalars made of numbers that `read` gives by
+    name."""
     return tuple(
         [
             ActingLaw(law, law.scalars_of(read))
@@ -180,8 +183,8 @@ def every_law(
 
 
 def counted(laws: Sequence[ActingLaw]) -> tuple[ActingLaw, ...]:
-    """The laws that act, and the usual ones where any does; a family's where they act on some
-    member."""
+    """The laws that take part: those that act (in a family, on some member), and the usual ones
+    where any acts; none otherwise."""
     acting = [_acts(x.p[0]) for x in laws]
     if True not in acting:
         return ()
@@ -195,7 +198,7 @@ def _acts(strength: Scalar) -> bool:
 
 
 def of_names(names: Sequence[str], scalars: Sequence[Scalar]) -> tuple[ActingLaw, ...]:
-    """Laws by name, from their scalars one after the other."""
+    """Acting laws by name, from their scalars in a row."""
     rest = iter(scalars)
     laws = [LAWS[name] for name in names]
     return tuple(ActingLaw(law, tuple(islice(rest, law.size))) for law in laws)

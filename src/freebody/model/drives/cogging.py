@@ -16,12 +16,13 @@ def _torque(p: Vector, position: Scalar, rate: Scalar, s: Scalar) -> Scalar:
 
 
 def _energy(p: Vector, position: Scalar) -> Scalar:
-    """The energy, 0 where the rotor is held."""
+    """The energy of cogging, 0 where the rotor rests."""
     return p[0] * p[3] * (1.0 - cos(p[1] * position - p[2]))
 
 
 def _recounted(numbers: Vector, flip: float, offset: float) -> Vector:
-    """An amplitude of 0 or more; one below 0 is half a cog further."""
+    """The numbers of cogging for a joint at flip times its position plus offset, with an amplitude
+    of 0 or more; a negative one is a shift by half a cog."""
     amplitude, count, phase = numbers
     half = math.pi if amplitude < 0.0 else 0.0
     return abs(amplitude), count, flip * (phase + half) + count * offset

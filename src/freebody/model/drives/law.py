@@ -1,4 +1,4 @@
-"""The record of a law of drives: its numbers, its torque over scalars, and what else is asked.
+"""The record of a drive law: its numbers, its torque over scalars, and its further properties.
 
 A law acts along a joint of one coordinate. All but its torque, inertia and energy has a default, so
 that most laws are a few lines.
@@ -29,7 +29,7 @@ _UNITS = {
 
 @dataclass(frozen=True)
 class LawNumber:
-    """One number of a law.
+    """One number of a drive law.
 
     name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
     the table and its key. unit: with {effort}, {position}, {inertia} and {waves}, angle over
@@ -52,23 +52,23 @@ class LawNumber:
 
     @property
     def words(self) -> str:
-        """The words in tables of symbols."""
+        """The name of the number in tables of symbols."""
         return self.short or self.what
 
     @cached_property
     def place(self) -> tuple[str, str]:
-        """Table of a file, and key in the table."""
+        """The table of a file and the key in it that hold the number."""
         table, key = self.label.split(".")
         return table, key
 
     @property
     def kind(self) -> str:
-        """The kind of its unit, by which files may give others."""
+        """The kind of the number's unit, by which files may give others."""
         kinds = {"{position}": "angle", "rad": "angle", "{position}/s": "rate"}
         return kinds.get(self.unit, "number")
 
     def unit_of(self, turns: bool) -> str:
-        """The unit at a joint that turns, or slides."""
+        """The number's unit at a joint that turns, or at one that slides."""
         return self._units[turns]
 
     @cached_property
@@ -77,17 +77,17 @@ class LawNumber:
 
 
 def at_least_zero(what: str) -> Callable[[float], str | None]:
-    """The refusal of a negative number."""
+    """A check of a number that returns the refusal of a negative value, or None."""
     return lambda x: f"{what} {x:g} is negative; give it as 0 or more" if x < 0.0 else None
 
 
 def above_zero(what: str) -> Callable[[float], str | None]:
-    """The refusal of a number that is not positive."""
+    """A check of a number that returns the refusal of a value that is not positive, or None."""
     return lambda x: None if x > 0.0 else f"{what} is {x:g}; give a number above 0"
 
 
 def resting_elsewhere(numbers: Vector, flip: float, offset: float) -> Vector:
-    """Strength and rest position of a spring, where the joint is at flip times its position plus
+    """The strength and rest position of a spring for a joint at flip times its position plus
     offset."""
     strength, rest = numbers
     return strength, flip * rest + offset
@@ -95,7 +95,7 @@ def resting_elsewhere(numbers: Vector, flip: float, offset: float) -> Vector:
 
 @dataclass(frozen=True)
 class LinearForm:
-    """A law as a linear function of parameters, where these are others than its strength.
+    """A drive law as a linear function of parameters other than its strength.
 
     names: of the parameters. values: of the law's scalars. torques: (scalars, position, rate, s) ->
     the torque of each parameter, being 1. energies: (scalars, position) -> its energy, without what
@@ -121,8 +121,8 @@ NO_PARAMETERS = LinearForm(
 
 @dataclass(frozen=True)
 class DriveLaw:
-    """A law of drives. Its scalars are made of its numbers; the first is its strength, in which all
-    but losses is linear, and without which it does not act.
+    """A law of drives. Its scalars are made of its numbers; the first is its strength, without
+    which it does not act, and in which every law but losses is linear.
 
     feature: "friction", "rotors" or "springs", by which a model is without it. words: the same, of
     one joint. term: its term of an equation. torque: see `TorqueOfLaw`. inertia: (scalars) -> what
@@ -161,18 +161,18 @@ class DriveLaw:
 
     @property
     def strength(self) -> str:
-        """The number without which it does not act."""
+        """The name of the law's strength, the number without which it does not act."""
         return self.numbers[0].name
 
     @property
     def off(self) -> dict[str, float]:
-        """The numbers with which it does not act."""
+        """The numbers of the law with which it does not act."""
         bounded = {number.name: 0.0 for number in self.numbers if number.below < math.inf}
         return {self.strength: 0.0} | bounded
 
     def scalars_of(self, read: Callable[[str], Scalar]) -> Vector:
-        """The scalars, of numbers by name. Raises FreebodyError for symbols by which it cannot
-        divide."""
+        """The law's scalars, from numbers by name. Raises FreebodyError for symbols that it cannot
+        divide by."""
         own = tuple([read(number.name) for number in self.numbers])
         if self.scalars is None:
             return own
@@ -182,7 +182,7 @@ class DriveLaw:
             raise self.no_closed_form() from None
 
     def no_closed_form(self, where: str = "") -> FreebodyError:
-        """The refusal of a law that is no polynomial; where: behind its name."""
+        """The error that refuses a law which is no polynomial; where: text behind its name."""
         return FreebodyError(
             f"the {self.term}{where} has no closed form, which is a polynomial in sines, cosines "
             f"and rates: derive without it, model.with_drive(joint, {self.strength}=0), or take "
@@ -196,18 +196,18 @@ class DriveLaw:
 
     @cached_property
     def size(self) -> int:
-        """Number of scalars of the law."""
+        """The number of the law's scalars."""
         return len(self.scalars_of(lambda name: 1.0))
 
     @cached_property
     def only_moving(self) -> bool:
-        """Whether its torque is there only while the joint moves."""
+        """Whether the law has a torque only while the joint moves."""
         unit = (1.0,) * self.size
         return self.torque is None or not any(self.torque(unit, x, 0.0, 0.0) for x in (0.0, 2.0))
 
     @cached_property
     def grips(self) -> bool:
-        """Whether at rest it holds, with either sign."""
+        """Whether the law holds a joint at rest, with a torque of either sign."""
         if self.torque is None or not self.signed:
             return False
         unit = (1.0,) * self.size
@@ -216,27 +216,27 @@ class DriveLaw:
     # ------------------------------------------------------------ as a linear function
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the parameters in which it is linear."""
+        """Names of the parameters in which the law is linear."""
         return (self.strength,) if self.form is None else self.form.names
 
     def parameter_values(self, p: Vector) -> Vector:
-        """The parameters, of its scalars."""
+        """The values of the law's parameters, from its scalars."""
         return p[:1] if self.form is None else self.form.values(p)
 
     def torques(self, p: Vector, position: Scalar, rate: Scalar, s: Scalar) -> Vector:
-        """The torque of each parameter, being 1, that of its inertia apart."""
+        """The torque for each parameter of the law set to 1 alone, without the inertia's."""
         if self.form is not None:
             return self.form.torques(p, position, rate, s)
         return (0.0 if self.torque is None else self.torque((1.0, *p[1:]), position, rate, s),)
 
     def inertias(self, p: Vector) -> Vector:
-        """The inertia of each parameter, being 1."""
+        """The inertia for each parameter of the law set to 1 alone."""
         if self.inertia is None:
             return (0.0,) * len(self.parameters)
         return (self.inertia((1.0, *p[1:])),)
 
     def energies(self, p: Vector, position: Scalar) -> Vector:
-        """The energy that each parameter stores, being 1."""
+        """The stored energy for each parameter of the law set to 1 alone."""
         if self.form is not None:
             return self.form.energies(p, position)
         return (0.0 if self.energy is None else self.energy((1.0, *p[1:]), position),)
@@ -244,8 +244,8 @@ class DriveLaw:
     def numbers_of(
         self, entries: Sequence[Any], now: Mapping[str, Any], owner: str
     ) -> dict[str, Any]:
-        """The numbers of a law with other parameters, which are NumPy arrays; what they do not tell
-        stays."""
+        """The numbers of the law for other parameters, given as NumPy arrays; numbers that these do
+        not determine stay."""
         if self.form is None:
             return {self.strength: entries[0]}
         return self.form.numbers(entries, now, owner)

@@ -1,5 +1,5 @@
-"""The attributes of `Drive` as type checkers and editors see them: at run time they come from the
-laws, with which a test compares this list."""
+"""The attributes of `Drive` for type checkers and editors: at run time they come from the laws, and
+a test compares the two."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from freebody.model.parameters import Quantity
 
 
 class LawNumbers:
-    """One attribute for each number of a law; names of symbols may be given."""
+    """One attribute for each number of a drive law; each may also be the name of a symbol."""
 
     viscous: Quantity = 0.0
     coulomb: Quantity = 0.0

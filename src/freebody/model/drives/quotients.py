@@ -1,4 +1,4 @@
-"""Numbers of a law from its parameters, where one is divided by another."""
+"""Numbers of a law that are quotients of its parameters."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ def _reflected(rotor: Scalar, gear: Scalar) -> Vector:
 
 
 def _numbers(entries: Sequence[Any], now: Mapping[str, Any], owner: str) -> dict[str, Any]:
-    """The inertia before the gear, which stays."""
+    """The rotor's inertia from the reflected one; the gear ratio stays."""
     (reflected,), gear = entries, np.asarray(now["gear"])
     what = "a reflected rotor inertia behind a gear of ratio 0"
     return {"rotor": quotient(reflected, gear * gear, 0.0, what, owner)}

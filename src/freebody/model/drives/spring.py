@@ -18,7 +18,8 @@ def _energy(p: Vector, position: Scalar) -> Scalar:
 
 
 def _numbers(entries: Sequence[Any], now: Mapping[str, Any], owner: str) -> dict[str, Any]:
-    """Stiffness and rest position; without a spring the rest position stays."""
+    """The stiffness and rest position from the parameters; without stiffness the rest position
+    stays."""
     stiffness, moment = entries
     what = "stiffness_rest without stiffness"
     return {
