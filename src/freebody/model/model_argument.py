@@ -1,4 +1,5 @@
-"""Public functions whose first argument is a model: what to write where something else is given."""
+"""A check for public functions whose first argument is a model: it says what to write where
+something else is given."""
 
 from __future__ import annotations
 
@@ -15,14 +16,14 @@ from freebody.model.model import Model
 
 
 def require_model(name: str, model: object) -> None:
-    """Refuse what is no model; functions that are called a million times a second say so
-    themselves."""
+    """Refuse an object that is no model; functions that are called a million times a second check
+    this themselves."""
     if not isinstance(model, Model):
         raise KindError(name, "the first argument", model, "a Model", _advice(name, model))
 
 
 def require_one(name: str, model: Model) -> None:
-    """Refuse what is no model, and a family."""
+    """Refuse an object that is no model, and a family."""
     require_model(name, model)
     if model.family:
         raise FamilyError(name, model.name, model.family)
@@ -37,7 +38,8 @@ _OF_FAMILIES = (
 
 def takes_model(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
     """The function under its public name, which refuses a first argument that is no model, or a
-    family where it is about one robot, and names the argument for which memory does not suffice."""
+    family where one robot is needed, and names the argument that is too large where memory does not
+    suffice."""
     plain = name in _OF_FAMILIES
     require = require_model if plain else require_one
 

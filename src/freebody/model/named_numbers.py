@@ -35,7 +35,7 @@ Name = str | tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class ModelParameter(ByValue):
-    """One number that a model is made of.
+    """The record of one number of a model.
 
     value: None where a symbol has none yet; of a family an array where members differ. structural:
     an exact zero or right angle of a placement, or of gravity's direction, which patterns leave
@@ -54,8 +54,8 @@ class ModelParameter(ByValue):
 
 
 class Parameters(Sequence[ModelParameter]):
-    """All numbers of a model, in order: a sequence of records that is also asked by name, as text
-    or as its parts."""
+    """All numbers of a model in order: a sequence of records that are also found by name, as text
+    or as the parts of it."""
 
     def __init__(self, model: Model):
         self._catalogue = known(model)
@@ -70,13 +70,13 @@ class Parameters(Sequence[ModelParameter]):
 
     @property
     def values(self) -> Array:
-        """Values (..., k) in order, NaN where there is none; of a family its shape stands in
-        front."""
+        """Values (..., k) of all numbers in order, NaN where there is none; for a family its shape
+        comes first."""
         columns = [np.nan if record.value is None else record.value for record in self._records]
         return np.stack(np.broadcast_arrays(*columns), axis=-1) if columns else np.zeros(0)
 
     def matching(self, pattern: Name) -> tuple[ModelParameter, ...]:
-        """The records that a name in full, or a pattern of the shell (`*`, `?`, `[ab]`), means; see
+        """The records that a full name or a shell pattern (`*`, `?`, `[ab]`) matches; see
         `fb.kernel`, inputs=."""
         return tuple(
             self._at[name] for name in matching(self._catalogue, self, pattern, self._model)
@@ -129,7 +129,7 @@ def _what(record: ModelParameter) -> str:
 
 
 def parameters(model: Model) -> Parameters:
-    """Every number that a model is made of, by name, with its value, unit and what it is.
+    """Every number that a model is made of, by name, with its value, unit and meaning.
 
     Names: forearm.mass, forearm.com.x, forearm.inertia.xx (about the centre of mass, in the link's
     axes), forearm.scale (a factor on mass and inertia, also on a mass that is bound with it; it is
@@ -145,7 +145,7 @@ def parameters(model: Model) -> Parameters:
 
 
 def known(model: Model) -> Catalogue:
-    """The model's catalogue, made once and handed on to copies in which other numbers stand at the
+    """The model's catalogue of numbers, made once and passed on to copies whose numbers have the
     same places."""
     return kept(model, "_catalogue", catalogue, model)
 
@@ -192,8 +192,8 @@ def _is_structural(value: float | Array | None, unit: str) -> bool:
 
 # ---------------------------------------------------------------- names
 def found(names: Catalogue, given: Name, model: Model) -> str:
-    """The name of a number, by its text or parts, or by the place where its symbol stands; else an
-    error."""
+    """The full name of a number, from its text, its parts or the place of its symbol; raises an
+    error for others."""
     name = given
     if isinstance(given, tuple) and given and all(isinstance(part, str) for part in given):
         name = ".".join(given)
@@ -214,7 +214,7 @@ def found(names: Catalogue, given: Name, model: Model) -> str:
 
 
 def _require_tip(model: Model, name: object) -> None:
-    """Tell of a load's numbers, which are those at the tip, where there is none."""
+    """Refuse the name of a number of the payload at the tip where the model has no tip."""
     if model.tip is None and isinstance(name, str) and name.startswith(f"{PAYLOAD}."):
         raise ModelError(
             f"{model.name!r} has no {name!r}, which would be of a load at the tip. "
@@ -225,7 +225,7 @@ def _require_tip(model: Model, name: object) -> None:
 def matching(
     names: Catalogue, records: Sequence[ModelParameter], pattern: Name, model: Model
 ) -> list[str]:
-    """Names that one name in full or one pattern means, in the model's order."""
+    """The names that one full name or one pattern matches, in the model's order."""
     if not _is_pattern(pattern, names):
         return [found(names, pattern, model)]
     usual = [r.name for r in records if not (r.structural or r.limit or r.formula)]
@@ -243,7 +243,7 @@ def matching(
 
 
 def _is_pattern(given: Name, names: Catalogue) -> TypeGuard[str]:
-    """Whether a text is a pattern of the shell, and not a name that holds such characters."""
+    """Whether a text is a shell pattern, and not a name that contains such characters."""
     if not isinstance(given, str) or given in names.rows:
         return False
     if given in names.aliases or given in names.several:
@@ -252,8 +252,8 @@ def _is_pattern(given: Name, names: Catalogue) -> TypeGuard[str]:
 
 
 def _hint(records: Sequence[ModelParameter], usual: Sequence[str], pattern: str) -> str:
-    """A hint at the meaning of a pattern that matches none of the usual names: a number that
-    patterns leave out, or names like it."""
+    """A hint for a pattern that matches no usual name: a number that patterns leave out, or similar
+    names."""
     left_out = [r for r in records if fnmatchcase(r.name, pattern)]
     for record in left_out:
         if record.structural:
@@ -270,7 +270,7 @@ def _hint(records: Sequence[ModelParameter], usual: Sequence[str], pattern: str)
 
 # ---------------------------------------------------------------- other numbers
 def bind(model: Model, values: Mapping[Any, Any]) -> Model:
-    """The model with other numbers, see `Model.bind`."""
+    """The model with other numbers; see `Model.bind`."""
     texts = {name: value for name, value in values.items() if isinstance(value, str)}
     if texts:
         given, (model, plain) = model, with_formulas(model, texts, values)
@@ -301,7 +301,7 @@ def _checked(row: ModelNumber, value: Any, name: str) -> float | Members:
 
 
 def written(model: Model, wanted: Mapping[str, Quantity]) -> Model:
-    """The model with other numbers at some names, checked as far as they are numbers."""
+    """The model with other numbers under some names; plain numbers are checked."""
     names = known(model)
     by_editor: dict[int, tuple[Any, dict[str, Quantity]]] = {}
     for name, value in wanted.items():
@@ -330,7 +330,7 @@ def _same(old: Quantity, new: Quantity) -> bool:
 
 
 def _check(old: Model, new: Model) -> None:
-    """Refuse what no robot is, where it is other than before; what was accepted before stays so."""
+    """Refuse changed parts that no robot has; parts as before are accepted again."""
     bodies = [(b, a) for b, a in zip(old.bodies, new.bodies, strict=True) if a is not b]
     for before, after in _pairs(old, new, bodies):
         if before is None or before.inertia is not after.inertia:
@@ -357,8 +357,8 @@ def _check(old: Model, new: Model) -> None:
 
 
 def _pairs(old: Model, new: Model, bodies: list[tuple[Any, Any]]) -> Iterable[tuple[Any, Any]]:
-    """Inertias of both models, and of these bodies of theirs, side by side; a load that is new
-    beside nothing."""
+    """Pairs of inertias of the old and the new model, of the base and of the given pairs of bodies;
+    a new load is paired with None."""
     if new.base_inertias is not old.base_inertias:
         yield from _beside(old.base_inertias, new.base_inertias)
     for b, a in bodies:
@@ -371,5 +371,5 @@ def _beside(old: tuple[Any, ...], new: tuple[Any, ...]) -> Iterable[tuple[Any, A
 
 
 def family(model: Model) -> tuple[int, ...]:
-    """The shape of the family that a model is: () of one robot."""
+    """The shape of the family that a model is; () for one robot."""
     return common_shape(arrays_in(model), repr(model.name))

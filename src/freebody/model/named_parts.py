@@ -1,4 +1,4 @@
-"""Names of a model's parts, and where its coordinates stand."""
+"""Names of a model's parts, and the places of its coordinates in q and q̇."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from freebody.model.tree import Coordinates
 
 
 class NamedParts:
-    """The part of a model that none of its numbers changes: sizes, names, and which coordinates are
-    driven."""
+    """The parts of a model that are independent of its numbers: sizes, names, and which coordinates
+    are driven."""
 
     name: str
     bodies: tuple[Body, ...]
@@ -28,7 +28,7 @@ class NamedParts:
 
     @cached_property
     def coordinates(self) -> tuple[Coordinates, ...]:
-        """For each body, where its joint's q and q̇ stand in the vectors; a mimic joint shares its
+        """For each body the entries of q and q̇ that belong to its joint; a mimic joint shares its
         leader's."""
         own: dict[str, Coordinates] = {}
         iq = iv = 0
@@ -85,7 +85,7 @@ class NamedParts:
 
     @cached_property
     def passive(self) -> tuple[int, ...]:
-        """Coordinates, as entries of q̇ and tau, that nothing drives: those of passive joints."""
+        """Coordinates, as entries of q and q̇, that nothing drives: those of passive joints."""
         if not [body for body in self.bodies if body.joint.passive]:  # most have none
             return ()
         return tuple(
@@ -112,7 +112,7 @@ class NamedParts:
 
     @property
     def reaction_names(self) -> tuple[str, ...]:
-        """Names of all that exchange wrenches: joints, then loops."""
+        """Names of everything that transmits a reaction wrench: joints, then loops."""
         return (*self.joint_names, *(loop.name for loop in self.loops))
 
     @property
@@ -145,7 +145,7 @@ class NamedParts:
 
     @cached_property
     def leaves(self) -> tuple[str, ...]:
-        """The movable frames at the ends of the tree: links that carry nothing, or what is mounted
+        """The movable frames at the ends of the tree: links that carry nothing, or frames mounted
         on them."""
         carry = {body.joint.parent for body in self.bodies} | {
             f.parent for f in self.frames if not f.mounted
@@ -169,12 +169,12 @@ class NamedParts:
 
     @property
     def tip_reason(self) -> str:
-        """The rule that made `tip` the tip, or why there is none and which frames may be it: a
+        """The rule that chose the tip, or the reason why there is none with the candidates: a
         sentence of `notices`."""
         return next((notice.text for notice in self.notices if notice.kind == TIP), "")
 
     def frame(self, name: str | None = None) -> Frame:
-        """The frame of that name; None is the tip."""
+        """The frame of that name; of None the tip."""
         if name is None:
             if self.tip is None:
                 raise FreebodyError(

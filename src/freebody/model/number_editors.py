@@ -1,5 +1,5 @@
-"""Editors of a model's numbers: where each stands, and how another is put there. One mechanism for
-names, values and inputs.
+"""Editors of a model's numbers: where each number is stored, and how it is replaced. One mechanism
+for names, values and inputs.
 
 An *editor* knows one piece of the model (a placement, the inertia of a link, a drive): it reads the
 numbers that the piece is made of, by field, and writes some of them. What is written may be a
@@ -37,25 +37,27 @@ _CENTRE = {dim: tuple(f"com.{x}" for x in of_dimension(dim).axes) for dim in TEN
 
 
 class Editor(Protocol):
-    """A reader and writer of the numbers of one piece."""
+    """A reader and writer of the numbers of one piece of a model."""
 
     @property
     def first(self) -> bool:
-        """Whether the editor writes at paths that others may move, and so goes before them."""
+        """Whether the editor writes at paths that other editors may move, so that it must write
+        first."""
         ...
 
     @property
     def keeps_places(self) -> bool:
-        """Whether all numbers stand where they stood after it has written."""
+        """Whether every number keeps its path after the editor has written."""
         ...
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
-        """Field -> number, symbol, or members: of all fields, or at least of those wanted."""
+        """The numbers, symbols or arrays of members by field: of all fields, or at least of those
+        wanted."""
         ...
 
     def alone(self, model: Model, field: str) -> tuple[PiecePath, ...]:
-        """The paths at which the number of a field stands as it is, if to write it is no more than
-        to put another there."""
+        """The paths at which a field's number is stored unchanged, where writing it only replaces
+        it there; empty otherwise."""
         ...
 
     def write(self, model: Model, values: Fields) -> Model:
@@ -65,7 +67,7 @@ class Editor(Protocol):
 
 @dataclass(frozen=True)
 class Leaves:
-    """A symbol, or an entry with a name of its own, wherever it stands."""
+    """An editor of a symbol or named DH entry at all places where it is stored."""
 
     paths: tuple[PiecePath, ...]
     first = True
@@ -92,7 +94,7 @@ class Leaves:
 
 @dataclass(frozen=True)
 class PieceEntries:
-    """Numbers that are each an attribute of a piece, or an entry of a tuple: field -> which."""
+    """An editor of numbers that are attributes of a piece or entries of a tuple, by field."""
 
     path: PiecePath
     steps: Mapping[str, str | int]
@@ -116,8 +118,8 @@ class PieceEntries:
 
 @dataclass(frozen=True)
 class LinkInertiaEditor:
-    """The inertia of a link, about its centre of mass and in the axes of the link; `scale` is a
-    factor on all of it.
+    """An editor of the inertia of a link, about its centre of mass and in the link's axes; `scale`
+    is a factor on mass and tensor.
 
     frame: the link's, where the steps of the placement lead by way of it. Without, the numbers stay
     in the frame in which they are given.
@@ -164,7 +166,8 @@ class LinkInertiaEditor:
         return dict(zip(labels, (inertia.mass, *inertia.com, *inertia.tensor), strict=True))
 
     def _told(self, model: Model, part: Attached) -> Attached:
-        """The part with its inertia in the link's frame, where numbers alone lead there."""
+        """The part with its inertia in the link's frame, where the placement there consists of
+        plain numbers; else as it is."""
         steps = part.placement.steps
         start = len(steps) if self.frame is None else steps_to(model, self.frame)
         inner = Placement(steps[start:])
@@ -190,7 +193,7 @@ class LinkInertiaEditor:
 
 @dataclass(frozen=True)
 class NewPayloadEditor:
-    """A load that is not there yet, at the tip."""
+    """An editor of a payload at the tip that does not exist yet."""
 
     name: str
     frame: str
@@ -218,7 +221,7 @@ _FACTORS = frozenset({"mass", "scale"})
 
 
 def _times(x: Quantity, factor: Quantity) -> Quantity:
-    """x · factor; of what a kernel reads, a product that it forms."""
+    """The product x · factor; for quantities that a kernel reads, one that the kernel computes."""
     if isinstance(factor, float) and factor == 1.0:
         return x
     if any(each_parameter((x, factor))):
@@ -238,8 +241,8 @@ ANGLES = {2: ("yaw",), 3: ("roll", "pitch", "yaw")}
 
 @dataclass(frozen=True)
 class PoseEditor:
-    """A placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the frame that it is
-    told in, R = Rz(yaw) Ry(pitch) Rx(roll).
+    """An editor of a placement: x, y, z (m), then roll, pitch, yaw (rad) about the axes of the
+    outer frame, R = Rz(yaw) Ry(pitch) Rx(roll).
 
     outer: the frame that its first steps lead to, and that it is told in; None: the body's.
     frame: its name, where it is a frame's: all that is fixed to that frame moves with it.
@@ -253,20 +256,21 @@ class PoseEditor:
 
     @property
     def keeps_places(self) -> bool:
-        """Whether all numbers stay in place: parts fixed to a frame may have other steps in
-        front."""
+        """Whether every number keeps its path after writing; not for a frame, since parts fixed to
+        it start with its steps."""
         return not self.frame
 
     @staticmethod
     def tells(own: tuple[Any, ...]) -> bool:
-        """Whether such numbers can be told of these steps, which may hold symbols."""
+        """Whether position and angles can describe these steps of a placement, which may hold
+        symbols."""
         leaves = named_leaves(own)
         if any(len(name) > 1 for name in leaves):  # entries of a DH table are the numbers there
             return False
         return not leaves or not any(isinstance(step, Shift) for step in own[1:])
 
     def start(self, model: Model) -> int:
-        """The number of steps that lead to the outer frame."""
+        """The number of steps in the placement that lead to the outer frame."""
         return 0 if self.outer is None else steps_to(model, self.outer)
 
     def read(self, model: Model, wanted: Collection[str] | None = None) -> dict[str, Quantity]:
@@ -311,7 +315,7 @@ class PoseEditor:
         return model
 
     def _split(self, own: Iterable[Any]) -> tuple[Vector, tuple[Any, ...]]:
-        """One shift, and the turns behind it, that come to the same as the steps."""
+        """A shift and the turns behind it that are equivalent to the given steps."""
         steps = tuple(own)
         first, rest = (
             (steps[0].by, steps[1:])
@@ -349,13 +353,13 @@ class PoseEditor:
 
 
 def steps_to(model: Model, frame: str) -> int:
-    """The number of steps that lead from a body to a frame of it."""
+    """The number of steps in the placement of a frame in its body."""
     return len(model.frame(frame).placement.steps)
 
 
 def _riders(model: Model, name: str) -> list[PiecePath]:
-    """Paths of the placements that begin with that of a frame: of frames, inertias, loads and
-    joints fixed to it."""
+    """Paths of the placements that start with a frame's placement: of frames, inertias, loads and
+    joints attached to it."""
     reached = behind(model, name)
     paths: list[PiecePath] = [
         ("frames", k, "placement")
@@ -378,7 +382,8 @@ _LETTER = {"x": 0, "y": 1, "z": 2}
 
 
 def _angles_of(R: Matrix) -> dict[str, Scalar]:
-    """Roll, pitch and yaw of a rotation, in the plane yaw; where they are not unique, yaw = 0."""
+    """Roll, pitch and yaw of a rotation (in the plane yaw alone); yaw = 0 where they are not
+    unique."""
     if identity(len(R)) == R:
         return dict.fromkeys(ANGLES[len(R)], 0.0)
     atan2 = math.atan2 if all(isinstance(x, float) for row in R for x in row) else np.arctan2

@@ -1,5 +1,5 @@
-"""Names of all numbers that a model is made of: what `fb.parameters` lists, `bind` sets and kernels
-take as inputs."""
+"""Names of all numbers that a model is made of, which `fb.parameters` lists, `bind` sets and
+kernels take as inputs."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ PAYLOAD = "payload"
 
 @dataclass(frozen=True)
 class ModelNumber:
-    """One number of a model: its name in parts, what it belongs to, and the editor and field that
-    hold it."""
+    """One number of a model: the parts of its name, its owner, and the editor and field that hold
+    it."""
 
     parts: tuple[str, ...]
     owner: str
@@ -54,7 +54,7 @@ class ModelNumber:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """All rows in order, and those found by name."""
+    """All records of a model's numbers in order, and by name."""
 
     rows: dict[str, ModelNumber]
     """The numbers by names that only one of them has."""
@@ -90,8 +90,8 @@ def catalogue(model: Model) -> Catalogue:
 
 
 def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None) -> ModelNumber:
-    """A symbol, or an entry of a DH table; unit and meaning are those of the first place that it
-    stands in."""
+    """The record of a symbol, or of a named entry of a DH table; unit and meaning are those of the
+    first place where it is used."""
     editor = Leaves(tuple(paths))
     if len(own) > 1:
         angle = own[1] in ("theta", "alpha")
@@ -102,8 +102,8 @@ def _leaf(own: tuple[str, ...], paths: list[PiecePath], row: ModelNumber | None)
 
 
 def _by_name(rows: list[ModelNumber], aliases: dict[str, str]) -> Catalogue:
-    """Rows whose names are taken twice say what they belong to, and are counted where that does not
-    do."""
+    """The catalogue of records by name; a name that several have is preceded by its owner's, and
+    numbered where that is not enough."""
     sharing: dict[str, list[ModelNumber]] = {}
     for row in rows:
         sharing.setdefault(row.name, []).append(row)
@@ -127,7 +127,7 @@ def _by_name(rows: list[ModelNumber], aliases: dict[str, str]) -> Catalogue:
 
 # ---------------------------------------------------------------- all places, in order
 def _places(model: Model, space: AnySpace) -> Iterator[tuple[ModelNumber, PiecePath]]:
-    """Each number's row, and the path at which it stands as it is."""
+    """Pairs of a number's record and the path at which it is stored."""
     size = "size of the gravity field"
     yield _entry((), "gravity_size", ("gravity",), "model", "m/s²", size)
     along = "component of the gravity field's direction, a unit vector in world axes"
@@ -161,7 +161,7 @@ def _entry(
     path: PiecePath, step: str | int, name: tuple[str, ...], owner: str, unit: str, what: str,
     sort: Sort = "other",
 ) -> tuple[ModelNumber, PiecePath]:  # fmt: skip
-    """The row of a number that is an attribute or an entry of the piece at a path."""
+    """The record of a number that is an attribute or entry of the piece at a path."""
     field = name[-1]
     editor = PieceEntries(path, {field: step})
     return ModelNumber(name, owner, editor, field, unit, what, sort), (*path, step)
@@ -174,8 +174,8 @@ def _loads(model: Model) -> Iterator[Attached]:
 
 
 def _outer(model: Model, name: str, steps: tuple[object, ...]) -> str | None:
-    """The frame of that name, if a placement's steps lead by way of it; long rows of them are put
-    together."""
+    """The frame's name if a placement begins with that frame's own steps, else None; chains of many
+    placements have been combined and do not."""
     outer = model.frame(name).placement.steps
     return name if steps[: len(outer)] == outer else None
 
@@ -238,8 +238,8 @@ def _mass(
     what: str,
     scales: bool = False,
 ) -> Iterator[tuple[ModelNumber, PiecePath]]:
-    """mass, com, inertia; `scale` only of what is there, and whose numbers have no names of their
-    own."""
+    """The records of a part's mass, centre of mass and inertia, and of `scale` where these exist
+    and have no names of their own."""
     fields = [("mass", "kg", ("mass",), f"mass of {what}")]
     fields += [
         (f"com.{x}", "m", ("com", k), f"centre of mass of {what}") for k, x in enumerate(space.axes)
@@ -259,7 +259,8 @@ def _mass(
 def _frame(
     model: Model, frame: Frame, k: int, space: AnySpace
 ) -> Iterator[tuple[ModelNumber, PiecePath]]:
-    """The numbers of a frame that is mounted, or of a link that is fixed to another."""
+    """The records of the placement of a frame that is mounted, or of a link fixed to another
+    one."""
     outer = _outer(model, frame.parent, frame.placement.steps)
     pose = PoseEditor(("frames", k, "placement"), outer, space, frame.name)
     where = "its body" if outer is None else repr(outer)

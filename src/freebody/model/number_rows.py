@@ -1,5 +1,5 @@
-"""The rows of a structure's numbers, and from which numbers of a model each follows: by the same
-arithmetic as in `contributions`, so to the last bit."""
+"""The rows of a structure's numbers, and the numbers of a model that each row is computed from, by
+the same arithmetic as in `contributions` and so to the last bit."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ where the structure is another."""
 
 
 class RowPart(NamedTuple):
-    """A summand of a row of numbers: the slots that it follows from, how, and its value now."""
+    """A summand of a row of numbers: the slots that it depends on, the function of them, and its
+    value now."""
 
     slots: frozenset[int]
     entries: RowEntries
@@ -51,25 +52,25 @@ class RowPart(NamedTuple):
 
 
 class NumberRow(NamedTuple):
-    """A row of the structure's numbers: where it stands, and what adds up to it."""
+    """A row of the structure's numbers: its place, and the summands that make it up."""
 
     at: slice
     parts: tuple[RowPart, ...]
 
 
 class ShiftSum(NamedTuple):
-    """The position that a placement leads to: the sum of its shifts, each in turned axes, where
-    these are not None."""
+    """The position that a placement leads to, as a sum of shifts, each in axes turned by a matrix
+    (None: not turned)."""
 
     slots: frozenset[int]
     terms: tuple[tuple[Matrix | None, TakeSlots], ...]
 
 
 class NumberRows:
-    """The rows of the numbers of one robot that has all values."""
+    """The rows of the numbers of one robot that has all its values."""
 
     def __init__(self, model: Model, structure: Structure, named: dict[PiecePath, str]):
-        """named: paths of numbers that are one by their names."""
+        """Collect the rows; named: paths of numbers that share a name and so a slot."""
         self._model, self._structure, self._named = model, structure, named
         self.space = of_dimension(model.dim)
         self.values: SlotValues = []
@@ -128,7 +129,7 @@ class NumberRows:
             yield self._pose(frame.placement, ("frames", k, "placement"), shift)
 
     def _position(self, placement: Placement, path: PiecePath) -> int:
-        """Index of where a placement leads."""
+        """The index of the position that a placement leads to, which is added where it is new."""
         whole, terms, slots = identity(self.space.dim), [], []
         for k, step in enumerate(placement.steps):
             if isinstance(step, Shift):
@@ -145,7 +146,8 @@ class NumberRows:
         return self._index[key]
 
     def sum(self, k: int, values: SlotValues) -> Vector:
-        """The point that the placements of a position lead to, as `Placement.lower` finds it."""
+        """The point of a position with index k, from the numbers in the slots, computed as
+        `Placement.lower` does."""
         zero = p = self.space.zero
         for R, take in self.positions[k].terms:
             by = take(values)
@@ -167,7 +169,7 @@ class NumberRows:
         return NumberRow(at, (RowPart(self.positions[k].slots, entries, now),))
 
     def _own(self, numbers: tuple[Quantity, ...], path: PiecePath, at: slice) -> NumberRow:
-        """The row of the numbers that a joint's kind has besides, such as a pitch."""
+        """The row of the numbers of a joint's kind, such as a pitch."""
         those = [self._slot((*path, k), x) for k, x in enumerate(numbers)]
 
         def entries(values: SlotValues, _: list[Vector]) -> Any:
@@ -197,8 +199,7 @@ class NumberRows:
         return RowPart(slots, entries, tuple(linear_row(part, dim).tolist()))
 
     def _drive(self, drive: Drive, path: PiecePath, at: slice) -> NumberRow:
-        """Row of a drive's numbers; without slots in the structure where no drive of the model
-        acts."""
+        """The row of a drive's numbers; it has no slots where no drive of the model acts."""
         laws, names, present = drive.listed_laws, counted_laws(drive), at.stop > at.start
         own = [
             [self._slot((*path, x.name), getattr(drive, x.name)) for x in law.numbers]

@@ -1,5 +1,5 @@
-"""Parameters that follow from others, lc1 = l1/2: their formulas are part of a model, and whoever
-changes a number works out anew what follows from it (`followed`)."""
+"""Parameters that follow from others by formulas, such as lc1 = l1/2: the formulas are part of a
+model, and after each change of numbers dependent values are computed again (`followed`)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,8 @@ class ParameterFormula:
 
     @classmethod
     def of(cls, name: str, text: str) -> ParameterFormula:
-        """The formula, its arguments without values. Raises ParameterFormulaError."""
+        """The formula of a text, with arguments that have no values. Raises
+        ParameterFormulaError."""
         try:
             terms = polynomial(text)
         except FormulaTextError as error:
@@ -47,8 +48,8 @@ class ParameterFormula:
     def value(
         self, read: Callable[[Quantity], Scalar], number: Callable[[Fraction], Scalar] | None = None
     ) -> Scalar:
-        """The value of the formula over any scalars; read: of an argument; number: of an exact
-        factor."""
+        """The value of the formula over any scalars; read: gives an argument's scalar; number:
+        gives that of an exact factor."""
         known = dict(zip(self.names, map(read, self.arguments), strict=True))
         total: Any = 0.0
         for powers, k in self.terms:
@@ -57,8 +58,8 @@ class ParameterFormula:
         return total
 
     def quantity(self) -> Parameter:
-        """The parameter with the value that follows from those of the arguments, or as it follows
-        from what these stand for."""
+        """The parameter with the value that follows from its arguments, or, where they have none,
+        one that depends on them."""
         known = [_value(x) for x in self.arguments]
         if any(value is None for value in known):
             return FollowingParameter(self.name, None, self)
@@ -70,7 +71,7 @@ class ParameterFormula:
 
 @dataclass(frozen=True)
 class FollowingParameter(Parameter):
-    """One whose value is not known yet, or follows from inputs of a kernel."""
+    """A parameter whose value is not known yet, or follows from a kernel's inputs."""
 
     formula: ParameterFormula | None = None
 
@@ -86,7 +87,7 @@ def _value(x: Quantity) -> Any:
 
 
 def _times(x: Any, k: Fraction) -> Any:
-    """Product x k, rounded as x/12 is."""
+    """The product x k, rounded as the quotient x/12 would be."""
     if max(abs(k.numerator), k.denominator) > 2**53:
         return x * float(k)
     return x * float(k.numerator) / float(k.denominator)
@@ -95,8 +96,8 @@ def _times(x: Any, k: Fraction) -> Any:
 def of_each_link(
     name: str, text: str, names: Collection[str], parameters: Collection[str]
 ) -> dict[str, str]:
-    """A formula for one parameter, or lc = l/2 for lc1, lc2, … of every link; names: those in it.
-    Nothing where there is no such parameter."""
+    """The formula by the parameter's name, or by lc1, lc2, … of every link for a name like lc;
+    names: those used in it. Empty where there is no such parameter."""
     if name in parameters:
         return {name: text}
     of_links = (re.fullmatch(rf"{re.escape(name)}(\d+)", parameter) for parameter in parameters)
@@ -104,14 +105,14 @@ def of_each_link(
 
 
 def of_link(number: str, text: str, names: Collection[str], parameters: Collection[str]) -> str:
-    """A formula for every link as that of one: l2/2 of l/2."""
+    """A formula written for all links as that of one link: l/2 becomes l2/2."""
     return renamed(text, {x: x + number for x in names if x + number in parameters})
 
 
 def formulas_of(
     made: Mapping[str, ParameterFormula], parameters: Mapping[str, Any]
 ) -> tuple[ParameterFormula, ...]:
-    """Formulas by the names of their parameters, each behind those that it names; parameters: all,
+    """Formulas by the names of their parameters, each behind those that it uses; parameters: all,
     with their values. Raises ParameterFormulaError."""
     for name, formula in made.items():
         for other in formula.names:
@@ -147,7 +148,7 @@ _LONGEST_CHAIN = 50
 
 
 class ParameterFormulaError(ModelError):
-    """A formula that its parameter cannot be given by."""
+    """A formula that cannot define its parameter."""
 
     def __init__(self, name: str, text: str, problem: str):
         self.name, self.problem = name, problem
@@ -158,7 +159,7 @@ class ParameterFormulaError(ModelError):
 
 
 def followed(model: Any) -> Any:
-    """The model with the values of parameters with formulas as they follow from the others."""
+    """The model with the values of parameters that have formulas computed from the others."""
     leaves = named_leaves(model)
     for k in range(len(model.formulas)):
         found = model.formulas[k].quantity()
@@ -169,7 +170,7 @@ def followed(model: Any) -> Any:
 
 
 def used(model: Any) -> tuple[ParameterFormula, ...]:
-    """The formulas of a model that something in it follows from."""
+    """The formulas of a model that one of its parts depends on."""
     names = set(replace(model, formulas=()).parameters)
     kept = []
     for formula in reversed(model.formulas):
@@ -182,9 +183,9 @@ def used(model: Any) -> tuple[ParameterFormula, ...]:
 def with_formulas(
     model: Any, texts: Mapping[str, str], asked: Collection[Any]
 ) -> tuple[Any, dict[str, Quantity]]:
-    """The model with formulas for some parameters, {"lc": "l/2"} of every link but those asked for
-    by themselves, in the place of those that they have; and what is given a number, such as
-    "1/12"."""
+    """The model with formulas for some parameters in place of those they had, such as {"lc": "l/2"}
+    for every link except those in `asked`; and the parameters that a constant text, such as "1/12",
+    makes numbers."""
     known, made = model.parameters, {x.name: x for x in model.formulas}
     numbers: dict[str, Quantity] = {}
     for name, text in texts.items():
@@ -223,7 +224,7 @@ def inertial_names(model: Any) -> dict[str, str]:
 
 
 def refuse_negative(model: Any, values: Mapping[str, Any]) -> None:
-    """Refuse formulas that make masses or moments of inertia of a model or description negative."""
+    """Refuse formulas that make masses or moments of inertia negative."""
     names = inertial_names(model)
     for formula in model.formulas:
         terms = ((dict(powers), k) for powers, k in formula.terms)
@@ -238,8 +239,8 @@ def negative(
     owner: str,
     what: str,
 ) -> str | None:
-    """Why a mass or moment of inertia cannot be a polynomial, or None: it is negative with the
-    owner's values, or where it has none for all positive ones."""
+    """The reason why a mass or moment of inertia cannot be a polynomial (negative with the owner's
+    values, or for all positive ones), or None."""
     known = {name: x for name, x in values.items() if isinstance(x, float)}
     terms = list(terms)
     parts = [float(k) * prod(known.get(x, 1.0) ** e for x, e in own.items()) for own, k in terms]

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class Parameter:
-    """A named quantity: equations show the name, numbers use the value (None: not known yet)."""
+    """A named quantity: equations show its name, numbers use its value (None: not known yet)."""
 
     name: str
     value: Any = None
@@ -34,13 +34,13 @@ class Parameter:
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Names of the parameters whose values it lacks."""
+        """Names of the parameters whose values are needed for this one's value."""
         return (self.name,) if self.value is None else ()
 
 
 @dataclass(frozen=True)
 class ParameterProduct:
-    """A quantity that a kernel forms of others, some of which are its inputs."""
+    """A product that a kernel computes of quantities, some of which are its inputs."""
 
     factors: tuple[Any, ...]
 
@@ -109,7 +109,8 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
 
 
 def one_value_each(thing: T, owner: str) -> T:
-    """A tree of dataclasses and tuples in which a name has its value wherever it stands.
+    """A tree of dataclasses and tuples in which each name has the same value at all its places;
+    refuses two values for one name.
 
     Raises ModelError for a name that has two.
     """

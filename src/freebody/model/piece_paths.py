@@ -1,4 +1,4 @@
-"""Pieces of a model by the paths that lead to them: to get one, and to put another in its place."""
+"""Pieces of a model addressed by paths: to get one, and to replace one."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ def get(thing: Any, path: PiecePath) -> Any:
 
 
 def put(thing: Any, path: PiecePath, piece: Any) -> Any:
-    """A copy of the thing with another piece at a path."""
+    """A copy of an object with another piece at a path."""
     return put_at(thing, (path,), piece)
 
 
 def put_at(thing: Any, paths: tuple[PiecePath, ...], piece: Any) -> Any:
-    """A copy of the thing with one piece at several paths, none of which leads through another.
+    """A copy of an object with one piece at several paths, none of which leads through another.
 
     What was one object at several of these places is one again.
     """
@@ -36,7 +36,7 @@ def put_at(thing: Any, paths: tuple[PiecePath, ...], piece: Any) -> Any:
 
 
 class _Branch:
-    """Paths at which one piece is put, as a tree."""
+    """Paths at which one piece is put, as a tree of steps."""
 
     __slots__ = ("again", "steps")
 
@@ -55,7 +55,7 @@ def _branch(paths: tuple[PiecePath, ...]) -> _Branch | None:
 def _grown(
     paths: tuple[PiecePath, ...], known: dict[tuple[PiecePath, ...], _Branch]
 ) -> _Branch | None:
-    """Paths as a tree; equal branches are one object."""
+    """Several paths as a tree of steps; equal branches are one object."""
     if paths == ((),):
         return None
     if paths in known:
@@ -80,7 +80,8 @@ def _mark(branch: _Branch) -> None:
 def _put(
     thing: Any, branch: _Branch | None, piece: Any, made: dict[tuple[int, _Branch] | None, Any]
 ) -> Any:
-    """made: copies made so far, where there may be others."""
+    """A copy of an object with a piece put at all paths of a branch; made: copies made so far,
+    which are used again where an object occurs twice."""
     if branch is None:
         return piece
     place = (id(thing), branch) if branch.again else None
@@ -102,7 +103,7 @@ def _put(
 
 
 def named_leaves(thing: Any) -> dict[tuple[str, ...], list[PiecePath]]:
-    """Paths of each symbol, and of each entry with a name of its own, in order."""
+    """Paths of each symbol, and of each number with a name of its own, in order."""
     found: dict[tuple[str, ...], list[PiecePath]] = {}
     _walk(thing, (), found)
     return found
@@ -125,5 +126,5 @@ def _walk(thing: Any, path: PiecePath, found: dict[tuple[str, ...], list[PiecePa
 
 
 def is_plain(thing: Any) -> bool:
-    """Whether neither symbols nor entries with a name of their own are in it."""
+    """Whether an object holds neither symbols nor numbers with names of their own."""
     return not named_leaves(thing)

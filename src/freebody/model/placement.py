@@ -49,15 +49,15 @@ class Placement(Keeps):
     steps: tuple[Shift | AxisRotation | Rotate, ...] = ()
 
     def then(self, other: Placement) -> Placement:
-        """T_AB T_BC; where one of them has no steps the other itself, which keeps what is known of
-        it."""
+        """The placement T_AB T_BC; where one of the two has no steps the other object itself, which
+        keeps what has been computed for it."""
         if not (self.steps and other.steps):
             return self if self.steps else other
         return Placement(self.steps + other.steps)
 
     def folded(self, space: AnySpace) -> Placement:
-        """This pose in few steps: where there are many, numbers in a row become one shift and one
-        rotation."""
+        """The pose in few steps: of long chains, successive numeric steps are combined to one shift
+        and one rotation."""
         if len(self.steps) <= _LONGEST:
             return self
         steps: list[Shift | AxisRotation | Rotate] = []
@@ -67,7 +67,7 @@ class Placement(Keeps):
         return Placement(tuple(steps))
 
     def lower(self, space: AnySpace, reader: QuantityReader) -> tuple[Matrix, Vector]:
-        """Rotation and position (R_AB, p_AB) in scalars."""
+        """The rotation and position (R_AB, p_AB) in scalars."""
         R: Matrix | None = (
             None  # most placements turn once at most, and a changed length is to cost little
         )
@@ -105,18 +105,18 @@ def about(axis: str, s: Scalar, c: Scalar) -> Matrix:
 
 
 def shift(*by: Quantity) -> Placement:
-    """Translation, nothing at all where it is zero."""
+    """A translation; no steps at all where it is zero."""
     return Placement((Shift(tuple(by)),)) if any(x != 0.0 for x in by) else Placement()
 
 
 def turn(axis: str, angle: Quantity) -> Placement:
-    """Rotation about a coordinate axis, nothing at all where it is zero."""
+    """A rotation about a coordinate axis; no steps at all where it is zero."""
     return Placement((AxisRotation(axis, angle),)) if angle != 0.0 else Placement()
 
 
 def rotate(matrix: Sequence[Sequence[float]] | np.ndarray, owner: str = "rotation") -> Placement:
-    """A given rotation matrix, nothing at all where it is the unit one; refuses what is not a
-    rotation."""
+    """A placement by a rotation matrix; no steps at all where it is the unit matrix; refuses
+    matrices that are no rotations."""
     R = rotation_matrix(matrix, owner)
     if np.array_equal(R, np.eye(len(R))):
         return Placement()

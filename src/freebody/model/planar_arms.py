@@ -162,7 +162,8 @@ def describe(
 def _entries(
     letter: str, given: Sequence[GivenNumber] | None, n: int, word: str = ""
 ) -> list[Quantity]:
-    """n quantities named letter1, letter2, …; with a word, a P's default is 0."""
+    """The quantities letter1, letter2, … for n joints; where a word is given, the default of a P is
+    0."""
     values = _optional(letter, given, n)
     return [
         0.0

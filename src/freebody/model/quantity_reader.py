@@ -1,5 +1,5 @@
-"""Readers of quantities, by which those of a model become scalars: as values here, in other ways by
-readers elsewhere."""
+"""Readers of quantities, which turn those of a model into scalars: into values here, in other ways
+elsewhere."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ EXACT = 1e-12
 
 
 class QuantityReader:
-    """Reads numbers as they are and parameters as their values; a subclass may read them as
-    anything else."""
+    """A reader that takes numbers as they are and parameters as their values; subclasses may read
+    them differently."""
 
     combines = True
     """Whether the inertias of links that are lumped may be added up as numbers."""
 
     def quantity(self, q: Quantity) -> Scalar:
-        """The scalar of a number or parameter; of a family an array of its shape."""
+        """The scalar of a number or parameter; for a family an array of its shape."""
         kind = type(q)
         if kind is float or kind is NamedNumber:  # most are
             return q
@@ -63,7 +63,7 @@ class QuantityReader:
 
 
 class Values(QuantityReader):
-    """Reads numbers as they are, which most are, and parameters as their values."""
+    """A reader that takes numbers as they are, which most are, and parameters as their values."""
 
     def quantities(self, qs: Sequence[Quantity]) -> Sequence[Scalar]:
         if {*map(type, qs)} <= _NUMBERS:
@@ -77,8 +77,8 @@ VALUES = Values()
 
 
 def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]:
-    """sin and cos, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2; with 0 as
-    computed."""
+    """Sine and cosine of an angle, exactly 0 and ±1 within `tolerance` (rad) of a multiple of π/2;
+    as computed where the tolerance is 0."""
     if angle == 0.0:  # most are
         return 0.0, 1.0
     quarter = round(angle / (math.pi / 2))
@@ -88,7 +88,7 @@ def exact_sin_cos(angle: float, tolerance: float = EXACT) -> tuple[float, float]
 
 
 def _exact_each(angles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """`exact_sin_cos` of an angle for each member."""
+    """Sine and cosine of an angle for each member of a family, as of `exact_sin_cos`."""
     quarter = np.round(angles / (math.pi / 2))
     right = np.abs(angles - quarter * (math.pi / 2)) <= EXACT
     table = np.array([(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)])[quarter.astype(int) % 4]

@@ -1,5 +1,5 @@
-"""Shapes of links as a file gives them. No dynamics depends on them: masses are held against them,
-or estimated."""
+"""Shapes of links as a file gives them. The dynamics do not depend on them: they serve to check or
+estimate masses."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class Shape:
 
     @property
     def radius(self) -> float:
-        """Distance of its farthest point from its centre (m); of a mesh 0, it is not opened for
-        this."""
+        """The largest distance of a point of the shape from its centre (m); 0 for a mesh, which is
+        not opened."""
         if self.kind == "box":
             return 0.5 * float(np.linalg.norm(self.size))
         if self.kind == "cylinder":

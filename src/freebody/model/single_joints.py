@@ -1,4 +1,4 @@
-"""A model whose joints have one coordinate each: what formulas and derivations are written for.
+"""A model whose joints have one coordinate each, the form that formulas and derivations need.
 
 A joint of several coordinates is as many joints with links without mass and length between them;
 q, q̇ and every number stay what they are. Only where it is asked for, spherical and free joints are
@@ -26,8 +26,8 @@ _OWN = ("x", "y", "z")
 
 
 def with_single_joints(model: Model, euler: bool = False) -> Model:
-    """The model, its joints of several coordinates taken apart; spherical and free ones, whose
-    coordinates are no plain numbers, only with `euler`, their home positions left out."""
+    """The model with joints of several coordinates taken apart; spherical and free ones, whose
+    coordinates are no plain numbers, only with `euler`, and then without home positions."""
     if not any(is_taken_apart(body, euler) for body in model.bodies):
         return model
     taken = {*model.joint_names, *model.frame_names, *model.parameters}
@@ -60,12 +60,12 @@ def with_single_joints(model: Model, euler: bool = False) -> Model:
 
 
 def is_taken_apart(body: Body, euler: bool) -> bool:
-    """Whether several joints stand for that of a body; euler: also for a quaternion."""
+    """Whether a body's joint is replaced by several joints; euler: also one with a quaternion."""
     return body.kind.composed or (euler and body.kind.quaternion is not None)
 
 
 def _parts(body: Body, dim: int, taken: set[str], euler: bool) -> Iterator[Body]:
-    """The bodies that stand for one, its name and mass with the last."""
+    """The chain of bodies that replaces one body, the last of which has its name and mass."""
     if not is_taken_apart(body, euler):
         yield body
         return
@@ -91,7 +91,7 @@ def _parts(body: Body, dim: int, taken: set[str], euler: bool) -> Iterator[Body]
 
 
 def _moves(body: Body, dim: int) -> Iterator[tuple[str, Primitive, Vector]]:
-    """Name, primitive and axis of each joint that stands for that of a body."""
+    """The name, primitive and axis of each joint that replaces a body's joint."""
     kind, joint = body.kind, body.joint
     if kind.quaternion is not None:
         yield from kind.by_angles

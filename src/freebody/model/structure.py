@@ -66,8 +66,8 @@ _RECENT = 16
 
 
 class BodyRows(NamedTuple):
-    """The places of a body's numbers: of its joint's placement the position, those that the joint's
-    kind has besides, mass and first moment and inertia, and drive, which may be nothing."""
+    """The places of a body's numbers: its joint's position, the numbers of the joint's kind, mass
+    with first moment and inertia, and the drive, which may be empty."""
 
     position: slice
     joint: slice
@@ -80,7 +80,7 @@ class BodyRows(NamedTuple):
 
 
 class Structure:
-    """The common part of models that differ in numbers and names alone; equal structures are one
+    """The common part of models that differ only in numbers and names; equal structures are one
     object."""
 
     def __init__(self, key: tuple[Any, ...], model: Model):
@@ -168,8 +168,8 @@ _recent: deque[Structure] = deque(maxlen=_RECENT)
 
 
 def numbers_of(model: Model) -> Array:
-    """The numbers (..., k) of a model with all values, in the order in which `ScalarPieces` asks
-    for them."""
+    """The numbers (..., k) of a model with all values, in the order in which `ScalarPieces` takes
+    them."""
     structure = model.structure
     found = model.__dict__.get("numbers")  # they may have come with it
     if found is None:
@@ -179,7 +179,7 @@ def numbers_of(model: Model) -> Array:
 
 
 def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
-    """The numbers in order, a row for each piece, and whether they say where something is."""
+    """The numbers in order, a row for each piece, and for each row whether it holds positions."""
     known = body_parts(model)
     for i in structure.order:
         yield from zip(rows_of(known[i], structure.laws[i]), (True, False, False), strict=False)
@@ -195,16 +195,16 @@ def _pieces(model: Model, structure: Structure) -> Iterator[tuple[Array, bool]]:
 
 
 def own_frames(model: Model) -> tuple[str, ...]:
-    """The frames that belong to the structure: of a tree those of its struts alone, since a call
-    brings along those that it asks for."""
+    """Names of the frames whose poses belong to the structure: all for a closed chain, those of
+    struts for a tree, whose kernels bring along the frames they need."""
     if model.loops:
         return model.frame_names
     return tuple(dict.fromkeys([name for strut in model.struts for name in strut.frames]))
 
 
 class ScalarPieces(Pieces):
-    """The pieces of a model with scalars in the place of its numbers, as they come in `numbers_of`
-    and then those of the poses of `frames`."""
+    """The pieces of a model with scalars in place of its numbers, in the order of `numbers_of`,
+    followed by those of the poses of `frames`."""
 
     def __init__(
         self,
@@ -278,12 +278,12 @@ def tree_over(
 
 
 def laws_shown(model: Model) -> tuple[tuple[str, ...], ...]:
-    """For each body the names of the laws of drives that count along its joint."""
+    """For each body the names of the drive laws that act along its joint."""
     return tuple([part.joint.laws for part in body_parts(model)])
 
 
 def _laws(joints: Sequence[JointContribution]) -> tuple[tuple[str, ...], ...]:
-    """For each body the names of the laws whose scalars are among the numbers."""
+    """For each body the names of the drive laws whose scalars are among the structure's numbers."""
     driven = any(joint.laws for joint in joints)
     return tuple([laws_along(joint, driven) for joint in joints])
 

@@ -13,8 +13,8 @@ from freebody.model.parameters import Parameter, Quantity, quantity
 
 
 class StrutNumber(NamedTuple):
-    """A number of struts: its name in Python, in files and behind the strut's; its unit; what it
-    is; and whether it may be below 0."""
+    """A number of struts: its name in Python, in files and after the strut's name; its unit; its
+    meaning; and whether it may be negative."""
 
     name: str
     unit: str
@@ -33,8 +33,8 @@ NUMBERS = (
 
 @dataclass(frozen=True)
 class Strut:
-    """A strut between the origins of two frames, on two bodies. Of its length L it pulls them
-    together with preload + stiffness (L - rest) + damping L̇ (N); below 0 it pushes."""
+    """A strut between the origins of two frames on two bodies. At length L it pulls them together
+    with preload + stiffness (L - rest) + damping L̇ (N); a negative force pushes."""
 
     name: str
     frames: tuple[str, str]
@@ -50,8 +50,8 @@ class Strut:
         return tuple([getattr(self, number.name) for number in NUMBERS])
 
     def fault(self) -> str | None:
-        """Why no strut has these numbers, or None; of a family, of the first member that has
-        none."""
+        """The reason why no strut has these numbers, or None; for a family, that of the first
+        member with one."""
         for number, x in zip(NUMBERS, self.numbers, strict=True):
             known = x.value if isinstance(x, Parameter) else x
             least = known.array.min() if isinstance(known, Members) else known
@@ -83,8 +83,8 @@ def two_frames(
     taken: Container[str],
     useless: str,
 ) -> tuple[str, str]:
-    """The names of the frames of a loop or strut, which is refused without a name of its own, and
-    where its frames are not on two bodies; useless: what it does on one body, in words."""
+    """The names of the frames of a loop or strut; refuses one without a name of its own, and one
+    whose frames are not on two bodies; useless: the reason that is then given."""
     if not isinstance(name, str):
         raise ModelError(f"{where}: the name must be text.")
     if not name or name in taken:

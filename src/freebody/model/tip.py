@@ -1,4 +1,4 @@
-"""The tip of a robot: the frame that `frame=None` means, everywhere.
+"""The tip of a robot: the frame that `frame=None` stands for everywhere.
 
 The first of four rules that says one: (1) the frame that was asked for, or that the robot's
 description names; (2) the only frame that is called as `CONVENTIONS` has it, in their order; (3)
@@ -42,32 +42,32 @@ _SHOWN = 8
 
 @dataclass(frozen=True)
 class ChosenTip:
-    """The frame, None where there is none; and which rule chose it, in a sentence."""
+    """The tip's frame, None where there is none, and a sentence on the rule that chose it."""
 
     frame: str | None
     reason: str
 
     @property
     def notice(self) -> Notice:
-        """The sentence on the choice as a notice of the model."""
+        """The sentence on the choice, as a notice of the model."""
         return Notice(TIP, self.reason)
 
 
 def with_tip(model: Model, tip: ChosenTip) -> Model:
-    """The model with another tip, which its notices tell."""
+    """The model with another tip, which its notices report."""
     frame = None if tip.frame is None else model.frame(tip.frame).name
     notices = (notice for notice in model.notices if notice.kind != TIP)
     return replace(model, tip=frame, notices=(*notices, tip.notice))
 
 
 def requested_tip(frame: str) -> ChosenTip:
-    """The tip that a caller names."""
+    """The tip that a caller names, with the sentence that says so."""
     return ChosenTip(frame, f"The tip is {frame!r}, as asked.")
 
 
 def chosen(parts: NamedParts, described: str | None, joints: Iterable[Joint]) -> ChosenTip:
-    """The tip where no caller names one. described: that of the robot's description; joints: as
-    described, which tell of mimics that a model may have set free."""
+    """The tip where no caller names one. described: the tip of the robot's description; joints: as
+    described, with mimics that the model may have set free."""
     if described is not None:
         return ChosenTip(described, f"The tip is {described!r}, as the robot's description says.")
     return _by_name(parts) or _by_chain(parts, joints)
@@ -85,7 +85,7 @@ def _by_name(parts: NamedParts) -> ChosenTip | None:
 
 
 def _words(name: str) -> str:
-    """The words of a name in small letters, apart by underscores: rightEndEffector is
+    """The words of a name in lower case, joined by underscores: rightEndEffector becomes
     right_end_effector."""
     apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name)
     return re.sub(r"[^a-z0-9]+", "_", apart.lower()).strip("_")
@@ -124,8 +124,8 @@ def _none(why: str, candidates: Sequence[str]) -> ChosenTip:
 
 
 class _TreeBranches:
-    """The bodies that each body carries, and of the branches that begin with them how long they are
-    and whether all their joints are coupled."""
+    """The branches of a robot's tree: the bodies that each body carries, and for each branch its
+    length and whether all its joints are coupled."""
 
     def __init__(self, parts: NamedParts, joints: Iterable[Joint]):
         self.bodies = parts.bodies
@@ -144,7 +144,7 @@ class _TreeBranches:
                 self.coupled[above] = self.coupled[above] and self.coupled[k]
 
     def fingers(self, palm: int) -> list[int]:
-        """The bodies with which the fingers of a gripper on a body begin.
+        """The first bodies of the fingers of a gripper on a body; empty where there are none.
 
         Fingers are branches whose joints all follow one another (mimics and their leaders), of
         which two are the longest, with what else there is no longer than they, such as a gear; or
@@ -164,8 +164,8 @@ class _TreeBranches:
 
 
 def _alike(one: Body, other: Body) -> bool:
-    """Whether two bodies are equal fingers: the same kind of joint with the same range, perhaps the
-    other way round, and the same masses."""
+    """Whether two bodies are equal fingers: the same kind of joint with the same range, perhaps
+    mirrored, and the same masses."""
     own, its = one.joint.limits, other.joint.limits
     ranges = (its.lower, its.upper), (-its.upper, -its.lower)
     return (
@@ -186,9 +186,9 @@ def _close(a: Quantity, b: Quantity) -> bool:
 
 
 def _end(parts: NamedParts, at: int, fingers: set[int]) -> str:
-    """The frame at the end of a body: outward from the link that carries its gripper, else from its
-    own frame, as far as what is fixed there does not fork. A frame that is there for a strut alone
-    is no end."""
+    """The name of the frame at the end of a body: outward from the link that carries its gripper,
+    else from its own frame, as long as fixed frames do not fork. A frame that only a strut uses is
+    no end."""
     pulled = {name for strut in parts.struts for name in strut.frames}
     pulled -= {frame.parent for frame in parts.frames}
     fixed: dict[str, list[Frame]] = {}

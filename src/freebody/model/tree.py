@@ -1,4 +1,4 @@
-"""The model in scalars: what the algorithms run on.
+"""A model in scalars: the tree on which algorithms run.
 
 `lower` turns names and placements into numbers, or into whatever a reader makes of them. Joints
 become chains of primitives, in an order where parents come first.
@@ -36,7 +36,7 @@ Pose = tuple[Matrix, Vector]
 
 @dataclass(frozen=True)
 class Attached(Keeps):
-    """The inertia of one link, or of a load, given in a frame placed in the body's."""
+    """The inertia of one link or load, given in a frame placed in the body's frame."""
 
     link: str
     inertia: Inertia
@@ -56,13 +56,13 @@ class Coordinates:
     offset: float
 
     def position(self, q: Vector) -> Vector:
-        """The joint's own position scalars."""
+        """The position scalars of the joint itself."""
         if self.ratio == 1.0 and self.offset == 0.0:
             return tuple(q[k] for k in self.q)
         return tuple(self.ratio * q[k] + self.offset for k in self.q)
 
     def rates(self, qd: Vector) -> Vector:
-        """The joint's own rates, first or second."""
+        """The rates of the joint itself, from q̇ or q̈."""
         if self.ratio == 1.0:
             return tuple(qd[k] for k in self.v)
         return tuple(self.ratio * qd[k] for k in self.v)
@@ -84,7 +84,7 @@ class Mass:
 
 @dataclass(frozen=True)
 class TreeBody:
-    """A body behind one primitive joint. R, p: the joint's frame in the parent's."""
+    """A body behind one primitive joint; R, p: the joint's frame in the parent's."""
 
     name: str
     parent: int
@@ -99,18 +99,18 @@ class TreeBody:
     """Scalars of the joint's drive; None where no law of a drive acts."""
 
     def position(self, q: Vector) -> Vector:
-        """The joint's own position scalars."""
+        """The position scalars of the joint itself."""
         return self.coordinates.position(q)
 
     def rates(self, qd: Vector) -> Vector:
-        """The joint's own rates, first or second."""
+        """The rates of the joint itself, from q̇ or q̈."""
         return self.coordinates.rates(qd)
 
 
 @dataclass(frozen=True)
 class TreeLoop:
-    """A loop: its equations, its two frames, and how far apart their origins stay where it is a
-    distance."""
+    """A loop in scalars: its equations, its two frames, and the distance between their origins
+    where its kind fixes one."""
 
     name: str
     closure: Closure
@@ -132,7 +132,7 @@ class TreeStrut:
 
 @dataclass(frozen=True)
 class Tree:
-    """Bodies, parents first, and gravity, in scalars."""
+    """A robot in scalars: its bodies, parents first, and gravity."""
 
     space: AnySpace
     bodies: tuple[TreeBody, ...]
@@ -169,8 +169,7 @@ class Tree:
 
 
 class Pieces:
-    """Reader of a model's pieces, by which they become scalars: here each quantity as a reader
-    reads it."""
+    """The pieces of a model as scalars: here each quantity is read by a reader."""
 
     def __init__(self, space: AnySpace, reader: QuantityReader):
         self.space, self.reader = space, reader
@@ -184,7 +183,8 @@ class Pieces:
         return self.reader.axis(axis)
 
     def own(self, joint: Joint) -> Vector:
-        """The numbers that a joint's kind has besides an axis; asked for behind its pose."""
+        """The numbers of a joint's kind other than its axis; they are read after the joint's
+        pose."""
         return tuple(map(self.reader.quantity, joint.numbers))
 
     def masses(self, parts: tuple[Attached, ...]) -> tuple[Mass, ...]:
@@ -208,7 +208,7 @@ class Pieces:
         return tuple(map(self.reader.quantity, numbers))
 
     def frames(self, model: Model) -> tuple[Frame, ...]:
-        """The frames that the tree is to hold."""
+        """The frames that the tree shall hold."""
         return model.frames
 
 
@@ -218,8 +218,8 @@ def lower(model: Model, reader: QuantityReader) -> Tree:
 
 
 def tree_of(model: Model, pieces: Pieces) -> Tree:
-    """The model's tree, its pieces asked for in a fixed order: bodies, parents first; gravity;
-    loops; struts; base; frames."""
+    """The model's tree, its pieces taken in a fixed order: bodies, parents first; gravity; loops;
+    struts; base; frames."""
     if problem := loss_fault(model.bodies, model.loops):
         raise ModelError(f"{model.name!r}: {problem}.")
     space = pieces.space
@@ -302,7 +302,7 @@ def parents_first(bodies: Sequence[Body]) -> list[int]:
 def _masses(
     space: AnySpace, parts: tuple[Attached, ...], reader: QuantityReader
 ) -> tuple[Mass, ...]:
-    """Masses in the body's axes; those with numbers alone are made one."""
+    """The masses fixed to a body, in its axes; those with plain numbers are combined to one."""
     varied = [any(each_parameter(a)) or bool(arrays_in(a)) for a in parts]
     plain = [
         a
@@ -380,5 +380,5 @@ def _is_zero(inertia: Scalar) -> bool:
 
 
 def laws_of(drive: Drive, reader: QuantityReader) -> tuple[ActingLaw, ...]:
-    """The laws of a drive that count, with their scalars."""
+    """The laws of a drive that act, and the usual ones with them, with their scalars."""
     return counted(every_law(lambda name: reader.quantity(getattr(drive, name))))

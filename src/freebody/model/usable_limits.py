@@ -1,4 +1,4 @@
-"""The limits of a model's coordinates as they can be used: those of followers brought to their
+"""The limits of a model's coordinates in usable form: those of followers are applied to their
 leaders."""
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 
 class UsableLimits(NamedTuple):
-    """Per velocity coordinate, arrays (nv,): limits that allow motion (`Limits.meant`), infinite
-    where there are none.
+    """Usable limits of each velocity coordinate, arrays (nv,), infinite where there are none
+    (`Limits.meant`).
 
     given: (4, nv), as written. apart: joints that follow another and whose range has nothing in
     common with that one's, in words.
@@ -32,7 +32,7 @@ class UsableLimits(NamedTuple):
 
 
 def usable_limits(model: Model) -> UsableLimits:
-    """The limits of one robot, not of a family, as they can be used."""
+    """The usable limits of one robot (not of a family)."""
     own = (body for body in model.bodies if body.joint.mimic is None)
     rows = [_numbers(body.joint.limits) for body in own for _ in range(body.kind.nv)]
     given, meant = np.array(rows, dtype=float).reshape(-1, 2, 4).transpose(1, 2, 0)
@@ -42,13 +42,13 @@ def usable_limits(model: Model) -> UsableLimits:
 
 
 def _numbers(limits: Limits) -> list[tuple[float, ...]]:
-    """Lower, upper, velocity and effort, as written and as they are meant."""
+    """Lower, upper, velocity and effort limits, first as written and then as usable."""
     return [(x.lower, x.upper, x.velocity, x.effort) for x in (limits, limits.meant)]
 
 
 def _narrow(model: Model, lower: Array, upper: Array, velocity: Array) -> Iterator[str]:
-    """Bring the limits of followers to their leaders, where the ranges meet; yields who does not
-    meet whom."""
+    """Apply the limits of followers to their leaders where the ranges overlap; yields a phrase for
+    each follower whose range does not."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         limits, k = body.joint.limits.meant, at.v[0] if at.v else -1
         if body.joint.mimic is None or at.ratio == 0.0:

@@ -1,1 +1,1 @@
-"""Motions over time: made, read from files, and simulated."""
+"""Motions over time: planned, read from files, and simulated."""

@@ -1,4 +1,4 @@
-"""Motions of closed chains: some coordinates lead, the loops say where the others are."""
+"""Motions of closed chains: some coordinates lead, and the loops determine the others."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def leaders(model: Model, q: Array) -> list[int]:
 
 
 def home(model: Model) -> Array:
-    """The closed position (nq,) next to the model's home; without one, a position within the limits
+    """The closed position (nq,) near the model's home; without one, a position within the limits
     from which the mechanism moves well: the first good one, else the best."""
     if model.home:
         return assemble(model)
@@ -86,7 +86,8 @@ def outside(model: Model, q: Array) -> int:
 
 
 def regularity(model: Model, q: Array, leading: Sequence[int]) -> float:
-    """How clearly the leading coordinates tell the others at q: 0 where they do not, 1 at best."""
+    """How clearly the leading coordinates determine the others at q: 1 at best, 0 where they do
+    not."""
     N, _ = null_space(scaled_jacobian(model, q), RANK)
     if N.shape[1] != len(leading):
         return 0.0
@@ -128,7 +129,8 @@ def followed(
 
 
 def _missing(model: Model, start: Array, q: Array, leading: Sequence[int], reached: Array) -> Array:
-    """The step (nv,) by which the leading coordinates at q miss start + reached."""
+    """The difference (nv,) between the wanted position start + reached of the leading coordinates
+    and theirs at q."""
     step = np.zeros(model.nv)
     step[list(leading)] = reached - difference(model, start, q)[list(leading)]
     return step
@@ -141,7 +143,7 @@ def completed(
     source: str,
     before: Array | None = None,
 ) -> Motion:
-    """The motion (T samples) in which the positions named follow their columns (T,) and the loops
+    """The motion (T samples) in which the named positions follow their columns (T,) and the loops
     determine the others.
 
     The positions named must determine the others. `name.v` and `name.a` give rates and
@@ -173,8 +175,8 @@ def _simple_coordinates(model: Model) -> dict[str, int]:
 def _leading(
     model: Model, columns: Mapping[str, Array], rate_of: Mapping[str, int]
 ) -> tuple[list[int], Array]:
-    """Coordinates that lead among the positions with columns, and the closed position (nq,) at the
-    first sample. Raises LoopError where they do not determine the others."""
+    """The coordinates that lead among the positions with columns, and the closed position (nq,) at
+    the first sample. Raises LoopError where they do not determine the others."""
     given = [name for name in model.position_names if name in columns]
     start = home(model)
     for name in given:
@@ -202,8 +204,8 @@ def _with_rates(
     before: Array | None,
     text: str,
 ) -> Motion:
-    """The motion of closed positions q (T, nq) with the rates given of the leading coordinates
-    `names`; see `completed`."""
+    """The motion of closed positions q (T, nq) with given rates of the leading coordinates `names`;
+    see `completed`."""
     where, scale, pieces = layout(model), rate_scale(model), None
     simple = _simple_coordinates(model).items()
     accelerated = any(f"{name}.a" in columns for name, _ in simple)
@@ -230,7 +232,8 @@ def _with_rates(
 
 
 def _leading_columns(columns: Mapping[str, Array], names: Sequence[str], ending: str) -> Any:
-    """{name: rates or accelerations (T,)} of the coordinates that lead. Raises LoopError."""
+    """The columns (T,) of rates or accelerations of the leading coordinates, by name. Raises
+    LoopError where one is missing."""
     for name in names:
         if f"{name}{ending}" not in columns:
             raise LoopError(
@@ -248,7 +251,8 @@ def _refuse_off(
     names: Sequence[str],
     allowed: float,
 ) -> None:
-    """Refuse columns that are off what the loops and the leading coordinates `names` say."""
+    """Refuse columns that deviate from the positions that the loops and the leading coordinates
+    `names` give."""
     for name in (name for name in closed if name in columns):
         off = np.abs(closed[name] - columns[name])
         if off.max() > allowed:
@@ -261,8 +265,8 @@ def _refuse_off(
 
 
 def consistent_rates(model: Model, t: Array, q: Array, at_rest: bool) -> tuple[Array, Array, Array]:
-    """(q, qd, qdd) of closed positions q (T, nq) at times t: differentiated, then made consistent
-    with the loops."""
+    """(q, qd, qdd) of closed positions q (T, nq) at times t: by differentiation, then made
+    consistent with the loops."""
     where = layout(model)
     q, qd, qdd = state_of(where, q, *derivatives(t, continuous(where, q), at_rest=at_rest))
     if redundancy(model).rank is not None:

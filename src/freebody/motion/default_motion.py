@@ -68,8 +68,8 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
 
 
 def _of_closed_chain(model: Model, t: Array) -> Motion:
-    """The driven joints swing about a position from which the mechanism moves well, as far as its
-    loops let them."""
+    """A motion in which the driven joints swing about a position from which the mechanism moves
+    well, as far as its loops let them."""
     start = home(model)
     leading = leaders(model, start)
     if not leading:
@@ -105,12 +105,12 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
 
 
 def _clear(model: Model, q: Array, leading: list[int], least: float) -> bool:
-    """Whether a position is clear of singular ones and of the limits."""
+    """Whether a position is away from singular positions and within the limits."""
     return regularity(model, q, leading) > least and not outside(model, q)
 
 
 def _sines(n: int, samples: int) -> tuple[Array, Array]:
-    """Shapes (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1."""
+    """Curves (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1."""
     s = np.linspace(0.0, 1.0, samples)[:, None]
     k = np.arange(n)
     periods = 1.0 + (k * _GOLDEN) % 1.0
@@ -122,8 +122,8 @@ def _sines(n: int, samples: int) -> tuple[Array, Array]:
 
 
 def _swing(allowed: Ranges, speeds: Array) -> tuple[Array, Array]:
-    """Middle and amplitude (n,) of the coordinates; `speeds` are the largest of sines of amplitude
-    1 (1/s)."""
+    """The middle and amplitude (n,) of each coordinate's swing; speeds: the largest rates (1/s) of
+    curves of amplitude 1."""
     lower, upper = allowed.lower, allowed.upper
     span = upper - lower
     modest = np.where(allowed.turns, *_MODEST)

@@ -1,5 +1,5 @@
-"""Friction of joints in numbers: what depends on the sign of a rate, made smooth over a stated
-width so that an integrator can follow; and the parts that motions are planned and studied with."""
+"""Friction of joints in numbers: laws that depend on the sign of a rate, smoothed over a stated
+width so that an integrator can follow; and the shares of torque that planning and studies use."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ WIDTH = FRICTION_WIDTH
 
 @dataclass(frozen=True, eq=False)
 class DryFriction:
-    """The laws whose torque depends on the sign of a rate, of all joints: tanh(q̇ / width) in its
-    place, or a number of its own."""
+    """The laws of all joints whose torque depends on the sign of a rate, with tanh(q̇ / width) in
+    place of the sign."""
 
     drives: tuple[DriveScalars, ...]
     nq: int
@@ -49,8 +49,8 @@ class DryFriction:
         return found
 
     def drag(self, q: Array, qd: Array) -> Array:
-        """The size (..., nv) of dry friction at q (..., nq) and qd (..., nv): at rest what it holds
-        at most."""
+        """The size (..., nv) of dry friction at q (..., nq) and qd (..., nv); at rest the most that
+        it can hold."""
         found = np.zeros(qd.shape)
         for drive in self.drives:
             found[..., drive.at.v[0]] += abs(drive.at.ratio) * drive.drag(*_columns(q, qd))
@@ -61,7 +61,7 @@ class DryFriction:
         return self.drag(np.zeros((*family, self.nq)), np.zeros((*family, self.nv)))
 
     def steepest(self) -> Array:
-        """About the largest slope d tau / d q̇ of each coordinate (nv,)."""
+        """The approximate largest slope d tau / d q̇ of each coordinate (nv,)."""
         found, slow = np.zeros(self.nv), ((0.0,) * self.nq, (self.width,) * self.nv)
         for drive in self.drives:
             found[drive.at.v[0]] += drive.at.ratio**2 * drive.drag(*slow) / self.width
@@ -69,7 +69,7 @@ class DryFriction:
 
 
 def _columns(q: Array, qd: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-    """Entries of positions and rates, as arrays of samples."""
+    """The entries of positions and rates, each as an array over the samples."""
     return tuple(np.moveaxis(q, -1, 0)), tuple(np.moveaxis(qd, -1, 0))
 
 
@@ -86,12 +86,12 @@ def sticking_friction(model: Model) -> tuple[Model, DryFriction]:
 
 
 def _signed_laws(model: Model, keeps: Callable[[DriveLaw], bool], width: float) -> DryFriction:
-    """Some laws that depend on the sign of a rate."""
+    """The selected laws that depend on the sign of a rate."""
     return DryFriction(_only(model, keeps), model.nq, model.nv, width)
 
 
 def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
-    """The model without some laws of drives."""
+    """The model without the drive laws that `gone` selects."""
     off = {k: x for law in LAWS.values() if gone(law) for k, x in law.off.items()}
     bodies = tuple(
         replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
@@ -101,7 +101,8 @@ def without_laws(model: Model, gone: Callable[[DriveLaw], bool]) -> Model:
 
 
 def _only(model: Model, keeps: Callable[[DriveLaw], bool]) -> tuple[DriveScalars, ...]:
-    """The drives of all joints with some of their laws, where any of these acts."""
+    """The drives of all joints reduced to selected laws; drives without an acting one are left
+    out."""
     found = (b.drive.only(keeps) for b in model.tree.bodies if b.drive is not None)
     return tuple(drive for drive in found if any(np.any(x.p[0]) for x in drive.laws))
 
@@ -116,8 +117,8 @@ def friction_torque(model: Model, q: Array, qd: Array) -> Array:
 
 
 def motor_springs(model: Model, q: Array, qd: Array) -> Array:
-    """The torque (..., nv) of what stores energy on the motors' side of their gears, such as
-    cogging, at q (..., nq) and qd (..., nv): no part of what joints transmit."""
+    """The torque (..., nv) of laws that store energy on the motors' side of the gears, such as
+    cogging, at q (..., nq) and qd (..., nv); joints do not transmit it."""
     found = np.zeros(qd.shape)
     for drive in _only(model, lambda law: law.energy is not None and not law.at_joint):
         found[..., drive.at.v[0]] += drive.at.ratio * drive.torque(*_columns(q, qd))
@@ -137,14 +138,15 @@ def strut_damping(model: Model, q: Array, qd: Array) -> Array:
 
 
 def without_friction(model: Model) -> Model:
-    """The model without all that takes energy: friction of joints, dampers of struts."""
+    """The model without everything that dissipates energy: friction of joints, dampers of
+    struts."""
     struts = tuple(replace(strut, damping=0.0) for strut in model.struts)
     return replace(model.without("friction"), struts=struts)
 
 
 def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:
-    """The torque (..., nv) that drives give besides what their joints transmit (..., nv) at the
-    rates qd (..., nv), of which a part is lost."""
+    """The torque (..., nv) that drives supply in addition to what their joints transmit (..., nv)
+    at the rates qd (..., nv), because of losses."""
     found = np.zeros(qd.shape)
     for body in model.tree.bodies:
         if body.drive is not None and body.drive.lossy:
@@ -155,8 +157,8 @@ def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:
 
 
 def lost_parts(model: Model) -> tuple[Array, Array]:
-    """Which parts (nv,) of what joints transmit are lost while the motor drives, and which the
-    motor is spared while the joint drives it."""
+    """Two fractions (nv,) of the transmitted torque: lost while the motor drives the joint, and
+    spared the motor while the joint drives it."""
     driving, driven = np.zeros(model.nv), np.zeros(model.nv)
     for body in model.tree.bodies:
         if body.drive is not None and body.drive.lossy:
@@ -166,13 +168,13 @@ def lost_parts(model: Model) -> tuple[Array, Array]:
 
 
 def reflected_inertia(model: Model) -> Array:
-    """The rotors' inertia at each coordinate (nv,), what followers add included."""
+    """The rotors' inertia reflected to each coordinate (nv,), that of follower joints included."""
     return _each(model, lambda drive: drive.at.ratio**2 * drive.inertia)
 
 
 def viscous_friction(model: Model) -> Array:
-    """The torque of friction for each unit of rate (nv,), of the laws that are proportional to it;
-    what followers add included."""
+    """The torque of friction per unit of rate (nv,) from the laws proportional to it, that of
+    follower joints included."""
     return kept(model, "_viscous_friction", _viscous_friction, model)
 
 
@@ -196,8 +198,8 @@ def _each(model: Model, of: Callable[[DriveScalars], Scalar]) -> Array:
 
 
 def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
-    """Viscous friction, and the largest dry friction that does not depend on the rate, of each
-    coordinate (nv,). Raises FreebodyError where a joint has any other."""
+    """Viscous friction, and the largest dry friction independent of the rate, for each coordinate
+    (nv,). Raises FreebodyError where a joint has other friction."""
     require_lossless(function, model)
     for body in model.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:

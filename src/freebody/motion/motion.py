@@ -148,6 +148,7 @@ class Motion(Tabled, ByValue):
 
     def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:
         """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv).
+        around: times whose polynomial pieces are used.
 
         around: (...) other times, whose polynomials are taken and continued where t is beyond them,
         as on the near side of a jump. Raises FreebodyError for times outside the motion without it.
@@ -160,7 +161,7 @@ class Motion(Tabled, ByValue):
         return state_of(self.layout, *(x.continued(times, around) for x in self._curves))
 
     def _require_within(self, times: Array) -> None:
-        """Refuse times before and after the motion, but for rounding."""
+        """Refuse times before or after the motion, apart from rounding."""
         first, last = float(self.t[0]), float(self.t[-1])
         beyond = np.maximum(first - times, times - last)
         outside = np.argwhere(beyond > NEAR * max(last - first, abs(first), abs(last)))
@@ -189,8 +190,8 @@ class Motion(Tabled, ByValue):
 
     @property
     def knots(self) -> Array:
-        """Times (k,) between which the curve is one polynomial: those of the samples, and the
-        breaks of the pieces."""
+        """Times (k,) between which the curve is a single polynomial: those of the samples and of
+        the pieces' breaks."""
         if self.pieces is None:
             return self.t
         breaks = self.pieces.breaks
@@ -235,7 +236,7 @@ class Motion(Tabled, ByValue):
         )
 
     def then(self, other: Motion) -> Motion:
-        """This motion and then the other, whose time goes on from here.
+        """This motion followed by the other one, whose times continue from this one's end.
 
         The other begins where this one ends, and as fast. Accelerations may differ; the later one
         counts at the time between. Raises FreebodyError with the entry that does not fit.
@@ -274,7 +275,7 @@ class Motion(Tabled, ByValue):
 
 
 def _refuse_gap(first: Motion, second: Motion) -> None:
-    """Refuse motions that cannot follow each other."""
+    """Refuse two motions the second of which does not start where the first ends."""
     if not isinstance(second, Motion):
         raise KindError("then", "other", second, "a Motion")
     if key(first.layout) != key(second.layout):
@@ -300,7 +301,7 @@ def _refuse_gap(first: Motion, second: Motion) -> None:
 
 
 def require_motion(function: str, model: Model, motion: object) -> Motion:
-    """A motion of the model, else KindError or FreebodyError."""
+    """The motion itself if it is one of the model; raises KindError or FreebodyError otherwise."""
     if not isinstance(motion, Motion):
         raise KindError(
             function,
@@ -345,7 +346,7 @@ def derivatives(t: Array, x: Array, at_rest: bool = False) -> tuple[Array, Array
 
 
 def vector_of_times(t: ArrayLike) -> Array:
-    """t as (T,) increasing finite floats, at least `FEWEST`."""
+    """The times t as (T,) increasing finite floats, at least `FEWEST`."""
     times = as_floats("motion", "t", t)
     if times.ndim != 1 or len(times) < FEWEST:
         raise FreebodyError(f"motion: t has shape {times.shape}, expected at least {FEWEST} times.")

@@ -1,4 +1,4 @@
-"""Curves made of polynomials, and where exactly their highest and lowest points are."""
+"""Piecewise polynomial curves, and the exact places of their highest and lowest points."""
 
 from __future__ import annotations
 
@@ -43,8 +43,8 @@ class PiecewisePolynomial(Titled, ByValue):
         )
 
     def resting(self) -> PiecewisePolynomial:
-        """The curve with functions that do not move but for rounding made constant: a joint at rest
-        whose rate is 1e-15 would feel the whole dry friction."""
+        """The curve with functions that move by no more than rounding made constant: a joint with a
+        rate of 1e-15 would feel the whole dry friction."""
         lengths = np.diff(self.breaks)[:, None]
         starts = self.coefficients[-1]
         way = np.zeros_like(starts)
@@ -69,16 +69,16 @@ class PiecewisePolynomial(Titled, ByValue):
         return self._pieces(t)
 
     def before(self, t: Array) -> Array:
-        """Values (..., n) at t (...) of the pieces that end there, or go on there."""
+        """Values (..., n) at t (...), at breaks those of the piece that ends there."""
         return self._of(np.searchsorted(self.breaks, t, side="left") - 1, t)
 
     def continued(self, t: Array, around: Array) -> Array:
-        """Values (..., n) at t (...) of the pieces at other times `around` (...), wherever they
-        end."""
+        """Values (..., n) at t (...) of the pieces at other times `around` (...), continued beyond
+        their ends."""
         return self._of(np.searchsorted(self.breaks, around, side="right") - 1, t)
 
     def _of(self, piece: Any, t: Array) -> Array:
-        """Values of given pieces at times."""
+        """Values of the pieces with given indices at times t."""
         piece = np.clip(piece, 0, len(self.breaks) - 2)
         return _polynomials(self.coefficients[:, piece], (t - self.breaks[piece])[..., None])
 
@@ -123,14 +123,15 @@ class PiecewisePolynomial(Titled, ByValue):
 
     @cached_property
     def extremes(self) -> Extremes:
-        """Lowest and highest values, also between breaks, and where they are."""
+        """The lowest and highest values of each function, also between breaks, with their
+        places."""
         low, low_at = _lowest(self)
         high, high_at = _lowest(PiecewisePolynomial(self.breaks, -self.coefficients))
         return Extremes(low, low_at, 0.0 - high, high_at)
 
 
 def _polynomials(coefficients: Array, u: Any) -> Array:
-    """Values where the powers of u have coefficients (degree + 1, ..., n), highest first."""
+    """Values of polynomials in u with coefficients (degree + 1, ..., n), highest power first."""
     value = coefficients[0] + 0.0 * u
     for c in coefficients[1:]:
         value = value * u + c
@@ -139,7 +140,8 @@ def _polynomials(coefficients: Array, u: Any) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Extremes(Tabled, ByValue):
-    """Lowest and highest values of n functions, and the first places where they are; (n,) each."""
+    """Lowest and highest values of n functions, and the first places where they occur; (n,)
+    each."""
 
     low: Array
     low_at: Array
@@ -184,7 +186,7 @@ def interpolated(
 
 
 def of_spline(spline: BSpline) -> PiecewisePolynomial:
-    """A spline in powers, n functions, between its knots."""
+    """A spline of n functions as a piecewise polynomial between its knots."""
     degree = spline.k
     knots = np.unique(spline.t[degree:-degree])
     powers = [spline(knots[:-1], j) / factorial(j) for j in range(degree, -1, -1)]
@@ -195,7 +197,7 @@ def hermite(
     t: Array, x: Array, xd: Array, xdd: Array, before: Array | None = None
 ) -> PiecewisePolynomial:
     """The quintic in each interval of t (T,) with value, rate and acceleration (T, n) given at its
-    ends; before: the accelerations (T, n) with which the times are reached, where they jump."""
+    ends; before: the accelerations (T, n) just before each time, where they jump."""
     h = np.diff(t)[:, None]
     x0, v0, a0 = x[:-1], xd[:-1] * h, xdd[:-1] * h**2 / 2
     rest = x[1:] - x0 - v0 - a0
@@ -209,8 +211,7 @@ def hermite(
 
 
 def side_by_side(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
-    """Curves with breaks of their own, which begin and end together, as one with the breaks of
-    all."""
+    """Curves that begin and end together as one curve with the breaks of all."""
     every = np.unique(np.concatenate([curve.breaks for curve in curves]))
     apart = np.diff(every, append=np.inf) > _NEAR * (every[-1] - every[0])
     breaks = every[apart]
@@ -234,7 +235,7 @@ def side_by_side(curves: list[PiecewisePolynomial]) -> PiecewisePolynomial:
 
 
 def _lowest(curve: PiecewisePolynomial) -> tuple[Array, Array]:
-    """The lowest values and their places, (n,) each.
+    """The lowest values of a curve's functions and their places, (n,) each.
 
     A polynomial lies above the lowest of its Bernstein coefficients: only pieces in which these
     promise less than the ends of all pieces are searched for roots of the derivative.

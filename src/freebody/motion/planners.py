@@ -1,5 +1,5 @@
-"""The planners of joint motions by name: apart, as they come from folders that do not know each
-other."""
+"""The planners of joint motions by name: a module of its own, since the planners' folders do not
+know each other."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ranges of coordinates as a motion can use them."""
+"""The ranges of coordinates that a motion can use."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Ranges:
-    """Per velocity coordinate, arrays (nv,): limits that allow motion, infinite where there are
-    none.
+    """The usable range of each velocity coordinate as arrays (nv,), infinite where there is no
+    limit.
 
     A speed or effort limit of 0 and a position range of no width count as absent (`Limits.meant`),
     and `notices` say so. The range of a joint that others follow is narrowed to theirs, where they
@@ -42,13 +42,13 @@ class Ranges:
 
     @property
     def middle(self) -> Array:
-        """(nv,) middle of each range, 0 where it is infinite."""
+        """The middle (nv,) of each range, 0 where it is infinite."""
         bounded = np.isfinite(self.upper) & np.isfinite(self.lower)
         return 0.5 * (np.where(bounded, self.lower, 0.0) + np.where(bounded, self.upper, 0.0))
 
     @property
     def width(self) -> Array:
-        """(nv,) range of each coordinate as a yardstick: upper - lower, or where that is infinite
+        """The width (nv,) of each range as a length scale: upper - lower, or where that is infinite
         2π rad, 1 m."""
         width = self.upper - self.lower
         return np.where(np.isfinite(width), width, np.where(self.turns, 2 * np.pi, 1.0))
@@ -79,7 +79,7 @@ def _ranges(model: Model) -> Ranges:
 
 
 def angular(model: Model) -> Flags:
-    """(nv,) bool: whether a coordinate is an angle (rad, N m) or a length (m, N)."""
+    """Flags (nv,): whether a coordinate is an angle (rad, N m) rather than a length (m, N)."""
     flags: list[bool] = []
     for body in model.bodies:
         if body.joint.mimic is None:
@@ -88,13 +88,13 @@ def angular(model: Model) -> Flags:
 
 
 def with_drive(model: Model) -> Flags:
-    """(nv,) bool: whether something drives a coordinate."""
+    """Flags (nv,): whether something drives a coordinate."""
     return ~np.isin(np.arange(model.nv), model.passive)
 
 
 def position_columns(model: Model) -> tuple[Index, Index]:
-    """(iq, iv): entries of q and of q̇ that belong together, for coordinates that are not part of a
-    quaternion; arrays that cannot be written to."""
+    """The indices (iq, iv) of entries of q and q̇ that belong together, for coordinates outside
+    quaternions; read-only."""
     return kept(model, "_position_columns", _position_columns, model)
 
 

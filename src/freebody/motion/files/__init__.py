@@ -1,1 +1,1 @@
-"""Motions in files and tables, and what measured ones need."""
+"""Motions in files and tables, and the treatment of measured motions."""

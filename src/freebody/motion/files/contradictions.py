@@ -1,5 +1,5 @@
-"""Whether the rates given for a motion are the slopes of its positions, and the accelerations those
-of its rates."""
+"""A check whether the rates given for a motion are the slopes of its positions, and the
+accelerations those of its rates."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _ROUNDED = 64.0 * float(np.finfo(float).eps)
 
 @dataclass(frozen=True, eq=False)
 class GivenRates:
-    """Rates given at the ends of the intervals between samples, `start` and `end` (T - 1, n), and
-    the slopes there; rounded: (T - 1, 1) what rounding makes of a slope."""
+    """Given rates `start` and `end` (T - 1, n) at the ends of the intervals between samples, and
+    the slopes of the values there; rounded: (T - 1, 1) the effect of rounding on a slope."""
 
     slopes: Array
     start: Array
@@ -32,7 +32,8 @@ class GivenRates:
 
     @staticmethod
     def of(t: Array, moved: Array, largest: float, start: Array, end: Array) -> GivenRates:
-        """moved: (T - 1, n) from sample to sample, of values that are `largest` at most."""
+        """The rates compared with the slopes of values; moved: (T - 1, n) the change in each
+        interval, of values that are `largest` at most."""
         step = np.diff(t)[:, None]
         return GivenRates(moved / step, start, end, _ROUNDED * largest / step)
 
@@ -48,8 +49,8 @@ class GivenRates:
 
     @property
     def contradicted(self) -> Array:
-        """(T - 1, n) the same over the largest of each coordinate; where the rates jump anything
-        between them is right."""
+        """The deviation (T - 1, n) of slopes from the given rates as a fraction of each
+        coordinate's largest rate; any slope between the rates at an interval's ends is accepted."""
         beyond = np.maximum(self.unexplained - 0.5 * np.abs(self.end - self.start), 0.0)
         largest = np.maximum(np.abs(self.start), np.abs(self.slopes)).max(axis=0)
         return beyond / np.where(largest > 0.0, largest, 1.0)
@@ -58,8 +59,8 @@ class GivenRates:
 def contradictions(
     model: Model, motion: Motion, rates: Flags, accelerations: Flags, before: Array | None
 ) -> Iterator[str]:
-    """A sentence each on rates and accelerations of those coordinates (nv,), which were given, that
-    are not the slopes of the positions and rates; before: (T, nv) as in `given_motion`."""
+    """A sentence each on given rates and accelerations of coordinates (flags (nv,)) that are not
+    the slopes of the positions and rates; before: (T, nv) as in `given_motion`."""
     t, q, qd, qdd = motion.t, motion.q, motion.qd, motion.qdd
     arriving = qdd if before is None else before
     of_positions = GivenRates.of(

@@ -40,7 +40,7 @@ _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
 @dataclass(frozen=True)
 class CsvColumns:
-    """The columns of a CSV file whose header is understood."""
+    """The columns of a CSV file, by the names in its header."""
 
     path: Path
     header: list[str]
@@ -54,7 +54,8 @@ class CsvColumns:
     """Line number and text of the header, then of each row."""
 
     def values(self) -> Array:
-        """(rows, columns) in SI units. Raises FileError with the line of what is no number."""
+        """The values (rows, columns) in SI units. Raises FileError with the line of a cell that is
+        no number."""
         found = np.empty((len(self.rows) - 1, len(self.header)))
         for k, (line, text) in enumerate(self.rows[1:]):
             cells = read_file.cells(self.path, line, text.split("#")[0], self.separator)
@@ -83,8 +84,8 @@ def kinds(model: Model) -> dict[str, str]:
 
 
 def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str:
-    """The factor from a column's unit to SI units, 1 where there is no such quantity; or the fault
-    of the unit, as a sentence."""
+    """The factor from a column's unit to SI units (1 for an unknown quantity), or a sentence on
+    what is wrong with the unit."""
     ending = column[-2:] if column[-2:] in (".v", ".a") and column not in quantities else ""
     if column != "t" and column.removesuffix(ending) not in quantities:
         return 1.0  # refused where columns are looked up
@@ -107,8 +108,8 @@ def read_columns(
     what: str = "a motion",
     quantities: Mapping[str, str] | None = None,
 ) -> CsvColumns:
-    """The table in a file; timed: it must have times. quantities: what the columns are, by name;
-    None: positions. Raises FileError with the line."""
+    """The table in a CSV file; timed: it must have times. quantities: the kind of each column by
+    name; None: positions. Raises FileError with the line."""
     row = "one row per time" if timed else "a row each"
     text = read_file.decoded(str(path), read_file.read(path, _LARGEST, what))
     lines = enumerate(read_file.lines(text), 1)
@@ -136,7 +137,7 @@ def read_columns(
 def _header(
     quantities: Mapping[str, str], path: Path, line: int, cells: list[str]
 ) -> tuple[list[str], Array, frozenset[str]]:
-    """Names, factors to SI units, and the names whose units are stated."""
+    """The names in the header, their factors to SI units, and the names whose units are stated."""
     header: dict[str, str] = {}  # name -> its cell
     factors, stated = [], set()
     for cell in cells:
@@ -159,7 +160,7 @@ def _header(
 
 
 def named_unit(cell: str, quantities: Mapping[str, str]) -> tuple[str, str | None]:
-    """The name in a header's cell, `t` for the time, and the unit behind it."""
+    """The name in a header's cell, `t` for the time, and the unit behind it or None."""
     name, unit = cell, None
     match = _NAMED.fullmatch(cell)
     if cell not in quantities and match:

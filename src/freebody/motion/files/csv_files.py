@@ -1,4 +1,4 @@
-"""Motions, waypoints and torques from CSV files, and motions into them.
+"""Motions, waypoints and torques read from CSV files, and motions written to them.
 
 A header names the columns: `t` or `time` and the coordinates of the positions as the model names
 them; `name.v` and `name.a` give rates and accelerations of a coordinate, which are otherwise
@@ -90,8 +90,8 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
 
 
 def _planned_names(model: Model, given: set[str]) -> tuple[str, ...]:
-    """Names of the positions that waypoints give: of a closed chain those of the driven joints,
-    unless others are given too."""
+    """Names of the positions that waypoints give: for a closed chain those of the driven joints,
+    unless further ones are given."""
     driven = model.driven_names
     return driven if model.loops and not given - {"t", *driven} else model.position_names
 
@@ -116,7 +116,8 @@ def write_motion(
     path: str | os.PathLike[str],
     rows: MotionRows = "knots",
 ) -> Path:
-    """Write a motion as a CSV file that `read_motion` and `freebody study` read; the path.
+    """The path of the CSV file to which a motion is written, which `read_motion` and `freebody
+    study` read.
 
     rows: "knots", the samples and the times at which polynomials of a planned motion meet, twice
     where its accelerations jump, so that the motion is read as it was planned; or "samples" alone.
@@ -186,7 +187,7 @@ def read_torques(model: Model, path: str | os.PathLike[str]) -> tuple[Array, Arr
 
 
 def _require_increasing(read: CsvColumns, t: Array) -> None:
-    """Refuse a row whose time does not come after the one before."""
+    """Refuse a table with a row whose time is not later than the one before."""
     late = np.flatnonzero(np.diff(t) <= 0.0)
     if len(late):
         k = int(late[0]) + 1

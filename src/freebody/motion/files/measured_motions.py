@@ -1,5 +1,5 @@
-"""Measured motions: whether noise makes their accelerations meaningless, and the motion without it,
-by a filter that takes noise out without delay.
+"""Measured motions: whether noise makes their accelerations meaningless, and a filter that removes
+noise without delay.
 
 Noise is seen in divided differences: of a smooth curve the high ones all but vanish, of white noise
 they do not, and scaled to unit length those of any order have its standard deviation. Samples whose
@@ -135,7 +135,7 @@ def smoothed(model: Model, motion: Motion, cutoff: float | None = None) -> Motio
 
 
 def recognised(model: Model, motion: Motion) -> Noise | None:
-    """The noise of a motion whose accelerations mean little because of it; None where they do."""
+    """The noise of a motion that makes its accelerations meaningless; None where it does not."""
     if not motion.differentiated:
         return None
     samples = _samples(motion)
@@ -170,8 +170,9 @@ def recognised(model: Model, motion: Motion) -> Noise | None:
 def rested(
     model: Model, motion: Motion, speed: Array | float = 0.0, given: Flags | bool = False
 ) -> Motion:
-    """The motion in which a coordinate slower than `speed`, or than a millionth of the fastest of
-    its kind, is at rest; where its rate was `given` (nv,), only what is rounding is rest.
+    """The motion with coordinates set to rest where they are slower than `speed`, or than a
+    millionth of the fastest of their kind; where a rate was `given` (nv,), only where it is
+    rounding.
 
     A rate of 1e-14, such as differentiation leaves, would feel the whole dry friction. Where
     nothing moves, what the rounding of the positions leaves is rest, and in a coordinate that rests
@@ -192,8 +193,8 @@ def rested(
 
 
 def along_rates(t: Array, q: Array, rates: Array) -> Array:
-    """Positions (T, n) with noise, which most of the rates (T, n) do not explain, brought in line
-    with these; without noise as they are.
+    """Positions (T, n), adjusted to the given rates (T, n) where they have noise that most of the
+    rates do not show; without noise as they are.
 
     The rates are integrated, and the slow difference from the positions is added: what remains of
     it at the cutoff that its noise asks for.
@@ -212,15 +213,15 @@ def along_rates(t: Array, q: Array, rates: Array) -> Array:
 
 
 def _samples(motion: Motion) -> Array:
-    """The samples that the accelerations were differentiated from: rates or positions."""
+    """The samples from which the motion's accelerations were differentiated: rates or positions."""
     if motion.differentiated == "rates":
         return motion.qd
     return continuous(motion.layout, motion.q)
 
 
 def _rate_noise(motion: Motion, samples: Array, cutoff: float) -> Array | float:
-    """Standard deviation (nv,) of the noise that smoothing leaves in the rates; 0 with quaternions,
-    which feel no friction."""
+    """Standard deviation (nv,) of the noise that smoothing leaves in the rates; 0 for joints with
+    quaternions, which have no friction."""
     if not motion.layout.flat:
         return 0.0
     sigma, step = noise(motion.t, samples), motion.duration / (len(motion.t) - 1)
@@ -232,13 +233,13 @@ def _rate_noise(motion: Motion, samples: Array, cutoff: float) -> Array | float:
 
 
 def _integral(k: int) -> float:
-    """∫ x^k / (1 + x⁶)² dx over x > 0: (1/6) B((k + 1)/6, 2 - (k + 1)/6)."""
+    """The integral ∫ x^k / (1 + x⁶)² dx over x > 0: (1/6) B((k + 1)/6, 2 - (k + 1)/6)."""
     return float(beta((k + 1) / 6, 2.0 - (k + 1) / 6)) / 6.0
 
 
 def _amplified(motion: Motion) -> float:
-    """RMS that white noise of unit size has in the accelerations, measured on some; of positions or
-    of rates."""
+    """The RMS of accelerations differentiated from white noise of unit size in the motion's
+    positions or rates, measured on a sample."""
     white = np.random.default_rng(0).normal(size=(len(motion.t), 8))
     found = derivatives(motion.t, white)[0 if motion.differentiated == "rates" else 1]
     return float(np.sqrt((found**2).mean()))
@@ -256,7 +257,7 @@ def noise(t: Array, x: Array) -> Array:
 
 def _spread(t: Array, x: Array, width: int) -> Array:
     """Robust standard deviation (n,) of the divided differences over `width` samples, scaled to
-    unit length."""
+    unit weight."""
     window = np.arange(len(t) - width + 1)[:, None] + np.arange(width)
     s = (t[window] - t[window[:, :1]]) / (t[window[:, -1:]] - t[window[:, :1]])
     gaps = s[:, :, None] - s[:, None, :] + np.eye(width)

@@ -1,5 +1,5 @@
-"""A motion from columns of numbers by name, wherever they were read, in SI units; with a notice
-where the values look like another unit: degrees, millimetres, milliseconds."""
+"""A motion from named columns of numbers in SI units, wherever they were read; with a notice where
+values look like degrees, millimetres or milliseconds."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ Refusal = Callable[..., Exception]
 def doubted(
     model: Model, motion: Motion, columns: Mapping[str, Array], stated: frozenset[str], where: str
 ) -> Motion:
-    """The motion with a notice on what looks like another unit; positions that were not given are
-    not looked at."""
+    """The motion with a notice on values that look like another unit; positions that were not given
+    are not examined."""
     found = stated | {name for name in model.position_names if name not in columns}
     sentences = _implausible_units(model, motion.t, motion.q, found, where)
     return replace(motion, notices=(*sentences, *motion.notices))
@@ -75,7 +75,7 @@ def check_names(model: Model, header: list[str], problem: Refusal) -> None:
 
 
 def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
-    """Refuse columns of a closed chain without any position; some positions suffice."""
+    """Refuse columns of a closed chain without any position."""
     if not set(header) & set(model.position_names):
         drives = ", ".join(model.driven_names)
         raise problem(
@@ -86,8 +86,8 @@ def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
 def without_jumps(
     model: Model, t: Array, columns: dict[str, Array]
 ) -> tuple[Array, dict[str, Array], Array | None]:
-    """(t, columns, accelerations (T, nv) with which the times are reached, or None) of columns in
-    which a time stands twice where the accelerations jump: the first row has those before it.
+    """(t, columns, before) of columns in which a time is listed twice where accelerations jump;
+    before: accelerations (T, nv) just before each time, or None. The first of both rows has those.
 
     Rows that differ in more than accelerations are left as they are. NaN for joints with a
     quaternion, which the loops of a closed chain lead.
@@ -120,7 +120,7 @@ def motion_from_columns(
     problem: Refusal,
     before: Array | None = None,
 ) -> Motion:
-    """The motion of columns by name; before: as `without_jumps` finds them."""
+    """The motion of named columns; before: accelerations as `without_jumps` finds them."""
     if len(t) < FEWEST:
         raise problem(f"{len(t)} samples; a motion needs at least {FEWEST}.")
     if model.loops:
@@ -138,8 +138,8 @@ def motion_from_columns(
 def _of_closed_chain(
     model: Model, t: Array, columns: dict[str, Array], source: str, before: Array | None
 ) -> Motion:
-    """The motion of the columns that lead, and the others by the loops; noisy positions are
-    adjusted to rates given with them. Raises LoopError."""
+    """The motion in which the leading coordinates follow their columns and the loops determine the
+    others; noisy positions are adjusted to given rates. Raises LoopError."""
     rates, accelerations = (_given(model, len(t), columns, ending) for ending in (".v", ".a"))
     known, accelerated = (np.asarray(~np.isnan(x).any(axis=0)) for x in (rates, accelerations))
     moved = np.zeros((len(t), model.nq))
@@ -158,7 +158,7 @@ def _of_closed_chain(
 
 
 def _given(model: Model, count: int, columns: Mapping[str, Array], ending: str) -> Array:
-    """(T, nv) rates or accelerations, NaN where there is no column."""
+    """Rates or accelerations (T, nv) from columns, NaN where there is no column."""
     found = np.full((count, model.nv), np.nan)
     for kq, kv in zip(*position_columns(model), strict=True):
         column = columns.get(model.position_names[kq] + ending)
@@ -205,7 +205,7 @@ def _differentiated(known: Flags, accelerated: Flags) -> Literal["", "positions"
 
 
 def _origin_of(model: Model, rates: Array) -> Iterator[str]:
-    """Words for where the rates come from."""
+    """Phrases on where a motion's rates come from: given or differentiated."""
     iq, iv = position_columns(model)
     names = [model.position_names[k] for k in iq[~np.isnan(rates[0, iv])]]
     all_given = len(names) == model.nq
@@ -216,7 +216,7 @@ def _origin_of(model: Model, rates: Array) -> Iterator[str]:
 
 
 def _in_line(model: Model, moved: Array) -> list[str]:
-    """A sentence on positions that were moved (T, nq)."""
+    """A sentence on positions that were adjusted, by (T, nq); none where nothing was."""
     if not moved.any():
         return []
     k = int(np.argmax(moved.max(axis=0)))
@@ -228,7 +228,8 @@ def _in_line(model: Model, moved: Array) -> list[str]:
 
 
 def _unit(model: Model, q: Array, problem: Refusal) -> Array:
-    """q with quaternions of exactly unit length; refuses those that are far off."""
+    """The positions q with quaternions of exactly unit length; refuses those that are far from
+    it."""
     where = layout(model)
     for iq, _ in where.turns:
         off = np.abs(np.linalg.norm(q[:, iq], axis=-1) - 1.0)
@@ -247,8 +248,8 @@ def _unit(model: Model, q: Array, problem: Refusal) -> Array:
 def _implausible_units(
     model: Model, t: Array, q: Array, stated: frozenset[str], where: str
 ) -> list[str]:
-    """Sentences on positions q (T, nq) and times t that are in SI units only if the motion is a
-    strange one.
+    """Sentences on positions q (T, nq) and times t that in SI units would mean an implausible
+    motion.
 
     stated: columns whose unit was stated, which are believed. where: what the unit is written in,
     with a place for a name and a unit.
@@ -274,8 +275,8 @@ def _implausible_units(
 
 
 def _doubtful_size(model: Model, k: int, far: float) -> str:
-    """Words for how far a coordinate goes, where that is in degrees or millimetres rather than in
-    SI units; else empty."""
+    """Words for how far a coordinate goes, where that suggests degrees or millimetres instead of SI
+    units; else empty."""
     allowed = ranges(model)
     turns = bool(allowed.turns[k])
     bound = max(abs(float(allowed.lower[k])), abs(float(allowed.upper[k])))

@@ -60,7 +60,7 @@ def motion_of_samples(model: Model, t: Any, q: Any, qd: Any, qdd: Any) -> Motion
 
 def motion_from_table(model: Model, table: Any) -> Motion:
     """The motion in a dict, a DataFrame or a Dataset with `time` or `t` and a column for each
-    position name; or in a Dataset of `simulate` or of a study."""
+    position name; or in the Dataset of a simulation or study."""
     if "position" in getattr(table, "coords", ()) and "q" in table:
         return _recorded(model, table)
     columns: dict[str, Array] = {}
@@ -99,7 +99,7 @@ def motion_from_table(model: Model, table: Any) -> Motion:
 
 
 def _recorded(model: Model, result: Any) -> Motion:
-    """The motion in a result of `simulate` or a study, of which q, qd and qdd are read."""
+    """The motion in a Dataset of `simulate` or of a study, of which q, qd and qdd are read."""
     several = [str(d) for d in result["q"].dims if d not in ("time", "position")]
     if several:
         one = ", ".join(f"{d}=0" for d in several)

@@ -1,1 +1,1 @@
-"""The quickest motions along paths."""
+"""The fastest motions along paths."""

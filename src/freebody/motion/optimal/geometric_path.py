@@ -1,5 +1,5 @@
-"""Paths without a timing: curves q(s) through positions, their derivatives at many points by one
-kernel, grids over them, and the motion along one whose speed is known."""
+"""Paths without timing: curves q(s) through positions, their derivatives at many points by one
+kernel, grids over them, and the motion along a path at a known speed."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _WAY = (np.arange(1, _PARTS) / _PARTS) ** 2
 
 
 class PathSamples(NamedTuple):
-    """Paths at points s (T, P). orders: q and its derivatives by s (T, P, nv), as many as are not 0
-    in some path, at least two."""
+    """Samples of P paths at points s (T, P). orders: q and its derivatives by s (T, P, nv), as many
+    as are not 0 in some path, at least two."""
 
     s: Array
     orders: tuple[Array, ...]
@@ -54,7 +54,7 @@ class PathSamples(NamedTuple):
         return self.orders[2]
 
     def part(self, points: slice) -> PathSamples:
-        """Samples at some of the points."""
+        """The samples at some of the points."""
         return PathSamples(self.s[points], tuple(x[points] for x in self.orders))
 
     def only(self, paths: Flags) -> PathSamples:
@@ -81,7 +81,7 @@ def sampled(curves: Sequence[PiecewisePolynomial], s: Array) -> PathSamples:
 
 @lru_cache(maxsize=8)
 def _values(n: int, degree: int) -> Kernel:
-    """The kernel of `path_timing.curve_values` for n coordinates."""
+    """The kernel of `path_timing.curve_values` for n coordinates and polynomials of a degree."""
 
     def values(powers: Scalar, beyond: Scalar) -> tuple[Scalar, ...]:
         return tuple(path_timing.curve_values(powers, beyond))
@@ -94,9 +94,9 @@ def _values(n: int, degree: int) -> Kernel:
 def path_curve(
     function: str, model: Model, given: Any, limits: PlanningLimits, name: str = "path"
 ) -> PiecewisePolynomial:
-    """The curve of one path: a polynomial in pieces as it is; of waypoints (k, nq) or a motion's
-    positions the natural cubic spline, s being the distance along the chords, 1 in all. Of a closed
-    chain that of the driven joints, which the others follow. name: of the path in messages."""
+    """The curve of one path: a piecewise polynomial as it is; for waypoints (k, nq) or a motion's
+    positions the natural cubic spline over the distance s along the chords, 1 in all. For a closed
+    chain the curve of all joints, led by the driven ones."""
     if isinstance(given, PPoly) and model.loops:
         raise FreebodyError(
             f"{function}: {_label(name)} is a PPoly, and the positions of {model.name!r}, a closed "
@@ -114,7 +114,7 @@ def path_curve(
 def _led(
     function: str, model: Model, positions: Any, limits: PlanningLimits, name: str
 ) -> PiecewisePolynomial:
-    """The curve of a closed chain, which its driven joints lead."""
+    """The curve of a closed chain's joints, which its driven joints lead."""
     if model.nq != model.nv:
         raise FreebodyError(
             f"{function}: {model.name!r} has joints whose positions are quaternions, for which "
@@ -167,7 +167,7 @@ def _of_scipy(function: str, model: Model, given: PPoly, label: str) -> Piecewis
 def _refuse_jump(
     function: str, model: Model, curve: PiecewisePolynomial, label: str, what: str
 ) -> None:
-    """A path that is not smooth enough to be moved along."""
+    """Refuse a path with a jump in its positions or slopes, along which nothing can move."""
     starts = curve.coefficients[-1]
     gap = np.abs(starts[1:] - curve.at_ends[:-1])
     if gap.size and gap.max() > 1e-6 * (1e-6 + np.abs(starts).max()):
@@ -211,7 +211,8 @@ def refuse_out_of_range(
 
 
 def grid(curve: PiecewisePolynomial, intervals: int) -> Array:
-    """Points of s, all breaks among them, evenly in each piece: no fewer intervals than pieces.
+    """Points of s that include all breaks and are even in each piece; there are at least as many
+    intervals as pieces.
 
     The first and the last interval are divided into `_PARTS`, which take equal times of constant
     acceleration from rest: (intervals + 2 `_PARTS` - 1,) in all. On the way from rest one interval
@@ -236,7 +237,7 @@ def motions_along(
     x: Array,
     source: str,
 ) -> Iterator[Motion]:
-    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, 0 at its end, s̈ constant
+    """The exact motions of paths with ṡ² = x (N + 1, P) at the grid, 0 at its end, and s̈ constant
     between: q(t) are polynomials of twice the curve's degree."""
     h = 2.0 * np.diff(at.s, axis=0)
     polynomials, durations = timed_pieces([order[:-1] for order in at.orders], x, h)

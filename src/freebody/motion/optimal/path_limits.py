@@ -1,5 +1,5 @@
 """Limits of the speed along a path: velocities, accelerations and torques of a robot as rows over
-the path; and where they leave no motion, which of them, of which joint."""
+the path; and, where they leave no motion, the limit and joint to blame."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ _SLIGHTLY = 0.01
 
 @dataclass(frozen=True, eq=False)
 class PathProblem:
-    """Limits of a robot along paths: `rows`, within `RESERVE`, without viscous friction, whose
-    coefficients by ṡ are `viscous` (N + 1, P, m), or None."""
+    """Limits of a robot along paths: `rows` with a reserve of `RESERVE` and without viscous
+    friction, whose coefficients by ṡ are `viscous` (N + 1, P, m), or None."""
 
     limits: RobotLimits
     at: PathSamples
@@ -51,7 +51,7 @@ class PathProblem:
     """(N, P, m) by how much lower and upper limits of an interval are to be stricter."""
 
     def with_friction(self, x: Array) -> PathRows:
-        """The rows with the viscous torque's tangent at x (N + 1, P)."""
+        """The rows with viscous torque replaced by its tangent at x = ṡ² (N + 1, P)."""
         if self.viscous is None:
             return self.rows
         speed = np.sqrt(x)[..., None]
@@ -66,7 +66,8 @@ class PathProblem:
         )
 
     def strict(self, x: Array) -> PathRows:
-        """The rows within their margins, with the friction of motions with x (N + 1, P)."""
+        """The rows reduced by their margins, with the friction of motions with x = ṡ² (N + 1,
+        P)."""
         rows = self.with_friction(x)
         if self.margin is None:
             return rows
@@ -75,7 +76,8 @@ class PathProblem:
         return rows._replace(lo=(lo + below, lo_end + below), hi=(hi - above, hi_end - above))
 
     def tangent_error(self, x: Array, before: Array) -> Array:
-        """(P,) the largest error of the tangents at `before`, at x, as a fraction of the limits."""
+        """The largest error (P,) at x of the tangents taken at `before`, as a fraction of the
+        limits."""
         if self.viscous is None:
             return np.zeros(x.shape[1])
         was, speed = np.sqrt(before), np.sqrt(x)
@@ -84,8 +86,8 @@ class PathProblem:
         return share.max(axis=(0, 2), initial=0.0)
 
     def reached(self, x: Array) -> LimitsReached:
-        """Excesses of motions with x (N + 1, P): by a parabola in each interval, and where one
-        might not be enough, at `_PLACES` of it."""
+        """How far motions with x = ṡ² (N + 1, P) exceed the limits: by a parabola in each interval,
+        and where that might not be enough at `_PLACES` of it."""
         found = self.limits.reached(self.with_friction(x), x, self.at, self.between)
         interval, path = np.nonzero(found.near > 1.0)
         if len(interval):
@@ -95,7 +97,8 @@ class PathProblem:
         return found
 
     def _within(self, x: Array, interval: Index, path: Index) -> Array:
-        """(k, m) by how much the rows exceed their limits in k intervals; see `LimitsReached`."""
+        """The amounts (k, m) by which the rows exceed their limits within k intervals; see
+        `LimitsReached`."""
         at, size = self.at, self.limits.size
         start, end = x[interval, path], x[interval + 1, path]
         way = at.s[interval + 1, path] - at.s[interval, path]
@@ -113,8 +116,8 @@ class PathProblem:
         return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
     def tightened(self, x: Array, reached: LimitsReached, paths: Flags) -> PathProblem:
-        """The problem with limits that are stricter by what motions with x (N + 1, P) exceed them
-        by, of those paths."""
+        """The problem with limits of the chosen paths made stricter by the amounts by which motions
+        with x = ṡ² (N + 1, P) exceed them."""
         by, speed = reached.by, reached.speed
         most = 0.25 * self.limits.size  # a grid so coarse is told, not mended
         by = by + np.sign(by) * _CUSHION * self.limits.size
@@ -129,14 +132,14 @@ class PathProblem:
         return replace(self, margin=margin, rows=self.rows._replace(most=fastest))
 
     def without_reserve(self, paths: Flags) -> PathProblem:
-        """The problem with the whole limits of those paths."""
+        """The problem in which the chosen paths may use the limits without a reserve."""
         more = np.where(paths[:, None], RESERVE * self.limits.size, 0.0)
         (lo, lo_end), (hi, hi_end) = self.rows.lo, self.rows.hi
         lo, hi = (lo - more, lo_end - more), (hi + more, hi_end + more)
         return replace(self, rows=self.rows._replace(lo=lo, hi=hi))
 
     def only(self, paths: Flags) -> PathProblem:
-        """The problem of some paths."""
+        """The problem restricted to the chosen paths."""
         if paths.all():
             return self
         h, most, a, b, lo, hi = self.rows
@@ -149,7 +152,7 @@ class PathProblem:
         return PathProblem(self.limits, at, between, rows, drag, margin)
 
     def coarse(self, every: int) -> PathProblem:
-        """The problem on a grid of each `every`-th point; their number less 1 is a multiple of
+        """The problem on a grid of every `every`-th point; the number of intervals is a multiple of
         it."""
         rows, cut = self.rows, slice(None, None, every)
         starts, ends = cut, slice(every - 1, None, every)
@@ -161,7 +164,8 @@ class PathProblem:
 
 
 def _taylor(orders: Sequence[Array], beyond: Array) -> Array:
-    """(k, n, nv) of derivatives (k, nv), none left out, `beyond` (k, n) where they are taken."""
+    """Values (k, n, nv) of Taylor polynomials with the derivatives (k, nv), orders without a gap,
+    at distances `beyond` (k, n) from where they are taken."""
     found = np.zeros((*beyond.shape, orders[0].shape[-1]))
     for power in range(len(orders) - 1, -1, -1):
         found = found * (beyond[..., None] / (power + 1)) + orders[power][:, None]
@@ -169,8 +173,8 @@ def _taylor(orders: Sequence[Array], beyond: Array) -> Array:
 
 
 def _highest(values: Array) -> Array:
-    """(k, m) of samples (k, n, m), evenly spaced: by a parabola through the highest and its
-    neighbours."""
+    """The highest values (k, m) of curves with evenly spaced samples (k, n, m), by a parabola
+    through the highest sample and its neighbours."""
     place = np.clip(values.argmax(axis=1), 1, values.shape[1] - 2)[:, None]
     before, middle, after = (
         np.take_along_axis(values, place + side, axis=1)[:, 0] for side in (-1, 0, 1)
@@ -208,7 +212,8 @@ def path_problem(
 
 
 def _require_close_grid(model: Model, q: Array) -> None:
-    """Refuse a grid q (N + 1, P, nq) between whose points a torque comes and goes unseen."""
+    """Refuse a grid q (N + 1, P, nq) so coarse that a torque varying with position may rise and
+    fall unseen between two points."""
     for body in model.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:
             if x.law.waves is None or not np.any(x.p[0]):
@@ -225,8 +230,8 @@ def _require_close_grid(model: Model, q: Array) -> None:
 
 
 def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Array:
-    """Largest ṡ² (N + 1, P) at a grid of `count` points, 0 at its end. samples: at the grid, then
-    halfway.
+    """The largest ṡ² (N + 1, P) allowed by limits of speed at a grid of `count` points, 0 at its
+    end. samples: at the grid points, then halfway.
 
     In an interval ṡ² is a straight line, and the speed limit mostly a hollow curve over s: where
     the line through both ends is slightly above it, the line parallel to it through the middle is
@@ -244,20 +249,22 @@ def _speed_limits(limits: RobotLimits, samples: PathSamples, count: int) -> Arra
 
 
 def _from_rest(s: Array, count: int) -> Array:
-    """(T, P) `unlimited` at the places s (T, P), the grid first: less and less towards the ends, at
-    rest, where true speeds would be lost in its rounding."""
+    """The values (T, P) at places s (T, P), grid points first, above which ṡ² counts as unlimited:
+    `unlimited`, falling towards the resting ends, where it would swallow true speeds by
+    rounding."""
     start, end = s[0], s[count - 1]
     way = np.maximum(np.minimum(s - start, end - s), 0.25 * (s[1] - start))
     return way * (2.0 * unlimited(s[:count]) / (end - start))
 
 
 def _parts(count: int) -> tuple[slice, slice]:
-    """Slices of an array that holds `count` points first and the intervals between them after."""
+    """Two slices of an array that holds `count` grid points first and then the intervals between
+    them."""
     return slice(count), slice(count, None)
 
 
 def unlimited(s: Array) -> Array:
-    """(P,) the ṡ² above which a path counts as without a limit."""
+    """The value (P,) of ṡ² above which a path's speed counts as unlimited."""
     return ((s[-1] - s[0]) / _INSTANT) ** 2
 
 
@@ -266,7 +273,7 @@ _FAST = 0.25  # of `unlimited`
 
 
 def without_motion(problem: PathProblem, profile: SpeedProfile) -> Flags:
-    """(P,) whether a path's end is not reached from rest."""
+    """Flags (P,) of paths whose end cannot be reached from rest."""
     moves = profile.moves
     if problem.viscous is None:  # its tangent says nothing of rest
         moves &= profile.starts
@@ -276,8 +283,8 @@ def without_motion(problem: PathProblem, profile: SpeedProfile) -> Flags:
 def refuse_unreachable(
     function: str, problem: PathProblem, profile: SpeedProfile, stuck: Flags, labels: list[str]
 ) -> None:
-    """Raise FreebodyError for the first path without a motion, which are `stuck` (P,), or without a
-    limit; `labels` name the paths."""
+    """Raise FreebodyError for the first path without a motion, as `stuck` (P,) marks it, or without
+    a limit of its speed; labels: names of the paths."""
     free = profile.x.max(axis=0) > _FAST * unlimited(problem.at.s)
     for path in map(int, np.flatnonzero(stuck | free)):
         start = f"{function}: {labels[path]}"
@@ -291,8 +298,8 @@ def refuse_unreachable(
 
 
 def _held_still(problem: PathProblem, path: int) -> str:
-    """A sentence on the place where the robot is worst too weak for its weight and dry friction
-    alone; empty if nowhere."""
+    """A sentence on the place of a path where the robot is most clearly too weak for its weight and
+    dry friction alone; empty where it is strong enough."""
     ends = problem.rows.lo, problem.rows.hi
     (lo, lo_end), (hi, hi_end) = ((x[0][:, path], x[1][:, path]) for x in ends)
     size = problem.limits.size
@@ -309,8 +316,8 @@ def _held_still(problem: PathProblem, path: int) -> str:
 
 
 def _excluded(problem: PathProblem, profile: SpeedProfile, path: int) -> str:
-    """The limits that exclude each other in the first interval, from the end, where nothing is
-    left."""
+    """A sentence on the limits that exclude each other in the first interval, counted from the
+    path's end, where no motion is left."""
     rows, reachable = problem.rows, profile.reachable[:, path]
     lost = np.flatnonzero(np.isnan(reachable[:, 0]))
     stuck = np.flatnonzero(profile.x[1:-1, path] <= 0.0)
@@ -369,7 +376,7 @@ def _moving(model: Model, first: Array) -> Iterator[str]:
 
 
 def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
-    """The coordinate, unit and quantity that a row limits."""
+    """The coordinate, unit and quantity that a row of limits is about."""
     torques = np.flatnonzero(np.isfinite(limits.torque))
     turns = angular(limits.model)
     if row < len(torques):
@@ -382,7 +389,7 @@ def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
 
 
 def _at(problem: PathProblem, i: int, path: int) -> str:
-    """Words for a place on the path, `at s = 0.3`, with the position there."""
+    """Words for a place on a path, such as "at s = 0.3", with the joint positions there."""
     s, q = problem.at.s[i, path], problem.at.q[i, path]
     some = ", ".join(f"{round(float(x), 9) + 0.0:.4g}" for x in q[:8])
     return f"at s = {s:.4g} (q = {some}{', …' if len(q) > 8 else ''})"

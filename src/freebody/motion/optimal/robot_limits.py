@@ -1,5 +1,5 @@
-"""Limits of a robot's speeds, accelerations and torques, and the values of these along paths: each
-by one kernel of the robot's structure."""
+"""Limits of a robot's speeds, accelerations and torques, and their values along paths, each by one
+kernel of the robot's structure."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ _NAME = "time_optimal"
 
 
 class LimitsReached(NamedTuple):
-    """Excesses of a motion within the intervals: by how much its rows exceed their limits, above
-    the upper one, or negative below the lower one (N, P, m); the largest as a fraction of its limit
-    (N, P); the share of a limit that one might come to (N, P); and the largest speed as a fraction
-    of its limit, squared (N, P)."""
+    """How far a motion exceeds its limits within intervals: by row, positive above the upper limit,
+    negative below the lower (N, P, m); the largest as a fraction of its limit (N, P); the share of
+    a limit that one might come to (N, P); the square of the largest speed as a fraction of its
+    limit (N, P)."""
 
     by: Array
     share: Array
@@ -49,8 +49,8 @@ class LimitsReached(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RobotLimits:
-    """A robot with its largest rates, accelerations and torques (nv,), infinite where there is
-    none, under constant wrenches on frames."""
+    """A robot with limits of rates, accelerations and torques (nv,), infinite where there is none,
+    under constant wrenches on frames."""
 
     model: Model
     velocity: Array
@@ -60,36 +60,38 @@ class RobotLimits:
 
     @cached_property
     def size(self) -> Array:
-        """(m,) the limit of each row: finite torques, then finite accelerations."""
+        """The limits (m,) of all rows: finite limits of torque, then finite limits of
+        acceleration."""
         return np.concatenate([self.torque, self.acceleration])[list(self._limited)]
 
     @cached_property
     def _limited(self) -> tuple[int, ...]:
-        """The rows that have a limit: torques, then accelerations."""
+        """The indices of the torques, then of the accelerations, that have a finite limit."""
         found = np.isfinite([self.torque, self.acceleration])
         return tuple(np.flatnonzero(found).tolist())
 
     def row(self, torque: Array, acceleration: Array) -> Array:
-        """(..., m) of torques and accelerations (..., nv) those that have a limit."""
+        """The entries (..., m) that have a limit, out of torques and accelerations (..., nv)."""
         return np.concatenate([torque, acceleration], axis=-1)[..., list(self._limited)]
 
     def friction(self, q: Array, torque: Array) -> Array:
-        """(..., m) what friction of the joints (..., nv) at q (..., nq) adds to the rows."""
+        """The amounts (..., m) that joint friction (..., nv) at q (..., nq) adds to the limited
+        torques."""
         return self.row(self._driven(q, torque), np.zeros_like(torque))
 
     def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Torques (..., nv), friction and wrenches included."""
+        """Torques (..., nv) of the drives in a motion, friction and wrenches included."""
         tree = self.model.opened if self.model.loops else self.model
         return self._driven(q, inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None))
 
     def _driven(self, q: Array, torque: Array) -> Array:
-        """Torques of the drives for torques (..., nv) of a tree, of a closed chain of the tree that
-        its loops leave."""
+        """Torques of the drives (..., nv) for the torques that the tree needs, which for a closed
+        chain the drives must provide through the loops."""
         return drive_torques(_NAME, self.model, q, torque) if self.model.loops else torque
 
     def rows(self, at: PathSamples, kept: float) -> tuple[Array, ...]:
-        """a, b, lo, hi (T, P, m) of lo <= a s̈ + b ṡ² <= hi at points of paths, without friction,
-        for motions that keep that part of the limits."""
+        """The arrays a, b, lo, hi (T, P, m) of the limits lo <= a s̈ + b ṡ² <= hi at points of
+        paths, without friction; kept: the fraction of the limits that may be used."""
         found = self._kernel("rows")(*_flat(at.orders[:3]), kept * self.size, *self._loads)
         found = tuple(x.reshape(*at.s.shape, len(self.size)) for x in found)
         if self.model.loops:
@@ -99,8 +101,8 @@ class RobotLimits:
     def reached(
         self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples
     ) -> LimitsReached:
-        """Excesses of motions with x (N + 1, P); at, between: the grid, and halfway in its
-        intervals."""
+        """How far motions with x = ṡ² (N + 1, P) exceed the limits; at, between: samples at the
+        grid and halfway in its intervals."""
         along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
         ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
         finite = np.minimum(self.velocity, path_timing.FAR)
@@ -116,7 +118,8 @@ class RobotLimits:
 
     @cached_property
     def _option(self) -> Option:
-        """The frames with wrenches, and of a closed chain what its drives determine."""
+        """The kernels' option: the frames with wrenches, and for a closed chain the partition by
+        its drives."""
         frames = tuple(self.wrenches)
         if not self.model.loops:
             return Option(wrench_frames=frames)
@@ -125,8 +128,8 @@ class RobotLimits:
         ]
 
     def refuse_shared(self) -> None:
-        """Refuse a closed chain whose drives do not determine its motions, or these not the
-        torques."""
+        """Refuse a closed chain whose drives do not determine its motion, or whose motion does not
+        determine their torques."""
         drives = len(self.model.driven)
         motions = self.model.nv - len(partition_of(self._option).rows)
         if drives > motions:
@@ -137,7 +140,7 @@ class RobotLimits:
             )
 
     def _refuse_singular(self, samples: PathSamples, lost: Flags) -> None:
-        """Refuse a closed chain whose drives do not hold it at some samples (T, P)."""
+        """Refuse a closed chain whose drives do not hold it at some of the samples (T, P)."""
         if lost.any():
             i, path = np.argwhere(lost)[0]
             q = ", ".join(f"{x:.4g}" for x in samples.q[i, path])
@@ -164,14 +167,14 @@ class RobotLimits:
 
 
 def _flat(arrays: Iterable[Array]) -> Iterator[Array]:
-    """Arrays with one axis before the last, which is quickest."""
+    """Arrays (a, b, n) reshaped to (a b, n), the form in which kernels are fastest."""
     return (x.reshape(x.shape[0] * x.shape[1], x.shape[2]) for x in arrays)
 
 
 def _made(
     name: str, model: Model, option: Option, limited: tuple[int, ...], p: Argument, over: Over
 ) -> Program:
-    """The program of a kernel of `_KERNELS`."""
+    """The program of a kernel named in `_KERNELS`."""
     evaluate, arguments = _KERNELS[name]
     inputs, outputs = arguments(model, len(limited))
     size = len(model.tree.space.zero) + len(model.tree.space.zero_angular)
@@ -209,7 +212,7 @@ def _rows(
     second: Vector,
     kept: Vector,
 ) -> tuple[Any, ...]:
-    """The rows of one point: a, b, lo, hi."""
+    """The limits of one point as vectors a, b, lo, hi of lo <= a s̈ + b ṡ² <= hi."""
     a, b, rest = map(driven, torques_along(tree, q, first, second, loads))
     every = ((*a, *first), (*b, *second), (*rest, *(0.0 for _ in first)))
     a, b, rest = (tuple(values[k] for k in limited) for values in every)
@@ -234,7 +237,7 @@ def _reached(
     second: Vector,
     *given: Any,
 ) -> tuple[Any, ...]:
-    """The excesses in one interval, see `LimitsReached`."""
+    """How far a motion exceeds the limits in one interval, see `LimitsReached`."""
     start, end, *rows, x, y, h, size, velocity = given
     qd, qdd = path_timing.halfway(first, second, x, y, h)
     every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)

@@ -1,4 +1,4 @@
-"""The quickest speeds along paths: limits as rows over a grid, and the passes that find the speeds.
+"""The fastest speeds along paths: limits as rows over a grid, and the passes that find the speeds.
 
 With x = ṡ² and u = s̈ every limit is a row lo <= a u + b x <= hi at both ends of each interval of
 the grid (see `algorithms.path_timing`). Arrays have the grid first, then the paths, which are
@@ -26,7 +26,7 @@ _CLOSE = 1e-9  # of the largest x: a gap between what is wanted and allowed of n
 
 
 class PathRows(NamedTuple):
-    """Limits over a grid of N intervals and P paths.
+    """Limits over a grid of N intervals along P paths.
 
     h: (N, P) twice the intervals' lengths. most: (N + 1, P) largest x, 0 at the end. a, b: (N + 1,
     P, m). lo, hi: (2, N, P, m) at the intervals' starts and ends.
@@ -41,15 +41,15 @@ class PathRows(NamedTuple):
 
 
 class SpeedProfile(NamedTuple):
-    """x: (N + 1, P), NaN in a path without solution. reachable: (N + 1, P, 2) between which x may
-    be with the end still to be reached at rest; NaN where it cannot be."""
+    """Speeds along paths: x = ṡ² (N + 1, P), NaN for a path without solution; reachable: the range
+    (N + 1, P, 2) of x from which the end can still be reached at rest, NaN where none."""
 
     x: Array
     reachable: Array
 
     @property
     def moves(self) -> Flags:
-        """(P,) whether the end is reached, without a rest on the way."""
+        """Flags (P,) of paths whose end is reached without a stop on the way."""
         slowest = self.x[1:-1].min(axis=0, initial=np.inf)  # NaN where one is
         return (slowest > 0.0) & np.isfinite(self.x[0]) & np.isfinite(self.x[-1])
 
@@ -70,8 +70,8 @@ def quickest_profile(rows: PathRows) -> SpeedProfile:
 
 
 def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
-    """The polygon of each interval by `path_timing.polygon`; where its search has not ended, it
-    goes on from there."""
+    """The polygon of each interval from `path_timing.polygon`, called again where its search has
+    not ended."""
     given = [x.reshape(rows.h.size, x.shape[-1]) for x in both_ends(rows)]  # one axis is quickest
     most, beyond = (x.ravel() for x in (rows.most[:-1], rows.most[1:]))
     given += [beyond, rows.h.ravel()]
@@ -87,7 +87,7 @@ def _polygons(kernel: Kernel, rows: PathRows) -> tuple[Array, ...]:
 
 
 def both_ends(rows: PathRows) -> tuple[Array, ...]:
-    """Rows at both ends of the intervals, (N, P, m) each, as `row_arguments` names them."""
+    """The rows at both ends of the intervals, (N, P, m) each, as `row_arguments` names them."""
     return (
         rows.a[:-1], rows.b[:-1], rows.lo[0], rows.hi[0],
         rows.a[1:], rows.b[1:], rows.lo[1], rows.hi[1],
@@ -103,7 +103,7 @@ def row_arguments(m: int) -> list[Argument]:
 
 
 def speed_limits(first: Array, velocity: Array) -> Array:
-    """(T, P) the largest ṡ² by limits of speed (n,); first: q' (T, P, n)."""
+    """The largest ṡ² (T, P) that limits of speed (n,) allow; first: q' (T, P, n)."""
     n = len(velocity)
     finite = np.minimum(velocity, path_timing.FAR)
     return _speed_limit(n)(first.reshape(-1, n), finite).reshape(first.shape[:2])
@@ -121,7 +121,8 @@ def _speed_limit(n: int) -> Kernel:
 
 
 def timed_pieces(derivatives: Sequence[Array], x: Array, h: Array) -> tuple[list[Array], Array]:
-    """(polynomials of time, durations (N, P)) of the motion in each interval, where s̈ is constant.
+    """The polynomials in time and durations (N, P) of the motion in each interval, where s̈ is
+    constant.
 
     derivatives: of the paths by s, (N, P, n) each, at the intervals' starts, all that are not 0. x:
     (N + 1, P). h: (N, P) twice the intervals' lengths. Polynomials: (degree + 1, N, n) of each

@@ -1,4 +1,4 @@
-"""The quickest motion along a path that a robot's speeds, accelerations and torques allow."""
+"""The fastest motion along a path that a robot's speeds, accelerations and torques allow."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ def time_optimal_through(
 
 
 def _each(path: Any) -> tuple[Sequence[Any], bool]:
-    """The paths one by one, and whether they were many."""
+    """The paths as a sequence, and whether the argument held several."""
     several = isinstance(path, list | tuple) and len(path) > 0
     if several and all(isinstance(one, Motion | PPoly) for one in path):
         return path, True
@@ -175,7 +175,7 @@ class _PathBlock(NamedTuple):
 
 
 def _blocks(curves: Sequence[PiecewisePolynomial], points: int) -> Iterator[_PathBlock]:
-    """All paths in order; those beside each other have equally many intervals."""
+    """Blocks of all paths in order; the paths of a block have equally many intervals."""
     counts = [max(points - 1, len(curve.breaks) - 1) for curve in curves]
     for intervals, group in groupby(range(len(curves)), key=counts.__getitem__):
         paths = list(group)
@@ -213,8 +213,8 @@ def _motions(
 
 
 def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
-    """Doubts on which the motion rests: drives whose speed nothing limits count, and those whose
-    torque nothing does where no acceleration is limited either."""
+    """The doubts on which the motion rests, with those about missing limits: of speed on drives
+    without one, of torque where acceleration is not limited either."""
     unlimited = {
         EFFORTS: np.isinf(limits.torque) & np.isinf(limits.acceleration),
         SPEEDS: np.isinf(limits.velocity),
@@ -228,8 +228,9 @@ def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
 
 
 class _Quickest(NamedTuple):
-    """x (N + 1, P), by which fraction of a limit torque or acceleration is above it within the
-    intervals (P,), and the largest speed as a fraction of its limit, squared (P,)."""
+    """The result for some paths: x = ṡ² (N + 1, P), the fraction by which torque or acceleration
+    exceeds a limit within intervals (P,), and the square of the largest speed as a fraction of its
+    limit (P,)."""
 
     x: Array
     over: Array
@@ -237,13 +238,14 @@ class _Quickest(NamedTuple):
 
     @property
     def worst(self) -> Array:
-        """(P,) by which fraction any limit is exceeded."""
+        """The largest fraction (P,) by which any limit of each path is exceeded."""
         return np.maximum(self.over, np.sqrt(self.fastest) - 1.0)
 
 
 def _solved(problem: PathProblem, labels: list[str]) -> _Quickest:
-    """Repeated where viscous friction asks for it, then where limits are exceeded between the
-    points, unless stricter ones leave nothing; each path as if it were alone."""
+    """The fastest speeds along each path, found repeatedly: for tangents of viscous friction, then
+    with stricter limits where limits are exceeded between grid points, unless these leave no
+    motion. Paths do not influence each other."""
     before = _first_guess(problem)
     profile = quickest_profile(problem.strict(before))
     stuck = without_motion(problem, profile)
@@ -281,7 +283,8 @@ def _quickest(x: Array, reached: LimitsReached) -> _Quickest:
 
 
 def _first_guess(problem: PathProblem) -> Array:
-    """x (N + 1, P) for the tangents of viscous friction, from a coarse grid; 0 without any.
+    """A first guess of x = ṡ² (N + 1, P) for the tangents of viscous friction, from a coarse grid;
+    0 without viscous friction.
 
     A tangent lies above the friction, by more than the drives have where it is taken at twice the
     speed that they hold: there the speed is halved. From below, x rises to where it stays.

@@ -1,5 +1,4 @@
-"""Times of waypoints and samples, for all planners; and a planned curve as a motion with
-samples."""
+"""Times of waypoints and samples for all planners, and a planned curve as a motion with samples."""
 
 from __future__ import annotations
 
@@ -22,7 +21,7 @@ _ROUNDED = 1e-12  # of the fastest rate
 
 
 def read_times(function: str, given: ArrayLike, count: int) -> Array:
-    """Times of waypoints (count,), increasing, s."""
+    """The times of waypoints (count,) in s, which must increase."""
     times = as_floats(function, "times", given)
     if times.shape != (count,):
         raise ShapeError(function, "times", times.shape, f"({count},)", "one time a waypoint")
@@ -32,9 +31,9 @@ def read_times(function: str, given: ArrayLike, count: int) -> Array:
 
 
 def sample_times(function: str, breaks: Array, step: float | None) -> Array:
-    """Times from the first to the last of breaks (k,), `step` apart, the last two nearer where that
-    does not fit. A time beside a break is the break: rounding leaves no sample on the other side of
-    a jump."""
+    """Times from the first to the last of breaks (k,), `step` apart, the last two closer where that
+    does not fit. A time close to a break is replaced by it, so that rounding leaves no sample on
+    the wrong side of a jump."""
     start, end = float(breaks[0]), float(breaks[-1])
     if step is None:
         t = np.linspace(start, end, SAMPLES)
@@ -51,8 +50,8 @@ def sample_times(function: str, breaks: Array, step: float | None) -> Array:
 
 
 def times_and_breaks(breaks: Array) -> Array:
-    """401 even times from the first to the last of breaks, without those beside a break, and
-    these."""
+    """The breaks with 401 even times from the first to the last of them, without times close to a
+    break."""
     even = np.linspace(breaks[0], breaks[-1], SAMPLES)
     nearest = breaks[np.searchsorted(0.5 * (breaks[1:] + breaks[:-1]), even)]
     beside = np.abs(even - nearest) <= _BESIDE * (breaks[-1] - breaks[0])

@@ -1,6 +1,6 @@
 """The joints that a planner moves: all of an open chain, the driven ones of a closed chain, whose
-loops lead the others; with quaternions each move turns about one axis, and a free body's origin
-goes straight."""
+loops move the others; with quaternions each move turns about one axis, and a free body's origin
+moves straight."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ from freebody.trees.public_calls import check_quaternions, finite_vector
 
 @dataclass(frozen=True, eq=False)
 class PlannedJoints:
-    """Coordinates with the waypoints (k, n) that they shall pass; of a closed chain `driven` has
-    those of all its coordinates, of a robot with quaternions `turning` says what they are. limits:
-    of all coordinates."""
+    """Coordinates with the waypoints (k, n) that they shall pass. driven: the waypoints of all
+    coordinates of a closed chain; turning: the meaning of the coordinates of a robot with
+    quaternions; limits: those of all coordinates."""
 
     function: str
     model: Model
@@ -59,8 +59,8 @@ class PlannedJoints:
         one: str = "",
         straight: bool = False,
     ) -> PlannedJoints:
-        """The joints of waypoints as a user gives them; `one`: of one position, where they are the
-        same; straight: the planner moves straight from each to the next, as quaternions can."""
+        """The joints of waypoints as a user gives them; one: whether a single position is enough;
+        straight: whether the planner moves straight between waypoints, as quaternions require."""
         model.require_values("a motion")
         if model.loops:
             driven = driven_waypoints(function, model, given, limits, one)
@@ -78,13 +78,14 @@ class PlannedJoints:
 
     @cached_property
     def together(self) -> dict[int, range]:
-        """Coordinates that move in proportion: of each of them, which."""
+        """For each coordinate that moves in proportion with others, the range of these
+        coordinates."""
         groups = [] if self.turning is None else self.turning.groups(layout(self.model))
         return {k: group for group in groups for k in group}
 
     @cached_property
     def own(self) -> PlanningLimits:
-        """The limits of rates of these coordinates, (n,) each."""
+        """The limits of rates of the planned coordinates, (n,) each."""
         if self.driven is None:
             return self.limits
         k = list(self.model.driven)
@@ -99,9 +100,9 @@ class PlannedJoints:
         step: float | None,
         paced: bool,
     ) -> Motion:
-        """The motion in which they follow a curve (n,) over time, past the waypoints at times
-        `marks` (k,); refused where a limit of some joint is not kept. paced: at given times, else
-        slower where a joint that is led asks for it."""
+        """The motion that follows a curve (n,) over time and passes the waypoints at times `marks`
+        (k,); refused where a joint's limit is exceeded. paced: at given times, else slowed down
+        where a joint moved by the loops requires it."""
         motion = self._along(curve, marks, words, step)
         if not paced and (self.driven or self.turning):
             factor = slowed(motion, self.limits)
@@ -122,14 +123,15 @@ class PlannedJoints:
 
 @dataclass(frozen=True, eq=False)
 class TurningWaypoints:
-    """q: (k, nv): plain positions, a free body's origin in world axes, and the angles turned so far
-    about the axes of the moves, in body axes. start: (k, nq) as given."""
+    """Waypoints of a robot with quaternions as plain coordinates q (k, nv): positions, a free
+    body's origin in world axes, and accumulated angles about the axes of the moves, in body axes.
+    given: (k, nq) as given."""
 
     q: Array
     given: Array
 
     def groups(self, where: CoordinateLayout) -> list[range]:
-        """Columns of q that move in proportion."""
+        """Ranges of columns of q that move in proportion."""
         found = [range(iv.start, iv.stop) for _, iv in where.turns]
         return found + [range(iv.start, iv.stop) for _, _, iv, _ in where.shifts]
 
@@ -137,7 +139,7 @@ class TurningWaypoints:
 def _turning_waypoints(
     function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
 ) -> TurningWaypoints:
-    """The coordinates of waypoints (k, nq), k > 1, between which each move turns about one axis.
+    """Waypoints (k, nq), k > 1, as plain coordinates, between which each move turns about one axis.
     Raises FreebodyError."""
     where = layout(model)
     q = finite_vector(function, model, one or "waypoints", given)
@@ -170,7 +172,7 @@ def _along_turns(
     step: float | None,
 ) -> Motion:
     """The motion of coordinates as in `TurningWaypoints` that follow a curve (nv,) over time and
-    pass the waypoints at the times `marks` (k,).
+    pass the waypoints at times `marks` (k,).
 
     Exact at 401 times and where the curve's polynomials meet, quintic between.
     """

@@ -1,4 +1,5 @@
-"""The limits that a planned motion keeps, and whether a motion keeps them: between samples too."""
+"""The limits that a planned motion keeps, and a check whether a motion keeps them, between its
+samples too."""
 
 from __future__ import annotations
 
@@ -29,7 +30,7 @@ Limit = JointVector | float | None
 
 @dataclass(frozen=True)
 class LimitExcess:
-    """A limit that a motion does not keep, where it is farthest beyond."""
+    """A limit that a motion exceeds, at the place where it exceeds it most."""
 
     name: str
     """Name of the coordinate that exceeds its limit."""
@@ -56,8 +57,8 @@ class LimitExcess:
 
 @dataclass(frozen=True, eq=False)
 class PlanningLimits:
-    """Largest rates and torques (nv,), infinite where nothing limits them; positions keep to
-    `allowed`. rests: which of them are the model's own, as aspects of it that may be doubtful."""
+    """Limits of rates and torques (nv,), infinite where there are none, and of positions
+    (`allowed`). rests: which of them are the model's own, as aspects that may be doubtful."""
 
     allowed: Ranges
     velocity: Array
@@ -75,8 +76,8 @@ def planning_limits(
     jerk: Limit = None,
     torque: Limit = None,
 ) -> PlanningLimits:
-    """The limits given, one for all coordinates (of a closed chain: the driven ones) or one each
-    (nv,), and the model's own."""
+    """The limits given, one number for all coordinates (of a closed chain the driven ones) or one
+    each (nv,), with the model's own."""
     allowed = ranges(model)
     given = {
         name: _read(function, model, name, value)
@@ -133,8 +134,8 @@ def _read(function: str, model: Model, name: str, value: Limit) -> Array:
 def exceeded_limits(
     model: Model, motion: Motion, velocity: Limit = None, acceleration: Limit = None
 ) -> tuple[LimitExcess, ...]:
-    """The limits of position and speed that a motion does not keep, also between its samples; empty
-    where it keeps all.
+    """The limits of position and speed that a motion exceeds, also between its samples; empty where
+    it keeps all.
 
     velocity, acceleration: further limits, one number or (nv,), rad/s, m/s and rad/s², m/s². Those
     of the model count too (zero means not given, see `Limits`). Torques are judged by `study`.
@@ -144,7 +145,7 @@ def exceeded_limits(
 
 
 def excesses(model: Model, motion: Motion, limits: PlanningLimits) -> Iterator[LimitExcess]:
-    """All limits that a motion exceeds, see `exceeded_limits`."""
+    """All limits that a motion exceeds; see `exceeded_limits`."""
     names, found = model.velocity_names, motion.peaks
     units = np.where(limits.allowed.turns, "rad", "m")
     for iq, iv in zip(*position_columns(model), strict=True):
@@ -174,7 +175,8 @@ def quickest(
     limits: PlanningLimits,
     *sought: str,
 ) -> float:
-    """The factor by which a motion with these peaks (nv,) may be made faster.
+    """The factor by which a motion with these peak velocities and accelerations (nv,) may be run
+    faster.
 
     sought: arguments that say how fast. Raises MissingArgumentError where nothing limits it.
     """
@@ -186,7 +188,8 @@ def quickest(
 
 
 def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentError:
-    """An error for a motion of which nothing says how fast it may be; needed: arguments that do."""
+    """The error for a motion whose duration nothing determines; needed: the arguments that
+    would."""
     return MissingArgumentError(
         f"{function}: how fast {model.name!r} may move is not known",
         needed,
@@ -195,7 +198,7 @@ def pace_unknown(function: str, model: Model, *needed: str) -> MissingArgumentEr
 
 
 def within_limits(function: str, model: Model, motion: Motion, limits: PlanningLimits) -> Motion:
-    """The motion, with the doubts on its limits; refuses one that exceeds a limit."""
+    """The motion, with the doubts about its limits; refuses one that exceeds a limit."""
     found = list(excesses(model, motion, limits))
     if not found:
         aspects = (aspect for aspect in limits.rests if aspect != EFFORTS)
@@ -220,8 +223,9 @@ def checked_waypoints(
     one: str = "",
     name: str = "waypoints",
 ) -> Array:
-    """Waypoints (k, nq), k > 1, within the limits; refuses robots that no such motion is planned
-    for. name: of what they are in messages. `one`: of one position, where they are the same."""
+    """Waypoints (k, nq), k > 1, within the limits; refuses robots for which such motions cannot be
+    planned. name: what the waypoints are called in messages. one: whether a single position is
+    enough."""
     model.require_values("a motion")
     model.require_tree(function, "fb.Motion.of with the positions of the driven joints")
     if model.nq != model.nv:
@@ -249,8 +253,8 @@ def refuse_beyond(
     one: str = "",
     name: str = "waypoints",
 ) -> None:
-    """Refuse waypoints (k, n) of those coordinates, each with a position of its own, that are out
-    of range."""
+    """Refuse waypoints (k, n) of given coordinates, each of which has a position of its own, that
+    are out of range."""
     low, high = (x[list(columns)] for x in (limits.allowed.lower, limits.allowed.upper))
     beyond = np.maximum(low - q, q - high)
     if not beyond.size:
@@ -270,7 +274,7 @@ def _numbered(k: int, name: str) -> str:
 
 
 def slowed(motion: Motion, limits: PlanningLimits) -> float:
-    """The factor on its speed, at most 1, that keeps a motion within limits of rates (nv,)."""
+    """The factor on a motion's speed, at most 1, that keeps it within limits of rates (nv,)."""
     found = motion.peaks
     return min(
         1.0,
@@ -280,6 +284,6 @@ def slowed(motion: Motion, limits: PlanningLimits) -> float:
 
 
 def _within(limit: Array, size: Array) -> float:
-    """The least share of what is used that a limit is; infinite where none is."""
+    """The smallest ratio of a limit to the value that is used; infinite where there is no limit."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return float(np.where(size > 0.0, limit / size, np.inf).min())

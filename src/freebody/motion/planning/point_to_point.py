@@ -46,8 +46,8 @@ def quintic(
     jerk: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """The motion in straight lines of joint space from each waypoint to the next, at rest in each,
-    by polynomials of degree 5.
+    """The motion in straight lines of joint space between waypoints, at rest in each, by
+    polynomials of degree 5.
 
     With quaternions each move turns about one axis; the origin of a free body moves in a straight
     line. Accelerations are continuous, and zero at the waypoints.
@@ -90,8 +90,8 @@ def trapezoid(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """The motion from each waypoint to the next, at rest in each, with constant acceleration,
-    constant speed, constant deceleration.
+    """The motion between waypoints, at rest in each, with constant acceleration, constant speed,
+    constant deceleration.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
     run their own quickest motion slowed to its duration. The accelerations jump.
@@ -117,8 +117,8 @@ def s_curve(
     acceleration: Limit = None,
     step: float | None = None,
 ) -> Motion:
-    """The motion from each waypoint to the next, at rest in each, with limited jerk: accelerations
-    rise and fall in ramps.
+    """The motion between waypoints, at rest in each, with limited jerk: accelerations rise and fall
+    in ramps.
 
     All joints start and stop together: the slowest moves as quickly as its limits allow, the others
     run their own quickest motion slowed to its duration.
@@ -135,8 +135,8 @@ def s_curve(
 
 
 def dwell(model: Model, q: JointVector, duration: float, *, step: float | None = None) -> Motion:
-    """Rest at q (nq,), or with the driven joints of a closed chain there, for `duration` s; to
-    stand between other motions: `a.then(pause).then(b)`.
+    """A rest of `duration` s at q (nq,), or with the driven joints of a closed chain there, for use
+    between other motions: `a.then(pause).then(b)`.
 
     step: s between samples, by default a tenth of it.
     """
@@ -175,7 +175,7 @@ def _stopping(
 
 
 def _move(joints: PlannedJoints, name: str, k: int, wanted: float | None) -> PiecewisePolynomial:
-    """The k-th move from one waypoint to the next; `wanted`: its duration."""
+    """The curve of the k-th move, from one waypoint to the next; wanted: its duration."""
     function, ends = joints.function, joints.waypoints[k : k + 2]
     way = ends[1] - ends[0]
     if not (np.abs(way) > SAME).any():
@@ -208,7 +208,8 @@ def _move(joints: PlannedJoints, name: str, k: int, wanted: float | None) -> Pie
 def _quickest(
     joints: PlannedJoints, name: str, way: Array, wanted: float | None
 ) -> dict[int, PiecewisePolynomial]:
-    """The curve of each joint that moves, from 0 over the size of its way, as if it were alone."""
+    """The fastest curve of each joint that moves, by its index, from 0 to the size of its move,
+    regardless of the other joints."""
     profile = PROFILES[name]
     curves = {}
     for i in map(int, np.flatnonzero(np.abs(way) > SAME)):
@@ -225,7 +226,7 @@ def _quickest(
 
 @dataclass(frozen=True)
 class Profile:
-    """A family of rest-to-rest curves.
+    """A family of rest-to-rest curves, such as trapezoids of velocity.
 
     needs: the limits without which nothing bounds its accelerations, or its jerk. quickest: the
     curve from 0 over a way > 0 under limits of velocity, acceleration, jerk, which may be infinite.
@@ -279,8 +280,8 @@ PROFILES = {
 
 
 def _phases(phases: Sequence[tuple[float, float]], order: int) -> PiecewisePolynomial:
-    """Curve that begins at 0 at rest and has in each phase (duration, constant derivative of that
-    order); phases of no duration are left out."""
+    """The curve that begins at rest at 0 and has in each phase (duration, value) a constant
+    derivative of the given order; phases of no duration are left out."""
     state = np.zeros(order)  # value, first derivative, …
     breaks, pieces = [0.0], []
     for duration, top in phases:

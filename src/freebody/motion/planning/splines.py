@@ -90,7 +90,8 @@ def spline(
 
 
 def _proportional(q: Array, limits: PlanningLimits) -> Array:
-    """Times (k,) from 0, apart by the way of the joint that takes longest for it."""
+    """Times (k,) from 0 on whose differences are proportional to the move of the joint that needs
+    longest for it."""
     pace = np.where(np.isfinite(limits.velocity), limits.velocity, np.sqrt(limits.acceleration))
     pace = np.where(np.isfinite(pace), pace, 1.0)
     gaps = (np.abs(np.diff(q, axis=0)) / pace).max(axis=1)

@@ -1,5 +1,5 @@
 """Planned motions of closed chains: waypoints of the driven joints, or closed positions of all; the
-driven joints follow a curve, the loops lead the others."""
+driven joints follow a curve, and the loops move the others."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ _STEP = 0.05
 
 @dataclass(frozen=True, eq=False)
 class DrivenWaypoints:
-    """q: (k, n) of the driven joints. start: the closed position (nq,) at the first. every: (k, nq)
-    where all positions were given, else None."""
+    """Waypoints q (k, n) of the driven joints. start: the closed position (nq,) at the first.
+    every: (k, nq) where all positions were given, else None."""
 
     q: Array
     start: Array
@@ -51,8 +51,8 @@ class DrivenWaypoints:
 def driven_waypoints(
     function: str, model: Model, given: Any, limits: PlanningLimits, one: str = ""
 ) -> DrivenWaypoints:
-    """Waypoints (k, n) of the driven joints, which are reached from home on its branch, or closed
-    positions (k, nq), the first of which says which branch is meant. Raises FreebodyError."""
+    """Waypoints (k, n) of the driven joints, reached from home on its branch, or closed positions
+    (k, nq), the first of which determines the branch. Raises FreebodyError."""
     columns, n = _columns(function, model), len(model.driven)
     name = one or "waypoints"
     array = as_floats(function, name, given)
@@ -77,7 +77,7 @@ def driven_waypoints(
 
 
 def _columns(function: str, model: Model) -> list[int]:
-    """Places of the driven joints in q."""
+    """The indices of the driven joints in q."""
     names = model.driven_names
     if not set(names) <= set(model.position_names):
         raise FreebodyError(
@@ -88,8 +88,8 @@ def _columns(function: str, model: Model) -> list[int]:
 
 
 def _from_home(function: str, model: Model, columns: list[int], first: Array) -> Array:
-    """The closed position (nq,) with the driven joints at the first waypoint, as they are moved
-    there from home."""
+    """The closed position (nq,) with the driven joints at the first waypoint, reached by moving
+    them there from home."""
     start = home(model)
     if list(model.driven) != leaders(model, start):
         raise LoopError(
@@ -194,7 +194,7 @@ def _refuse_elsewhere(
     waypoints: DrivenWaypoints,
     motion: Motion,
 ) -> None:
-    """Refuse closed waypoints on another branch than the first."""
+    """Refuse closed waypoints that lie on another branch than the first."""
     if waypoints.every is None:
         return
     for k, (own, every) in enumerate(zip(waypoints.q, waypoints.every, strict=True)):

@@ -1,4 +1,5 @@
-"""Joint positions along a path of the tip, on one branch of the inverse kinematics; or why not."""
+"""Joint positions along a path of the tip, on one branch of the inverse kinematics; or the reason
+why there are none."""
 
 from __future__ import annotations
 
@@ -30,8 +31,8 @@ _UNHEEDED = 5e-7
 
 @dataclass(frozen=True, eq=False)
 class Missing:
-    """The largest part of a path that the joints cannot follow: a shift (dim,), m, or a rotation
-    vector (3,), in the plane (1,), rad, world axes."""
+    """The largest part of a path that the joints cannot follow: a shift (dim,) in m, or a rotation
+    vector (3,), in the plane (1,), in rad, world axes."""
 
     turns: bool
     vector: Array
@@ -45,8 +46,8 @@ class Missing:
         return float(np.linalg.norm(self.vector))
 
     def in_words(self, length: float, means: str) -> str:
-        """The missing motion in words, on a path of that length; means: words for the joints that
-        have none for it."""
+        """The missing motion in words, on a path of a given length; means: words for the joints
+        that cannot make it."""
         verb, size = ("move", f"{self.size:.3g} m")
         if self.turns:
             verb, size = "turn", f"{np.degrees(self.size):.3g} °"
@@ -66,8 +67,8 @@ class Missing:
 
 @dataclass(frozen=True, eq=False)
 class TipFollower:
-    """Follows a path of a frame from q0 (nq,); `function` is who asks, for messages. nearest: of
-    the orientation what the joints can do; else all that the task counts is kept."""
+    """A follower of a frame's path from q0 (nq,); function: the caller, for messages. nearest:
+    whether the orientation only comes as near as the joints allow; else the whole task is kept."""
 
     function: str
     solver: NumericalSolver
@@ -81,7 +82,7 @@ class TipFollower:
         return TipMobility.of(self.solver, self.q0)
 
     def along(self, ways: Array) -> list[TipPosture]:
-        """Postures at the ways (N,), the first being 0.
+        """The postures at path lengths `ways` (N,), the first of which is 0.
 
         Raises FreebodyError where the path leaves what the branch of q0 reaches.
         """
@@ -94,7 +95,8 @@ class TipFollower:
         return found
 
     def between(self, found: Sequence[TipPosture], ways: Array, guesses: Array) -> list[TipPosture]:
-        """Postures halfway between those at the ways (N,), near guesses (N - 1, nq)."""
+        """The postures halfway between those at path lengths `ways` (N,), found from guesses (N -
+        1, nq)."""
         postures = []
         for at, (before, after), guess in zip(
             found, pairwise(ways.tolist()), guesses, strict=False
@@ -108,8 +110,8 @@ class TipFollower:
         return postures
 
     def notices(self, found: Sequence[TipPosture], ways: Array) -> tuple[str, ...]:
-        """Sentences on postures at the ways (N,): near singular positions, and motions that are
-        left out."""
+        """Sentences on the postures at path lengths `ways` (N,): near singular positions, and
+        motions that are left out."""
         q = np.array([at.q for at in found])
         return *self._near_singular(found, ways), *self._left_out(q, ways)
 
@@ -156,7 +158,8 @@ class TipFollower:
             )
 
     def _followed(self, at: TipPosture, before: float, way: float) -> TipPosture:
-        """The posture at `way`, from that at `before`; in smaller steps where need be."""
+        """The posture at path length `way`, followed from the one at `before`, in smaller steps
+        where necessary."""
         ahead, least = [way], (way - before) * 0.5**_HALVINGS
         while ahead:
             found = self._reached(at.q, ahead[-1])
@@ -170,8 +173,7 @@ class TipFollower:
         return at
 
     def _reached(self, start: Array, way: float) -> TipPosture | None:
-        """The posture near start (nq,) at which the tip is on the path; None where there is
-        none."""
+        """The posture near start (nq,) with the tip on the path; None where there is none."""
         q = TipSteps(self.mobility, self.nearest).reached(start, self._goal(way))
         if q is None or self._off(q, way) > _UNHEEDED:
             return None
@@ -186,7 +188,7 @@ class TipFollower:
         return self.path.at(np.array([way]))[0]
 
     def _off(self, q: Array, way: float) -> float:
-        """The error (m, rad) of the part of the pose that has to be kept."""
+        """The error (m, rad) of the pose at q, in the part of the task that has to be kept."""
         T, _ = self.solver.pose_and_jacobian(q)
         error, k = self.solver.task.error(T, self._goal(way)), len(self.solver.task.linear)
         parts = [error[:k]] if self.nearest else [error[:k], error[k:]]
@@ -228,7 +230,8 @@ class TipFollower:
             )
 
     def _explain(self, at: TipPosture, found: TipPosture | None, way: float) -> NoReturn:
-        """Say why the path cannot be followed to `way`, where `found` may be, from just before."""
+        """Raise the error that says why the path cannot be followed from a posture just before to
+        `way`; found: the posture there, if any."""
         if found is not None and not (found.hold >= _SINGULAR and found.holds_like(at)):
             self._refuse(
                 way,
@@ -244,7 +247,8 @@ class TipFollower:
         )
 
     def _refuse_missing(self, q: Array, way: float) -> None:
-        """Refuse what no joint can do, where that is what is missing at `way`, just behind q."""
+        """Raise an error where the motion missing at path length `way`, just after q, is one that
+        no joint can make."""
         steps, found = TipSteps(self.mobility, nearest=True), []
         ways = np.linspace(way, self.path.length, _LOOKED_AT)
         for there in ways.tolist():

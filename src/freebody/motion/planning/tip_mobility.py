@@ -1,5 +1,5 @@
-"""The motions that the joints can give a frame: their rank, how far a position is from one that has
-fewer, and Newton's method towards a pose as far as they lead.
+"""The motions that the joints can give a frame: their number, how far a position is from having
+fewer, and Newton's method towards a pose as far as they allow.
 
 These motions are the columns of the frame's Jacobian, of a closed chain over what its loops allow;
 lengths count over the robot's. Their number is that at almost every position: 4 of a SCARA's 6, 5
@@ -30,9 +30,9 @@ _OPEN = 1e-10  # scaled loop equations
 
 @dataclass(frozen=True, eq=False)
 class TipMobility:
-    """columns: coordinates (of an open chain those that move the frame). freedom: their motions at
-    almost every position of a branch. rank: the frame's among them, in the rows of the solver's
-    task; placing: in its linear rows alone."""
+    """The motions of a frame on a branch. columns: coordinates (in an open chain those that move
+    the frame). freedom: their number of motions at almost every position. rank: the number of the
+    frame's motions in the task's rows; placing: in its linear rows alone."""
 
     solver: NumericalSolver
     columns: list[int]
@@ -52,7 +52,7 @@ class TipMobility:
 
     @property
     def held(self) -> int:
-        """The number of motions that the loops hold."""
+        """The number of motions that the loops prevent."""
         return len(self.columns) - self.freedom
 
     def posture(self, q: Array) -> TipPosture:
@@ -63,8 +63,8 @@ class TipMobility:
 
 @dataclass(frozen=True, eq=False)
 class TipPosture:
-    """A position q (nq,); slopes: (r + m, n) of the task's rows and the loops, as angles, over the
-    mobility's columns."""
+    """A position q (nq,) and slopes (r + m, n) of the task's rows and the loops there, as angles,
+    over the mobility's columns."""
 
     mobility: TipMobility
     q: Array
@@ -72,7 +72,7 @@ class TipPosture:
 
     @cached_property
     def _allowed(self) -> Array:
-        """(n, k): the motions that the loops allow."""
+        """A basis (n, k) of the motions that the loops allow."""
         return null_space(self.slopes[len(self.mobility.solver.task.rows) :], RANK)[0]
 
     @cached_property
@@ -84,8 +84,8 @@ class TipPosture:
 
     @property
     def ratio(self) -> float:
-        """Ratio of the smallest to the largest singular value of the tip's motions; 0 where it has
-        lost one, or the loops give way to one more."""
+        """The ratio of the smallest to the largest singular value of the tip's motions; 0 where the
+        tip has lost a motion, or the loops allow one more than usual."""
         s, k = self._tip[1], self.mobility.rank
         if self._allowed.shape[1] != self.mobility.freedom:
             return 0.0
@@ -95,8 +95,9 @@ class TipPosture:
 
     @property
     def lost(self) -> Array | None:
-        """(r,): factors of the tip's velocity whose sum is 0, or least, whatever the joints do;
-        None where some sum is 0 at every position, or the loops give way."""
+        """Factors (r,) of a combination of the tip's velocities that is 0, or smallest, whatever
+        the joints do; None where such a combination exists at every position, or the loops allow
+        more motions than usual."""
         U, solver = self._tip[0], self.mobility.solver
         if self.mobility.rank < len(U) or self._allowed.shape[1] != self.mobility.freedom:
             return None
@@ -105,25 +106,26 @@ class TipPosture:
 
     @property
     def hold(self) -> float:
-        """How clearly the drives of a closed chain tell where its joints are: 0 where they do not,
-        1 at best."""
+        """How clearly the drives of a closed chain determine its joints: 1 at best, 0 where they do
+        not."""
         if not self.mobility.solver.model.loops:
             return 1.0
         own = self._allowed[list(self.mobility.solver.model.driven)]
         return float(np.linalg.svd(own, compute_uv=False).min(initial=1.0))
 
     def holds_like(self, other: TipPosture) -> bool:
-        """Whether no position between, a small step, is one at which drives do not hold the tip."""
+        """Whether the small step to another posture passes no position at which the drives do not
+        hold the tip."""
         return not self.mobility.solver.model.loops or _alike(self._driven, other._driven)
 
     def moves_like(self, other: TipPosture) -> bool:
-        """Whether both are on one branch of the inverse kinematics, a small step apart; of a
-        redundant arm they are."""
+        """Whether two postures a small step apart are on one branch of the inverse kinematics; for
+        a redundant arm they always are."""
         return self.mobility.rank < self.mobility.freedom or _alike(self.slopes, other.slopes)
 
     @property
     def _driven(self) -> Array:
-        """(m + d, n): slopes of the loops and of the drives of a closed chain."""
+        """The slopes (m + d, n) of the loops and of the drives of a closed chain."""
         solver = self.mobility.solver
         own = np.eye(solver.model.nv)[list(solver.model.driven)]
         return np.concatenate([self.slopes[len(solver.task.rows) :], own])
@@ -131,8 +133,8 @@ class TipPosture:
 
 @dataclass(frozen=True, eq=False)
 class TipSteps:
-    """Loops come first, then the task, as near as they leave the joints free; nearest: of the task
-    the position before the orientation.
+    """Newton steps of a closed or open chain towards a pose: loops first, then the task as far as
+    they leave freedom; nearest: the position before the orientation.
 
     Inverted are as many singular values as are not zero at almost every position.
     """
@@ -141,8 +143,8 @@ class TipSteps:
     nearest: bool
 
     def reached(self, start: Array, goal: Array) -> Array | None:
-        """The position (nq,) near start at which nothing is missing to the pose `goal` that the
-        joints can do; None where that leads away, or nowhere."""
+        """The position (nq,) near start at which no joint motion brings the frame nearer to the
+        pose `goal`; None where the steps diverge."""
         solver = self.mobility.solver
         q, best, miss = start, None, np.inf
         for _ in range(_STEPS):
@@ -157,8 +159,8 @@ class TipSteps:
         return best
 
     def _step(self, q: Array, goal: Array) -> tuple[Array, float]:
-        """(the step (nv,), the largest angle that it makes good) at q (nq,); infinite where loops
-        stay open."""
+        """(the step (nv,), the largest error that it removes, as an angle) at q (nq,); infinite
+        where loops stay open."""
         mobility = self.mobility
         missing, slopes = mobility.solver.equations(q, goal)
         slopes = slopes[:, mobility.columns]
@@ -177,7 +179,7 @@ class TipSteps:
         return rates * mobility.solver.rates, left
 
     def _levels(self, rows: int) -> Iterator[tuple[list[int], int]]:
-        """(rows of the equations, their rank), what comes first first."""
+        """Pairs (rows of the equations, their rank) in order of priority."""
         mobility, task = self.mobility, self.mobility.solver.task
         linear, counted = len(task.linear), len(task.rows)
         yield [*range(counted, rows)], mobility.held
@@ -189,13 +191,13 @@ class TipSteps:
 
 
 def _alike(a: Array, b: Array) -> bool:
-    """Whether maps (m, n) of rank n, m >= n, are of one orientation: of square ones the
-    determinants have one sign."""
+    """Whether two maps (m, n) of rank n, m >= n, have the same orientation; for square ones that
+    their determinants have one sign."""
     return bool(np.linalg.slogdet(a.T @ b)[0] > 0.0)
 
 
 def _positions(solver: NumericalSolver, q0: Array) -> Iterator[Array]:
-    """Positions (nq,) that are not special, as far as chance tells; of a closed chain near q0."""
+    """Random positions (nq,), which are regular with near certainty; of a closed chain near q0."""
     model = solver.model
     q, aside, _ = generic_state(model, 0, _POSITIONS)
     if model.loops:
@@ -206,7 +208,7 @@ def _positions(solver: NumericalSolver, q0: Array) -> Iterator[Array]:
 
 
 def _ranks(solver: NumericalSolver, q: Array, columns: list[int]) -> tuple[int, int, int]:
-    """(motions of the joints, of the tip, of the tip's position) at q (nq,)."""
+    """(numbers of motions of the joints, of the tip, and of the tip's position) at q (nq,)."""
     J = (solver.scale[:, None] * solver.pose_and_jacobian(q)[1] * solver.rates)[:, columns]
     if solver.model.loops:
         J = J @ null_space(scaled_jacobian(solver.model, q), RANK)[0]

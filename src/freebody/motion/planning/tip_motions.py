@@ -180,7 +180,7 @@ def blend(
 
 
 class _TipPlan:
-    """A plan for a motion of the tip: its limits, its start and its task."""
+    """The planning of a tip motion: its limits, its start and its task."""
 
     def __init__(
         self,
@@ -206,7 +206,7 @@ class _TipPlan:
         self.start = forward_kinematics(model, self.q0, self.frame)
 
     def poses(self, target: Any, axes: int) -> Array:
-        """The target's poses, with `axes` axes of several; settles the task."""
+        """The target as one pose, or several along `axes` axes; the task is settled on the way."""
         model, d = self.model, self.model.dim
         given = as_floats(self.function, "target", target)
         point = given.shape[-1:] == (d,) and given.shape[-2:] != (d + 1, d + 1)
@@ -262,7 +262,7 @@ class _TipPlan:
         return within_limits(self.function, self.model, curve.motion(T, t), self.limits)
 
     def _followed(self, path: TipPath) -> _JointCurve:
-        """The joints along a path, on the branch of q0."""
+        """The joints' curve along a path, on the branch of q0."""
         follower = TipFollower(self.function, self.solver, path, self.q0, self.nearest)
         ways = _nodes(path.marks, _NODES)
         found, where = follower.along(ways), layout(self.model)
@@ -287,8 +287,8 @@ class _TipPlan:
         return _JointCurve(self.model, path, curve, words, (*self.limits.allowed.notices, *notices))
 
     def _duration(self, unit: Motion, duration: float | None, speed: float | None) -> float:
-        """The one that is given, else the shortest within the limits, of a motion that takes 1 s;
-        refuses one in which the tip is too fast."""
+        """The duration: the given one, else the shortest within the limits, from a motion that
+        takes 1 s; refuses one in which the tip is too fast."""
         allowed = np.inf if speed is None else speed / self._fastest(unit)
         if duration is not None:
             if allowed < 1.0 / duration:
@@ -315,7 +315,7 @@ class _TipPlan:
         return float(np.linalg.norm(V[:, : self.model.dim], axis=-1).max())
 
     def _off(self, motion: Motion, path: TipPath) -> float:
-        """The largest distance of the tip from the path between samples, m or rad."""
+        """The largest distance of the tip from its path halfway between samples, in m or rad."""
         t = 0.5 * (motion.t[1:] + motion.t[:-1])
         goal = path.at(np.clip(_way(path.length, motion.duration, t)[0], 0.0, path.length))
         task = self.solver.task
@@ -325,7 +325,7 @@ class _TipPlan:
 
 @dataclass(frozen=True, eq=False)
 class _JointCurve:
-    """The joints over the way of the tip (m, or rad of a turn alone)."""
+    """The joint positions over the path length of the tip (m, or rad where it only turns)."""
 
     model: Model
     path: TipPath
@@ -334,7 +334,7 @@ class _JointCurve:
     notices: tuple[str, ...]
 
     def motion(self, T: float, t: Array) -> Motion:
-        """The motion along the path from rest to rest in T seconds, at times t."""
+        """The motion along the path from rest to rest in T seconds, with samples at times t."""
         s, sd, sdd = (x[:, None] for x in _way(self.path.length, T, t))
         curves = self.curve, self.curve.derivative(), self.curve.derivative(2)
         x, slope, bend = (curve(s[:, 0]) for curve in curves)
@@ -344,7 +344,7 @@ class _JointCurve:
 
 
 def _nodes(marks: Array, count: int) -> Array:
-    """Ways from mark to mark, so many steps in each stretch."""
+    """Path lengths from mark to mark, with `count` steps in each stretch."""
     steps = [np.linspace(a, b, count + 1)[:-1] for a, b in pairwise(marks)]
     return np.append(np.concatenate(steps), marks[-1])
 
@@ -354,8 +354,8 @@ def _positions(found: Sequence[TipPosture]) -> Array:
 
 
 def _spline(marks: Array, ways: Array, x: Array) -> PiecewisePolynomial:
-    """Spline of degree 5 through x (N, n) at the ways (N,); the third derivative may jump at the
-    marks."""
+    """The spline of degree 5 through x (N, n) at path lengths `ways` (N,); its third derivative may
+    jump at the marks."""
     stretches = np.split(ways[:-1], len(marks) - 1)
     # every way but those beside ends is a knot
     inner = [np.concatenate([np.repeat(x[0], 3), x[2:-1]]) for x in stretches]
@@ -365,7 +365,7 @@ def _spline(marks: Array, ways: Array, x: Array) -> PiecewisePolynomial:
 
 
 def _way(length: float, T: float, t: Array) -> tuple[Array, Array, Array]:
-    """The way over time, and its first two derivatives, from rest to rest."""
+    """The path length over time from rest to rest in T seconds, and its first two derivatives."""
     x = t / T
     s = length * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
     sd = length / T * 30.0 * x**2 * (1.0 - x) ** 2

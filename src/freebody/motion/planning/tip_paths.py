@@ -1,4 +1,5 @@
-"""Paths of a frame: lines, arcs, and lines with rounded corners, position and orientation together.
+"""Paths of a frame, in position and orientation together: lines, arcs, and lines with rounded
+corners.
 
 The way along a path is measured in m; a turn counts as the arm's length times its angle where that
 is more. Between two poses the position moves straight and the orientation about a fixed axis. Near
@@ -27,7 +28,7 @@ _STRAIGHT = 1e-6  # of the distances: points this near to a line have no circle 
 
 @dataclass(frozen=True, eq=False)
 class TipPath:
-    """Poses along a way s from 0 to `length`.
+    """The poses of a frame along a path length s from 0 to `length`.
 
     marks: (k,) from 0 to length, where stretches meet. stretches: for each, its poses at the way
     (N,) from its begin.
@@ -51,8 +52,8 @@ class TipPath:
 
 @dataclass(frozen=True, eq=False)
 class _Leg:
-    """Straight motion from one pose to the next: m and rad of each m of the way, the turn in the
-    body's axes."""
+    """A straight motion from one pose to the next: shift (m) and turn (rad, body axes) per m of
+    path."""
 
     start: Array
     length: float
@@ -60,7 +61,8 @@ class _Leg:
     turn: Array
 
     def moved(self, pose: Array, way: Array) -> Array:
-        """The pose (..., dim + 1, dim + 1) moved along this leg's direction by `way` (N,)."""
+        """The pose (..., dim + 1, dim + 1) moved along this leg's direction by path lengths `way`
+        (N,)."""
         d = len(self.shift)
         found = np.broadcast_to(pose, (len(way), d + 1, d + 1)).copy()
         found[:, :d, d] += way[:, None] * self.shift
@@ -69,7 +71,7 @@ class _Leg:
 
 
 def rotations(vectors: Array) -> Array:
-    """Rotations (N, 3, 3) of rotation vectors (N, 3); (N, 2, 2) of angles (N, 1)."""
+    """Rotation matrices (N, 3, 3) of rotation vectors (N, 3), or (N, 2, 2) of angles (N, 1)."""
     if vectors.shape[1] == 3:
         return Rotation.from_rotvec(vectors).as_matrix()
     c, s = np.cos(vectors[:, 0]), np.sin(vectors[:, 0])
@@ -79,8 +81,8 @@ def rotations(vectors: Array) -> Array:
 def rounded_lines(
     function: str, poses: Sequence[Array], radius: float, arm_length: float
 ) -> TipPath:
-    """Straight from pose to pose, the corners between rounded from `radius` (m) before to `radius`
-    behind them."""
+    """The path straight from pose to pose, with corners rounded from `radius` (m) before to
+    `radius` behind them."""
     legs = [_leg(function, k, *pair, arm_length) for k, pair in enumerate(pairwise(poses))]
     corners = len(legs) - 1
     cut = np.array([0.0, *[radius] * corners, 0.0])
@@ -111,7 +113,8 @@ def rounded_lines(
 
 
 def arc_path(function: str, start: Array, via: Array, end: Array, arm_length: float) -> TipPath:
-    """The circle from a pose through a point (dim,) to a pose; the orientation turns evenly."""
+    """The path on a circle from a pose through a point (dim,) to a pose; the orientation turns
+    evenly."""
     d = len(via)
     p0, p1, p2 = (np.pad(p, (0, 3 - d)) for p in (start[:d, d], via, end[:d, d]))
     a, b = p1 - p0, p2 - p0
@@ -162,7 +165,7 @@ def _leg(function: str, k: int, start: Array, end: Array, arm_length: float) -> 
 
 
 def _corner(before: _Leg, behind: _Leg, radius: float) -> Callable[[Array], Array]:
-    """Poses around the start of the leg behind."""
+    """A function that gives the poses around the rounded corner where one leg meets the next."""
 
     def poses(way: Array) -> Array:
         x = way / (2.0 * radius)

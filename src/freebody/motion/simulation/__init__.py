@@ -1,4 +1,5 @@
-"""Motions that torques cause; the files in the order in which a call goes through them.
+"""Simulated motions, which torques cause; the files are in the order in which a call goes through
+them.
 
 `simulate`: the public function, and the choice of a method.
 `arguments`: what it is given, checked.

@@ -1,6 +1,5 @@
 """The arguments of `simulate`, checked: sizes, names, times and contacts; torques, forces and
-wrenches as they are given, constants, tables over its times, Python functions, and laws that
-`fb.compile` compiled."""
+wrenches as constants, tables over time, Python functions, or laws compiled by `fb.compile`."""
 
 from __future__ import annotations
 
@@ -53,7 +52,7 @@ _SAME_TIME = 1e-9  # of the duration: how far the label of a row may be from its
 
 
 def require_counts(**given: Any) -> None:
-    """Refuse what is no whole number above 0, but for None."""
+    """Refuse arguments that are neither None nor a whole number above 0."""
     for name, value in given.items():
         if value is not None and not is_count(value):
             raise FreebodyError(
@@ -64,7 +63,7 @@ def require_counts(**given: Any) -> None:
 def require_sizes(
     step: float | None, tolerance: float | None, friction_width: float | None, max_step: float
 ) -> None:
-    """Refuse steps, tolerances and widths that are not above 0."""
+    """Refuse steps, tolerances and widths that are not above 0, and too fine a tolerance."""
     above_zero("simulate", "friction_width", WIDTH if friction_width is None else friction_width)
     above_zero("simulate", "step", 1.0 if step is None else step, "seconds")
     above_zero("simulate", "tolerance", TOLERANCE if tolerance is None else tolerance)
@@ -77,7 +76,7 @@ def require_sizes(
 
 
 def require_friction(model: Model, friction: str, width: float | None) -> None:
-    """Refuse a width of friction that is not there, or not smooth."""
+    """Refuse a width of friction where friction is dry or absent."""
     if width is None:
         return
     if friction == "dry":
@@ -93,7 +92,7 @@ def require_friction(model: Model, friction: str, width: float | None) -> None:
 
 
 def has_friction(model: Model) -> bool:
-    """Whether the friction of a drive of the model depends on the sign of a rate."""
+    """Whether some drive of the model has friction that depends on the sign of a rate."""
     return smooth_friction(model)[1].acts or bool(lossy_joints(model.bodies))
 
 
@@ -125,7 +124,7 @@ def times_of(t: ArrayLike) -> Array:
 def contacts_of(
     model: Model, friction: str, restitution: JointVector | float | None
 ) -> JointContacts | None:
-    """Dry friction and stops, where there are any."""
+    """The dry friction and stops of a model as given; None where there are none."""
     if friction not in _FRICTION:
         raise UnknownNameError("model of friction", friction, "simulate", _FRICTION)
     share = None
@@ -172,7 +171,7 @@ def torque_of(
     sample_time: float | None,
     forces: TorqueInput | None,
 ) -> TorqueInput:
-    """The torque that `simulate` was given, checked; forces: those that act besides."""
+    """The torque argument of `simulate`, checked; forces: those that act in addition."""
     if inputs is not None and not isinstance(torque, Kernel):
         raise FreebodyError(
             "simulate: torque_inputs= is about a torque from fb.compile; a Python function has its "
@@ -192,7 +191,7 @@ def torque_of(
 
 
 def forces_of(model: Model, t: Array, forces: TorqueArgument) -> TorqueInput | None:
-    """The forces that `simulate` was given, checked, which may act at passive joints; None for
+    """The forces argument of `simulate`, checked, which may act at passive joints; None for
     none."""
     return None if forces is None else _given(all_driven(model), t, forces, "forces")
 
@@ -217,8 +216,8 @@ def breakpoints_of(
 def all_wrenches(
     model: Model, t: Array, wrenches: FrameWrenchTable, tables: FrameWrenchTable
 ) -> dict[str, tuple[str, Array]]:
-    """Each wrench by its frame, with its name in messages: (..., 1, six), or (..., T, six) at the
-    times t (T,)."""
+    """Each wrench by its frame, with the argument's name for messages: (..., 1, six), or (..., T,
+    six) at the times t (T,)."""
     given = wrenches_by_frame("simulate", model, wrenches)
     found = {frame: (f"wrenches[{frame!r}]", w[..., None, :]) for frame, w in given.items()}
     over = tables if isinstance(tables, Mapping) else {None: tables}
@@ -266,8 +265,8 @@ def _given(
 def _compiled_torque(
     model: Model, kernel: Kernel, given: Mapping[str, Any], name: str = "torque"
 ) -> CompiledTorque:
-    """The torque of a kernel, its inputs checked; given: those besides t, q and qd, by name. name:
-    of the argument, of which `torque` alone takes such inputs."""
+    """The torque law of a kernel, with its inputs checked; given: inputs other than t, q and qd, by
+    name. name: of the argument; only `torque` takes such inputs."""
     if not isinstance(given, Mapping):
         raise KindError("simulate", "torque_inputs", given, "a dict of names and values")
     law = kernel.program
@@ -280,7 +279,8 @@ def _compiled_torque(
 
 
 def _require_shapes(model: Model, law: Program, name: str) -> None:
-    """Refuse a law of another robot: t, q, qd and the one output have the model's shapes."""
+    """Refuse a law made for another robot: t, q, qd and the single output must have the model's
+    shapes."""
     sizes = {"t": (), "q": (model.nq,), "qd": (model.nv,)}
     for x in law.inputs:
         if x.name in sizes and x.shape != sizes[x.name]:
@@ -296,7 +296,7 @@ def _require_shapes(model: Model, law: Program, name: str) -> None:
 
 
 def _require_inputs(known: list[str], given: Mapping[str, Any], name: str) -> None:
-    """Refuse further inputs that the law does not know, and a law that lacks some of them."""
+    """Refuse inputs that the law does not know, and a law some of whose inputs are not given."""
     for one in given:
         if one not in known:
             raise UnknownNameError("input", one, "torque_inputs=", known)
@@ -314,8 +314,7 @@ def _require_inputs(known: list[str], given: Mapping[str, Any], name: str) -> No
 
 
 def _input(model: Model, argument: Argument, given: Any, gain: bool) -> Array:
-    """A further input of a law as an array (..., *core); gain: whether it makes no sense below
-    0."""
+    """A further input of a law as an array (..., *core); gain: whether it must not be negative."""
     name, shape = f"torque_inputs[{argument.name!r}]", argument.shape
     array = as_floats("simulate", name, given)
     check_core("simulate", name, array, shape, "as it was compiled")
@@ -327,9 +326,8 @@ def _input(model: Model, argument: Argument, given: Any, gain: bool) -> Array:
 
 
 def _gains(law: Program) -> tuple[str, ...]:
-    """Names of the inputs that make no sense below 0, of a kernel that is one of `FORMULAS`:
-    control laws refuse it there as where they are called; in a law of the user's own a name says
-    nothing."""
+    """Names of the inputs of a kernel from `FORMULAS` that must not be negative, such as gains;
+    none for laws of the user's own, whose names are arbitrary."""
     formula, names = FORMULAS.get(law.name), tuple(x.name for x in law.inputs)
     if formula is None or names != formula.inputs:
         return ()
@@ -337,7 +335,7 @@ def _gains(law: Program) -> tuple[str, ...]:
 
 
 def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
-    """A checked table: (nv,) or (..., T, nv)."""
+    """A table of torques or forces, checked: (nv,) or (..., T, nv)."""
     rows = row_times(given)
     if is_labelled(given):
         given = vector("simulate", model, name, given)
@@ -360,7 +358,7 @@ def _table(model: Model, t: Array, given: ArrayLike, name: str) -> Array:
 
 
 def refuse_other_times(name: str, rows: Array | None, t: Array) -> None:
-    """Refuse a table of (T, …) whose rows carry other times than t (T,)."""
+    """Refuse a table (T, …) whose rows are labelled with other times than t (T,)."""
     if rows is not None and np.abs(rows - t).max() > _SAME_TIME * (t[-1] - t[0]):
         k = int(np.argmax(np.abs(rows - t)))
         label, time = compared(rows[k], t[k], digits=6)

@@ -1,5 +1,5 @@
-"""Steps that end where something changes: a joint comes to rest, is let go by friction, or meets or
-leaves its stop."""
+"""Steps that end at an event: a joint comes to rest, is released by friction, or meets or leaves
+its stop."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ StepMove = Callable[[Some, LaneState, Array, Array], LaneState]
 
 @dataclass(eq=False)
 class ContactEvents:
-    """Events of dry friction and stops in many motions: which coordinates are held, which way
-    friction acts (lanes, nv), and when that changes.
+    """The events of dry friction and stops in many motions: which coordinates are held, in which
+    direction friction acts (lanes, nv), and when that changes.
 
     A step is made as if nothing changed. Where that is not so at its end, or between (a stop that
     was passed and left again), it is made again up to the time of the change, the state is put
@@ -57,13 +57,13 @@ class ContactEvents:
     def of(
         contacts: JointContacts, lanes: MotionLanes, rates: Rates, duration: float, qd: Array
     ) -> ContactEvents:
-        """The events of all motions at their start, qd (lanes, nv) being the rates there."""
+        """The events of all motions at their start, with rates qd (lanes, nv)."""
         own = contacts.lanes(lanes)
         senses = np.where(own.jumps, np.sign(qd), 0.0)
         return ContactEvents(own, rates, duration, senses, np.zeros(senses.shape))
 
     def begin(self, lanes: slice, state: LaneState, start: float) -> LaneState:
-        """The states at a time from which torques may be others, after what changes there."""
+        """The states at a time at which torques may jump, after the events of that time."""
         each = np.arange(len(self.senses))[lanes]
         contacts = self.contacts.some(each)
         some = contacts.resting(*state) | contacts.hitting(*state)
@@ -84,8 +84,8 @@ class ContactEvents:
         h: float,
         move: StepMove,
     ) -> LaneState:
-        """The states a whole step after `before`, of which `after` holds what a step that nothing
-        cuts leads to."""
+        """The states a whole step after `before`, with events on the way; after: the states that
+        the step without events leads to."""
         every = np.arange(len(self.senses))[lanes]
         at, left = np.full(len(every), start), np.full(len(every), h)
         taken, (q, qd) = self.cut(every, before, after, at, left, move)
@@ -107,8 +107,8 @@ class ContactEvents:
         h: Array,
         move: StepMove,
     ) -> tuple[Array, LaneState]:
-        """How long the steps from `before` to `after` are up to their first change, and the states
-        there; start, h (lanes,)."""
+        """The durations of the steps from `before` to `after` up to their first event, and the
+        states there; start, h (lanes,)."""
         margins = self._margins(lanes, after, start + h)
         ends, changes = h.copy(), np.asarray((margins < 0.0).any(axis=-1))
         self._dips(lanes, before, after, start, ends, changes, move)
@@ -135,9 +135,8 @@ class ContactEvents:
         start: Array,
         h: Array,
     ) -> Array:
-        """(lanes,) what may happen unseen in steps of size h to coordinates that are held, as an
-        error of order 4 above 1 where steps are to be shorter; states at their start, halfway and
-        at their end.
+        """An error estimate (lanes,), above 1 where steps of size h must be shorter, of events of
+        held coordinates that may go unseen; states: at the start, halfway and at the end.
 
         What is held does not move, whatever acts on it: the errors of its state say nothing of how
         long a torque that changes with time still lets it rest.
@@ -162,8 +161,8 @@ class ContactEvents:
     def _first_change(
         self, lanes: LaneIndex, before: LaneState, start: Array, h: Array, move: StepMove
     ) -> Array:
-        """Just behind which time (lanes,), at most h, something changes: a margin is used up, by
-        no more than `_HAIR`."""
+        """The times (lanes,), at most h, just behind the first event, by no more than `_HAIR` in
+        its margin."""
         low, high = np.zeros(len(h)), h.copy()
         near = _NEAR * self.duration + 4.0 * np.spacing(np.abs(start) + h)
         left, speed = self._margins(lanes, before, start), before[1].copy()
@@ -192,8 +191,8 @@ class ContactEvents:
         return high
 
     def _margins(self, lanes: Some, state: LaneState, t: Array) -> Array:
-        """(lanes, 4 nv): how far motions are from a change, below 0 behind it: sliding ones from
-        rest, all from their stops, what is held from what can hold it."""
+        """Margins (lanes, 4 nv) of motions from events, negative after one: of sliding from rest,
+        of all from their stops, of held coordinates from what can hold them."""
         (q, qd), held, senses = state, self.held[lanes] > 0.0, self.senses[lanes]
         contacts = self.contacts.some(lanes)
         x = contacts.positions(q)
@@ -220,9 +219,9 @@ class ContactEvents:
         changes: NDArray[np.bool_],
         move: StepMove,
     ) -> None:
-        """Find stops that were passed and left again within a step, and rests that sliding motions
-        went through and back: `changes` there, and `ends` at the farthest, where the cubic through
-        both ends has it."""
+        """Events within a step that its ends do not show: stops passed and left again, and sliding
+        that reversed. `changes` are those events, `ends` the farthest points, taken from the cubic
+        through both ends."""
         h, seen = ends.copy(), changes.copy()
         for part in self._suspected(lanes, before, after, h):
             reach = np.where(seen, np.inf, part * h)
@@ -239,9 +238,9 @@ class ContactEvents:
     def _suspected(
         self, lanes: LaneIndex, before: LaneState, after: LaneState, h: Array
     ) -> Iterator[Array]:
-        """The part of a step (lanes,) at which the cubic through its ends first has a coordinate
-        farthest behind its lower stop, behind its upper one, or slowest, having turned round;
-        infinite where it has none."""
+        """The fractions of a step (lanes,) at which the cubic through its ends has a coordinate
+        farthest beyond its lower stop, beyond its upper one, or slowest after reversing; infinite
+        where none is."""
         contacts, free = self.contacts.some(lanes), self.held[lanes] == 0.0
         (x0, v0), (x1, v1) = ((contacts.positions(q), qd) for q, qd in (before, after))
         d0, d1 = h[:, None] * v0, h[:, None] * v1
@@ -256,7 +255,8 @@ class ContactEvents:
             yield _earliest(sliding, *_slowest(side * (x1 - x0), side * d0, side * d1))
 
     def _decided(self, lanes: LaneIndex, state: LaneState, t: Array) -> LaneState:
-        """States put right where something changes, and what holds from there."""
+        """The states corrected at an event, after deciding anew which coordinates are held and in
+        which direction friction acts."""
         (q, qd), contacts = (x.copy() for x in state), self.contacts.some(lanes)
         stopped = (self.held[lanes] == 0.0) & (self.senses[lanes] * qd < 0.0)
         qd[stopped] = 0.0
@@ -281,8 +281,8 @@ class ContactEvents:
 
 
 def _used_up(left: Array, right: Array, speed: Array) -> Array:
-    """The part of an interval (n,) at which the first of some margins (n, 4 nv) is used up, by a
-    hair: along lines, and to stops along parabolas that begin with the motion's speed (n, nv)."""
+    """The fraction of an interval (n,) at which the first margin (n, 4 nv) is just used up: by
+    straight lines, and for stops by parabolas that begin with the speed (n, nv)."""
     a, b, nv = left + _HAIR, right + _HAIR, speed.shape[-1]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         part = np.where(b < 0.0, a / (a - b), np.inf)
@@ -297,13 +297,13 @@ def _used_up(left: Array, right: Array, speed: Array) -> Array:
 
 
 def _to_stops(contacts: JointContacts, x: Array) -> tuple[Array, Array]:
-    """Distances of positions from the lower and the upper stop."""
+    """The distances of positions from the lower and from the upper stop."""
     return x - contacts.lower, contacts.upper - x
 
 
 def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """The place, between 0 and 1, at which the cubic of two values and slopes, d0 < 0 < d1, is
-    lowest, and its value."""
+    """The place, between 0 and 1, of the minimum of the cubic with given end values and slopes, d0
+    < 0 < d1, and its value there."""
     with np.errstate(invalid="ignore", divide="ignore"):
         a, b = _cubic(m1 - m0, d0, d1)
         root = np.sqrt(np.maximum(b * b - 3.0 * a * d0, 0.0))
@@ -312,8 +312,8 @@ def _lowest(m0: Array, m1: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
 
 
 def _slowest(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """The place at which the cubic that makes a way with two slopes has its least slope, and that
-    slope."""
+    """The place of the smallest slope of the cubic that covers a distance `way` with given end
+    slopes, and that slope."""
     a, b = _cubic(way, d0, d1)
     with np.errstate(invalid="ignore", divide="ignore"):
         s = np.where(a > 0.0, -b / (3.0 * a), np.nan)
@@ -321,13 +321,13 @@ def _slowest(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
 
 
 def _cubic(way: Array, d0: Array, d1: Array) -> tuple[Array, Array]:
-    """The coefficients of s³ and s² of the cubic with slopes d0 at 0, where it is 0, and d1 at 1,
-    where it is `way`."""
+    """The coefficients of s³ and s² of the cubic that is 0 at 0 and `way` at 1, with slopes d0 and
+    d1 there."""
     return d0 + d1 - 2.0 * way, 3.0 * way - 2.0 * d0 - d1
 
 
 def _earliest(which: NDArray[np.bool_], part: Array, value: Array) -> Array:
-    """The least part (n,) of those whose value is below 0."""
+    """The smallest fraction (n,) among the marked entries whose value is negative."""
     with np.errstate(invalid="ignore"):
         return np.where(which & (value < 0.0), part, np.inf).min(axis=-1)
 

@@ -1,5 +1,5 @@
-"""A model as first-order differential equations, ẏ = f(t, y) with y = (q, q̇), on compiled kernels:
-which integrator suits it, and how its states are kept where they belong.
+"""A model as first-order differential equations ẏ = f(t, y), y = (q, q̇), on compiled kernels: the
+integrator that suits it, and the projection of states onto loops and unit quaternions.
 
 The state of a closed chain is that of all joints, its acceleration from (5.29). Stages and steps of
 an explicit Runge-Kutta method leave the loops by their local error; they are moved back, positions
@@ -71,7 +71,8 @@ _STRAIGHT = 0.1  # of a singular value: how far a position may be corrected alon
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """The right-hand side and its derivative; batches of states are welcome everywhere."""
+    """The right-hand side of a model's first-order equations and its derivative; both accept
+    batches of states."""
 
     model: Model
     layout: CoordinateLayout
@@ -107,7 +108,7 @@ class System:
         return self.forward(q, qd, tau, *self.loads(t))
 
     def torque(self, t: Array, q: Array, qd: Array, qdd: Array) -> Array:
-        """Inverse dynamics (..., nv) of the tree, with the same smooth friction."""
+        """Inverse dynamics (..., nv) of the tree, with smoothed friction."""
         return self.inverse(q, qd, qdd, *self.loads(t)) + self.friction.torque(q, qd)
 
     def jacobian(self, t: Array, y: Array, tau: Array) -> Array:
@@ -115,7 +116,7 @@ class System:
         return self._slopes(t, y, lambda now, q, qd: tau[..., None, :])
 
     def jacobian_under(self, t: Array, y: Array, drive: TorqueLaw) -> Array:
-        """∂ẏ/∂y (n, n) of one state, the torque changing with it."""
+        """The derivative ∂ẏ/∂y (n, n) at one state, with the torque varying with the state."""
         return self._slopes(t, y, drive)
 
     def _slopes(self, t: Array, y: Array, drive: TorqueLaw) -> Array:
@@ -128,13 +129,13 @@ class System:
         return np.swapaxes((plus - minus) / (2.0 * h[..., None]), -1, -2)
 
     def fastest_decay(self, t: Array, y: Array, drive: TorqueLaw) -> float:
-        """How fast (1/s) the quickest motion near a state dies away: the largest -Re λ of the
-        eigenvalues of ∂ẏ/∂y; 0 where there is none, or the torque cannot be told nearby."""
+        """The rate (1/s) at which the fastest motion near a state decays: the largest -Re λ of the
+        eigenvalues of ∂ẏ/∂y; 0 where none decays, or the torque cannot be evaluated nearby."""
         return max(0.0, -float(self._eigenvalues(t, y, drive).real.min(initial=0.0)))
 
     def fastest(self, t: Array, y: Array, drive: TorqueLaw) -> float:
-        """The rate (1/s) of the quickest motion near a state that does not grow, oscillations among
-        them: the largest |λ| of the eigenvalues of ∂ẏ/∂y."""
+        """The rate (1/s) of the fastest motion near a state that does not grow, oscillations
+        included: the largest |λ| of the eigenvalues of ∂ẏ/∂y."""
         found = self._eigenvalues(t, y, drive)
         return float(np.abs(found[found.real < 0.1 * np.abs(found)]).max(initial=0.0))
 
@@ -145,7 +146,7 @@ class System:
         return np.linalg.eigvals(slopes).astype(np.complex128)
 
     def normalised(self, y: Array) -> Array:
-        """States with unit quaternions."""
+        """The states with quaternions scaled to unit length."""
         q, qd = self.split(y)
         return np.concatenate([normalised(self.layout, q), qd], axis=-1)
 
@@ -186,13 +187,14 @@ def _of_width(kernel: Bound, width: float) -> Callable[..., Array]:
 
 
 def loads_over(t: Array, wrenches: Mapping[str, Array]) -> tuple[tuple[str, ...], WrenchLaw]:
-    """(frames, loads) of wrenches (..., T, six) at the times t (T,), linear between them, or (...,
-    1, six), which do not change."""
+    """(frames, loads) of wrenches (..., T, six) at the times t (T,), linear in between, or constant
+    ones (..., 1, six)."""
     return tuple(wrenches), lambda now: tuple(row_at(now, t, rows) for rows in wrenches.values())
 
 
 def row_at(now: Array, t: Array, rows: Array) -> Array:
-    """(*now.shape, ..., n) of a table (..., T or 1, n) over the times t (T,)."""
+    """Values (*now.shape, ..., n) at the times `now`, from a table (..., T or 1, n) over the times
+    t (T,)."""
     if rows.shape[-2] == 1:
         return rows[..., 0, :]
     k = np.clip(np.searchsorted(t, now, side="right") - 1, 0, len(t) - 2)
@@ -204,8 +206,8 @@ def row_at(now: Array, t: Array, rows: Array) -> Array:
 def suited_method(
     system: System, q: Array, duration: float, decay: Callable[[], float] = lambda: 0.0
 ) -> str:
-    """Radau where friction makes the system stiff over the duration, LSODA where feedback does
-    (`decay` (1/s), where there is any), else DOP853.
+    """The name of the integrator: Radau where friction makes the system stiff over the duration,
+    LSODA where feedback does (`decay` (1/s)), else DOP853.
 
     Both are implicit. Of tanh(q̇ / width) steps of many stages see the bend, and methods that look
     back at earlier steps lose their order there; where all is smooth these take a tenth of the
@@ -235,14 +237,14 @@ def decay_rate(model: Model, friction: DryFriction, q: Array) -> float:
 
 
 def step_tolerance(method: str, tolerance: float) -> float:
-    """Relative error of a step for a motion that is to land within about `tolerance`."""
+    """The relative error allowed in a step for a motion that shall end within about `tolerance`."""
     return tolerance if method in _DAMPING else max(tolerance / _FEWER, FINEST)
 
 
 @dataclass(frozen=True, eq=False)
 class Scheme:
-    """How the states of a system move on: its rate under a torque, and what becomes of a state that
-    was reached."""
+    """The integration scheme of a system: its right-hand side under a torque, and the correction of
+    the states reached."""
 
     rate: Callable[[TorqueLaw], Callable[[float, Array], Array]]
     settled: Callable[[Array], Array]
@@ -257,7 +259,7 @@ class Scheme:
 
 
 def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
-    """The scheme of a tree, tolerance being that of a step: quaternions are brought back to unit
+    """The scheme of a tree with a tolerance for each step: quaternions are brought back to unit
     length."""
 
     def rate(drive: TorqueLaw) -> Callable[[float, Array], Array]:
@@ -274,7 +276,7 @@ def open_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
 
 
 def closed_chain_scheme(system: System, tolerance: float, max_step: float) -> Scheme:
-    """The scheme of a closed chain, tolerance being that of a step: every step is brought back onto
+    """The scheme of a closed chain with a tolerance for each step: every step is brought back onto
     the loops."""
 
     def rate(drive: TorqueLaw) -> Callable[[float, Array], Array]:
@@ -331,19 +333,20 @@ def _settled(system: System, y: Array) -> Array:
 
 
 def _mobility(model: Model, q: Array, rates: Array) -> Array:
-    """M⁻¹ (nv, nv) over scaled rates; what moves no mass moves a little."""
+    """The inverse mass matrix (nv, nv) over scaled rates; directions without mass are given a
+    little."""
     (M,) = (fetch(model, ("mass_matrix",), Option())(q),)
     M = rates[:, None] * M * rates
     return np.linalg.inv(M + _LIGHT * np.trace(M) * np.eye(len(M)))
 
 
 def _lightest(mobility: Array, Vt: Array, way: Array) -> Array:
-    """The rates x of least energy with Vt x = way."""
+    """The rates x of least kinetic energy with Vt x = way."""
     push = mobility @ Vt.T
     return push @ np.linalg.solve(Vt @ push, way)
 
 
 def _divided(x: Array, s: Array, seen: float) -> Array:
-    """x / s, 0 where s, relative to the largest, is nothing but rounding."""
+    """The quotients x / s, and 0 where s is only rounding relative to the largest."""
     clear = s > seen * s.max(initial=1e-300)
     return np.where(clear, x, 0.0) / np.where(clear, s, 1.0)

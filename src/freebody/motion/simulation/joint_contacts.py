@@ -28,8 +28,8 @@ _TURNS = 50  # per coordinate: choices of what is held, of which a few are enoug
 
 
 class Contact(NamedTuple):
-    """Coordinates that are held (..., nv), torques that push besides (..., nv), and the
-    accelerations (..., nv)."""
+    """The result of contact at joints: flags of held coordinates (..., nv), torques that push in
+    addition (..., nv), and accelerations (..., nv)."""
 
     held: Flags
     push: Array
@@ -38,9 +38,9 @@ class Contact(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class JointContacts:
-    """Dry friction and stops of motions, or of all alike: what friction holds at most at rest,
-    limits, and the share of its speed with which each stop
-    turns a motion back; (..., nv) each. Without stops the limits are infinite.
+    """Dry friction and stops of motions, one row for all or one each (..., nv): the most that
+    friction holds at rest, position limits (infinite without stops), and the fraction of speed that
+    each stop returns.
 
     robot: with its friction. dry: whether that sticks. place (nv,): the entry of q that is a
     coordinate's position.
@@ -55,16 +55,16 @@ class JointContacts:
     place: Index
 
     def lanes(self, lanes: MotionLanes) -> JointContacts:
-        """Friction and stops with one row for each motion of a batch."""
+        """Friction and stops with a row for each of the given motions of a batch."""
         shape = (lanes.count, len(self.place))
         return self._each(lambda x: np.broadcast_to(lanes.each(x, 1), shape))
 
     def repeated(self, times: int) -> JointContacts:
-        """The rows (n, nv) so many times, one after the other."""
+        """Friction and stops with the rows (n, nv) repeated, one copy after the other."""
         return self._each(lambda x: np.broadcast_to(x, (times, *x.shape)).reshape(-1, x.shape[-1]))
 
     def some(self, which: Some) -> JointContacts:
-        """Friction and stops of some motions."""
+        """Friction and stops of selected motions."""
         return self._each(lambda x: x[which])
 
     def _each(self, change: Callable[[Array], Array]) -> JointContacts:
@@ -73,11 +73,11 @@ class JointContacts:
 
     @property
     def jumps(self) -> Flags:
-        """Whether friction depends on the sign of the rate."""
+        """Flags of the coordinates whose friction depends on the sign of the rate."""
         return self.grip > 0.0
 
     def positions(self, q: Array) -> Array:
-        """The positions that have stops, of q (..., nq)."""
+        """The entries of q (..., nq) that may have stops."""
         return q[..., self.place]
 
     def at_stops(self, q: Array) -> tuple[Flags, Flags]:
