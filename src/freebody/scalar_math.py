@@ -81,8 +81,8 @@ def atan(x: Scalar) -> Scalar:
 
 
 def clip(x: Scalar, lowest: Scalar, highest: Scalar) -> Scalar:
-    """x within bounds, `highest` where lowest > highest; the derivative is that of what is
-    returned.
+    """The value x limited to bounds, `highest` where lowest > highest; the derivative is that of
+    the value returned.
 
     A number that is infinite is no bound.
     """
@@ -96,7 +96,7 @@ def _is(bound: Scalar, value: float) -> bool:
 
 
 def hypot(x: Scalar, y: Scalar) -> Scalar:
-    """sqrt(x² + y²) without overflow on the way; its derivatives at 0, 0 are 0."""
+    """The length sqrt(x² + y²) without overflow on the way; its derivatives at 0, 0 are 0."""
     a, b = absolute(x), absolute(y)
     larger, smaller = maximum(a, b), minimum(a, b)
     ratio = smaller / where(equal(larger, 0.0), 1.0, larger)

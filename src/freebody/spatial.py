@@ -1,4 +1,4 @@
-"""Rigid-body algebra in the plane and in space, under the same names, over any scalar.
+"""Rigid-body algebra in the plane and in space under the same names, over any scalars.
 
 Vectors are tuples of scalars, matrices tuples of rows. *Linear* vectors (positions, velocities,
 forces) have `dim` entries; *angular* ones (rates, moments) have 3 in space and 1 in the plane. An
@@ -57,8 +57,8 @@ def dot(a: Vector, b: Vector) -> Scalar:
 
 
 def unit(vector: Iterable[float]) -> tuple[float, ...]:
-    """The unit vector along finite numbers that are not all zero, of any size; along a coordinate
-    axis it is exact."""
+    """The unit vector along finite numbers, not all zero, of any size; exact along a coordinate
+    axis."""
     entries = tuple(float(x) + 0.0 for x in vector)  # no -0
     length = math.hypot(*entries)
     if abs(length - 1.0) < 1e-15:
@@ -100,7 +100,8 @@ def plus(A: Matrix, B: Matrix) -> Matrix:
 
 
 def congruence(A: Matrix, X: Matrix) -> Matrix:
-    """Xᵀ A X for a symmetric A: the upper triangle is computed, the lower mirrored."""
+    """The product Xᵀ A X for a symmetric A; only the upper triangle is computed, the lower
+    mirrored."""
     right, left = product(A, X), transposed(X)
     return symmetric(len(left), lambda i, j: dot(left[i], tuple(row[j] for row in right)))
 
@@ -118,7 +119,8 @@ def identity(n: int) -> Matrix:
 
 
 class Space:
-    """Three dimensions: angular vectors are 3-vectors, inertias symmetric 3×3 matrices."""
+    """Vector algebra of three dimensions: angular vectors are 3-vectors, inertias symmetric 3×3
+    matrices."""
 
     dim = 3
     six = 6
@@ -128,7 +130,7 @@ class Space:
     no_inertia: Any = ((0.0,) * 3,) * 3
 
     def cross(self, w: Vector, r: Vector) -> Vector:
-        """ω × r: velocity that an angular rate gives to a point."""
+        """The velocity ω × r that an angular rate gives to a point."""
         return (w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0])
 
     moment = cross
@@ -137,7 +139,7 @@ class Space:
     """ω₁ × ω₂ of two angular vectors."""
 
     def turn(self, R: Matrix, w: Vector) -> Vector:
-        """Components of an angular vector in turned axes: R ω."""
+        """The components R ω of an angular vector in turned axes."""
         return times(R, w)
 
     def rotation(self, axis: Vector, angle: Scalar) -> Matrix:
@@ -162,8 +164,8 @@ class Space:
         )
 
     def rates(self, w: Vector, wd: Vector) -> Matrix:
-        """[ω̇×] + [ω×][ω×]: its product with r is the acceleration of r relative to the origin, as
-        in (4.5), (6.21)."""
+        """The matrix [ω̇×] + [ω×][ω×], whose product with r is the acceleration of r relative to
+        the origin, as in (4.5), (6.21)."""
         xx, yy, zz = w[0] * w[0], w[1] * w[1], w[2] * w[2]
         xy, yz, xz = w[0] * w[1], w[1] * w[2], w[0] * w[2]
         return (
@@ -173,16 +175,16 @@ class Space:
         )
 
     def inertia_times(self, inertia: Matrix, w: Vector) -> Vector:
-        """Angular momentum I ω about the centre of mass."""
+        """The angular momentum I ω about the centre of mass."""
         return times(inertia, w)
 
     def euler(self, inertia: Matrix, w: Vector, wd: Vector) -> Vector:
-        """I ω̇ + ω × I ω: moment about the centre of mass (6.2), (6.29)."""
+        """The moment I ω̇ + ω × I ω about the centre of mass (6.2), (6.29)."""
         return add(times(inertia, wd), self.cross(w, times(inertia, w)))
 
     def coriolis(self, inertia: Matrix, h: Vector, w: Vector, v: Vector) -> Matrix:
-        """-ω×Σ - h×v× with Σ = ½ tr(I) 1 - I: how a body's angular momentum about the origin
-        changes with turning axes.
+        """The matrix -ω×Σ - h×v× with Σ = ½ tr(I) 1 - I, by which a body's angular momentum about
+        the origin changes with turning axes.
 
         It is the only full block of the body's Coriolis matrix ½ ((v×*) I - I (v×) + (I v)×̄*).
         """
@@ -197,15 +199,15 @@ class Space:
         )
 
     def turned_inertia(self, R: Matrix, inertia: Matrix) -> Matrix:
-        """Inertia in turned axes, R I Rᵀ (6.3)."""
+        """The inertia R I Rᵀ in turned axes (6.3)."""
         a, b, c = R
         Ia, Ib, Ic = times(inertia, a), times(inertia, b), times(inertia, c)
         xy, xz, yz = dot(a, Ib), dot(a, Ic), dot(b, Ic)
         return ((dot(a, Ia), xy, xz), (xy, dot(b, Ib), yz), (xz, yz, dot(c, Ic)))
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Matrix:
-        """The gain of an inertia about an origin when that origin (mass m, first moment h about it)
-        lies at p (1.19)."""
+        """The increase of an inertia when the point that it is about moves from a body's origin to
+        one from which that origin is at p (mass m, first moment h about the origin) (1.19)."""
         # the inertia of first moments a, b is (a·b) 1 - a bᵀ, made symmetric
         (x, y, z), (hx, hy, hz) = p, h
         mx, my, mz = m * x, m * y, m * z
@@ -222,7 +224,7 @@ class Space:
         return ((xx + b[0][0], xy, xz), (xy, yy + b[1][1], yz), (xz, yz, zz + b[2][2]))
 
     def skew(self, r: Vector) -> Matrix:
-        """Matrix of r × f as a function of f: angular rows, linear columns."""
+        """The matrix of r × f as a function of f: angular rows, linear columns."""
         x, y, z = r
         return ((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0))
 
@@ -232,7 +234,7 @@ class Space:
 
 
 class Plane:
-    """Two dimensions: angular vectors have one entry, inertias are numbers."""
+    """Vector algebra of two dimensions: angular vectors have one entry, inertias are numbers."""
 
     dim = 2
     six = 3
@@ -250,11 +252,12 @@ class Plane:
         return (r[0] * f[1] - r[1] * f[0],)
 
     def cross_angular(self, w1: Vector, w2: Vector) -> Vector:
-        """Zero: all angular vectors are parallel."""
+        """The cross product of two angular vectors, which is zero in the plane since all are
+        parallel."""
         return (0.0,)
 
     def turn(self, R: Matrix, w: Vector) -> Vector:
-        """Angular components do not depend on the axes."""
+        """An angular vector in turned axes, which in the plane is unchanged."""
         return w
 
     def rotation(self, axis: Vector, angle: Scalar) -> Matrix:
@@ -263,7 +266,7 @@ class Plane:
         return ((c, -s), (s, c))
 
     def rates(self, w: Vector, wd: Vector) -> Matrix:
-        """ω̇ z× + ω z× (ω z×), as in (4.10)."""
+        """The matrix ω̇ z× + ω z× (ω z×), as in (4.10)."""
         ww = -(w[0] * w[0])
         return ((ww, -wd[0]), (wd[0], ww))
 
@@ -284,7 +287,7 @@ class Plane:
         return inertia
 
     def steiner(self, m: Scalar, h: Vector, p: Vector) -> Scalar:
-        """Inertia that a shift by p adds: m p² + 2 p·h (1.19)."""
+        """The inertia that a shift by p adds: m p² + 2 p·h (1.19)."""
         return m * dot(p, p) + 2.0 * dot(p, h)
 
     def plus_inertia(self, a: Scalar, b: Scalar) -> Scalar:
@@ -292,7 +295,7 @@ class Plane:
         return a + b
 
     def skew(self, r: Vector) -> Matrix:
-        """Row of r × f as a function of f."""
+        """The row matrix of r × f as a function of f."""
         return ((-r[1], r[0]),)
 
     def inertia_matrix(self, inertia: Scalar) -> Matrix:

@@ -109,8 +109,7 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
 
 
 def one_value_each(thing: T, owner: str) -> T:
-    """A tree of dataclasses and tuples in which each name has the same value at all its places;
-    refuses two values for one name.
+    """A tree of dataclasses and tuples in which each name has the same value at all its places.
 
     Raises ModelError for a name that has two.
     """

@@ -147,8 +147,8 @@ class Motion(Tabled, ByValue):
         return float(self.t[-1] - self.t[0])
 
     def at(self, t: ArrayLike, around: Array | None = None) -> tuple[Array, Array, Array]:
-        """(q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv), (..., nv).
-        around: times whose polynomial pieces are used.
+        """The state (q, qd, qdd) at any times t (...) within the motion: (..., nq), (..., nv),
+        (..., nv).
 
         around: (...) other times, whose polynomials are taken and continued where t is beyond them,
         as on the near side of a jump. Raises FreebodyError for times outside the motion without it.

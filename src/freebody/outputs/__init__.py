@@ -1,2 +1,2 @@
-"""The room of all that leaves freebody: files that are whole or not there, and texts in which a
+"""Everything that leaves freebody: files that are either complete or absent, and texts in which a
 name is only a name."""

@@ -1,4 +1,4 @@
-"""Results as they show themselves: one line in a shell, a small table in a notebook."""
+"""Results in shells and notebooks: one line in a shell, a small table in a notebook."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ _LONGEST = 160
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of texts: its head, its rows, and sentences below it."""
+    """A table of texts: a head, rows, and sentences below."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     notes: Iterable[str] = ()
 
     def html(self, title: str = "", most: int = MOST) -> str:
-        """The table as elements of HTML; names in it stay text. Columns of words are aligned on the
-        left, which notebooks do for none; columns that are empty throughout are left out."""
+        """The table as HTML elements; names in it stay text. Columns of words are aligned left,
+        which notebooks do not do; empty columns are left out."""
         above = f"<p><b>{_text(title)}</b></p>" if title else ""
         shown = self.rows[:most]
         align = {k: "" if numeric else _LEFT for k, numeric in columns_of(shown).items()}
@@ -56,7 +56,8 @@ class _HasTable(_HasTitle, Protocol):
 
 
 class Titled:
-    """Shows itself in a shell as one line, its `_title()`, instead of all that it holds."""
+    """A base class for results that a shell shows as one line, `_title()`, instead of all their
+    contents."""
 
     def __repr__(self: _HasTitle) -> str:
         title = legal(" ".join(self._title().split()))
@@ -64,21 +65,21 @@ class Titled:
 
 
 class InWords(Titled):
-    """Shows itself in IPython and in a notebook in the words of its `str`."""
+    """A base class for results that IPython and notebooks show in the words of their `str`."""
 
     def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
         printer.text(legal(str(self)))
 
 
 class Tabled(Titled):
-    """Shows itself in a notebook as a table too, its `_table()`."""
+    """A base class for results that notebooks also show as a table, `_table()`."""
 
     def _repr_html_(self: _HasTable) -> str:
         return self._table().html(self._title())
 
 
 def counted(count: int, what: str) -> str:
-    """Count with its noun: "1 body", "2 bodies"."""
+    """A count with its noun: "1 body", "2 bodies"."""
     plural = f"{what[:-1]}ies" if what.endswith("y") else f"{what}s"
     return f"{count} {what if count == 1 else plural}"
 
@@ -88,8 +89,8 @@ _NUMBER = re.compile(r"[-−+]?(\d|\.\d|∞|inf|nan|–)")
 
 
 def columns_of(rows: Sequence[Sequence[str]]) -> dict[int, bool]:
-    """The columns that are not empty throughout, and whether each holds numbers, some of which may
-    be missing."""
+    """For each column that is not entirely empty whether it holds numbers, some of which may be
+    missing."""
     return {
         k: all(_NUMBER.match(cell) for cell in cells if cell and cell != "?")
         for k, cells in enumerate(zip(*rows, strict=True))

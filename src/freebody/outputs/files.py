@@ -1,5 +1,5 @@
-"""The one writer of files: beside its place, flushed, renamed. A file is the old or the new one,
-never a part of it.
+"""The only writer of files: each is written beside its place, flushed and renamed, so that it is
+the old or the new file, never a part of one.
 
 A link is followed to the file that it names. A pipe or a terminal has no place to rename to: what
 is written goes straight into it.
@@ -42,7 +42,8 @@ _REASONS = {
 
 
 def write(path: str | os.PathLike[str], content: str | bytes) -> Path:
-    """Write a whole file, and the folders that it needs; the path. Text is written as UTF-8.
+    """The path of a file that is written whole, with the folders it needs. Text is written as
+    UTF-8.
 
     Raises FileError where that cannot be: the file that was there is as it was.
     """
@@ -81,21 +82,21 @@ def replace(target: Path, content: bytes) -> None:
 
 
 def reason(failure: Exception) -> str:
-    """Why a file cannot be written, in words of the one who named it."""
+    """The reason why a file cannot be written, in terms of the path that was given."""
     if isinstance(failure, OSError):
         return _REASONS.get(failure.errno or 0) or (failure.strerror or str(failure)).lower()
     return "a path cannot hold the character NUL" if "null byte" in str(failure) else str(failure)
 
 
 def encoded(content: str | bytes) -> bytes:
-    """UTF-8; half a surrogate pair, as a file name outside UTF-8 has them, becomes a question
-    mark."""
+    """Text as UTF-8 bytes; halves of surrogate pairs, as in file names outside UTF-8, become
+    question marks."""
     return content if isinstance(content, bytes) else content.encode("utf-8", "replace")
 
 
 def stem(name: str) -> str:
-    """A file's name, without suffix, made of a robot's: it stays in its folder, whatever the robot
-    is called."""
+    """A file name without suffix made of a robot's name, which stays in its folder whatever the
+    robot is called."""
     return re.sub(r"[^\w.-]+", "_", name).strip("._")[:60] or "robot"
 
 
@@ -127,8 +128,7 @@ def _send(target: Path, content: bytes) -> None:
 
 
 def _permitted(target: Path) -> None:
-    """A rename asks the folder only; a folder in the way and a write-protected file are respected
-    all the same."""
+    """Raise OSError for a folder or a write-protected file, which a rename would not respect."""
     try:
         mode = os.lstat(target).st_mode
     except FileNotFoundError:
@@ -146,7 +146,7 @@ def _write_all(descriptor: int, content: bytes) -> None:
 
 
 def _settle(folder: Path) -> None:
-    """Have the folder's list of names on the disk too, where the system can be asked for that."""
+    """Flush a folder's directory entries to the disk, where the system supports it."""
     if not hasattr(os, "O_DIRECTORY"):
         return
     with contextlib.suppress(OSError):

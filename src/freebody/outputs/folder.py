@@ -1,5 +1,5 @@
-"""A folder of results: every file whole, a manifest that says which run each is of, files of others
-untouched.
+"""A folder of results: every file complete, a manifest that says which run each file is of, files
+of others untouched.
 
 `manifest.json` is written twice. First, before any file is touched, with `complete: false`, the
 checksums of what is about to be written under `files`, and those of what lies there under
@@ -50,7 +50,7 @@ Makers = Mapping[str, Callable[[], str | bytes]]
 
 @dataclass
 class _Manifest:
-    """The content of manifest.json."""
+    """The content of a folder's manifest.json."""
 
     run: str
     about: dict[str, str]
@@ -68,8 +68,8 @@ class _Manifest:
 
 
 def prepare(directory: str | os.PathLike[str]) -> None:
-    """Make the folder, and raise FileError if nothing could be written into it: before the work,
-    not after it."""
+    """Make the folder; raises FileError, before any work is done, if nothing could be written into
+    it."""
     folder = Path(directory)
     try:
         os.makedirs(folder, exist_ok=True)
@@ -87,7 +87,7 @@ def prepare(directory: str | os.PathLike[str]) -> None:
 def write_folder(
     directory: str | os.PathLike[str], makers: Makers, about: Mapping[str, str]
 ) -> list[Path]:
-    """Write files of one run into a folder; their paths and last the manifest's.
+    """The paths of the files of one run written into a folder, the manifest's last.
 
     about: what the manifest says of the run. What cannot be made or written does not keep the
     others from it: in the end OutputError names it. A file of another origin is left as it is.
@@ -111,8 +111,8 @@ def _put_all(
     about: Mapping[str, str],
     names: list[str],
 ) -> tuple[list[Path], dict[str, str]]:
-    """Write what was made, the manifest before and after it: paths of the files, and why others are
-    not there."""
+    """The paths of the files that are written, with the manifest before and after them, and the
+    reasons why others are missing."""
     known = _known(folder)
     lies_here = {name: _digest(folder / name) for name in known.keys() | contents.keys()}
     for name in sorted(contents.keys() & lies_here.keys()):
@@ -144,8 +144,8 @@ def _put_all(
 
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """One run at a time writes into a folder: another waits for it, and is refused where that takes
-    too long.
+    """Context in which only one run writes into a folder: another waits, and is refused where that
+    takes too long.
 
     Where the system has no such locks, nothing keeps two runs apart. The lock ends with the
     process, however it ends.
@@ -181,7 +181,7 @@ def _locked(descriptor: int) -> bool:
 
 
 def _made(makers: Makers) -> tuple[dict[str, bytes], dict[str, Exception]]:
-    """Contents by name, and by name the exceptions that prevented the other files."""
+    """The contents of files by name, and the exceptions of those that could not be made."""
     contents: dict[str, bytes] = {}
     problems: dict[str, Exception] = {}
     for name, make in makers.items():
@@ -208,8 +208,8 @@ def _why(problem: Exception) -> str:
 
 
 def _digest(path: Path) -> str | None:
-    """SHA-256 of a file; None where there is nothing, and a word that no checksum is for anything
-    but a file."""
+    """The SHA-256 of a file; None where there is nothing, and a word that is no checksum for
+    anything but a file."""
     try:
         if not stat.S_ISREG(os.lstat(path).st_mode):
             return "not a file"
@@ -222,8 +222,8 @@ def _digest(path: Path) -> str | None:
 
 
 def _known(folder: Path) -> dict[str, set[str]]:
-    """Checksums that the folder's manifest lists, by name. Raises FileError for a manifest of
-    something else."""
+    """The checksums that a folder's manifest lists, by file name. Raises FileError for a manifest
+    of something else."""
     path = folder / MANIFEST
     try:
         if not stat.S_ISREG(os.lstat(path).st_mode) or os.path.getsize(path) > _LARGEST:
@@ -251,7 +251,7 @@ def _known(folder: Path) -> dict[str, set[str]]:
 
 
 def _clear(folder: Path) -> None:
-    """Remove what a run that was killed left half written."""
+    """Remove half-written files of a run that was killed."""
     for name in os.listdir(folder):
         if LEFTOVER.fullmatch(name):
             with contextlib.suppress(OSError):

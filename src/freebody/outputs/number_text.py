@@ -1,4 +1,4 @@
-"""Numbers as people read them: significant digits, a real minus sign, powers of ten."""
+"""Numbers as text for people: significant digits, a real minus sign, powers of ten."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ SMALLEST, LARGEST = -3, 5
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """A number with so many digits, zeros at its end too, with a power of ten where it is very
-    small or large; a dash for NaN."""
+    """A number with `digits` significant digits, trailing zeros included, and a power of ten where
+    it is very small or large; a dash for NaN."""
     if not math.isfinite(value):
         return "–" if math.isnan(value) else "∞" if value > 0 else "−∞"
     if value == 0:
@@ -28,7 +28,7 @@ def significant(value: float, digits: int = 3) -> str:
 
 
 def shortest(value: float, digits: int = 6) -> str:
-    """A number with up to so many digits, without zeros at its end."""
+    """A number with at most `digits` significant digits and no trailing zeros."""
     mantissa, exponent = mantissa_and_exponent(value, digits)
     return signed(mantissa) + (f"·10{superscript(exponent)}" if exponent else "")
 
@@ -36,8 +36,8 @@ def shortest(value: float, digits: int = 6) -> str:
 def compared(
     *values: float, digits: int = 4, holds: Callable[..., bool] | None = None
 ) -> tuple[str, ...]:
-    """The numbers that a message compares, as one types them: with up to so many digits, and with
-    more where different numbers would print equal, or print in another order.
+    """Numbers that a message compares, in the form in which one types them: with at most `digits`
+    digits, and more where different numbers would look equal or in another order.
 
     holds: says of the printed numbers whether what the message states of them is true.
     """
@@ -53,8 +53,8 @@ def compared(
 
 
 def rounded_up(value: float, digits: int = 4) -> str:
-    """A positive number as one types it, with up to so many digits and never less than it is: for
-    what has to be given at least."""
+    """A positive number in the form in which one types it, with at most `digits` digits and rounded
+    up, for least values that a user has to give."""
     text = f"{value:.{digits}g}"
     if float(text) >= value:
         return text
@@ -62,13 +62,13 @@ def rounded_up(value: float, digits: int = 4) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """A number with so many decimals."""
+    """A number with a fixed number of decimals."""
     return signed(f"{value:.{decimals}f}")
 
 
 def mantissa_and_exponent(value: float, digits: int) -> tuple[str, int]:
-    """Digits, up to so many, and power of ten (0: none) with which a number prints; all digits of
-    one below 10¹⁰."""
+    """The digits, at most `digits`, and the power of ten (0: none) with which a number prints;
+    numbers below 10¹⁰ print all digits before the point."""
     mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
     if exponent and 0 < int(exponent) < 10:
         return f"{value:.0f}", 0

@@ -29,7 +29,7 @@ def policy(scripts: Sequence[str] = ()) -> str:
 
 @cache
 def math_style() -> str:
-    """A style rule with the font of formulas in it, for pages that show some: browsers without a
+    """A style rule that contains a font for formulas, for pages with formulas: browsers without a
     mathematical font set brackets and accents badly."""
     font = resources.files("freebody.outputs").joinpath("fonts/formulas.woff2").read_bytes()
     data = base64.b64encode(font).decode()

@@ -1,5 +1,5 @@
-"""Text of others inside our own: characters that no page or drawing may hold, cells that no
-spreadsheet may run."""
+"""Text of others inside freebody's output: characters that no page or drawing may hold, cells that
+no spreadsheet may run."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _QUOTED = re.compile("""[",;\t\r\n]|^ | $""")
 
 
 def legal(text: str) -> str:
-    """The text of a page or drawing with � for what is not well-formed there or turns the direction
-    of writing.
+    """The text for a page or drawing, with � for characters that are not well-formed there or turn
+    the direction of writing.
 
     A name keeps such characters wherever it is data; what is shown must not change what stands
     beside it.
@@ -34,19 +34,19 @@ def encodable(text: str) -> str:
 
 
 def harmless(cell: str) -> str:
-    """A cell that a spreadsheet takes for text: what begins like a formula has an apostrophe in
+    """A cell that spreadsheets take as text: one that begins like a formula gets an apostrophe in
     front."""
     return f"'{cell}" if _RUN.match(cell) else cell
 
 
 def as_meant(cell: str) -> str:
-    """A cell's text without the mark that `harmless` has put in front."""
+    """A cell's text without the apostrophe that `harmless` may have put in front."""
     return cell[1:] if cell.startswith("'") and _RUN.match(cell) else cell
 
 
 def csv_text(rows: Iterable[Iterable[Any]]) -> str:
-    """Rows as CSV: texts harmless, floats to the last bit and empty where NaN, truths as yes and
-    no."""
+    """Rows as CSV text: texts made harmless, floats to the last bit and empty for NaN, truth values
+    as yes and no."""
     listed = (row.tolist() if isinstance(row, np.ndarray) else row for row in rows)
     return "".join(",".join(map(_cell, row)) + "\r\n" for row in listed)
 

@@ -1,5 +1,5 @@
-"""Programs made from functions over scalars: straight-line arithmetic as data, that passes and
-targets read.
+"""Programs made from functions over scalars: straight-line arithmetic as data, read by passes and
+targets.
 
 trace -> Program -> passes -> segments.
 """

@@ -1,6 +1,5 @@
-"""Programs of the derivatives of a program: forward, its nodes run over scalars with slopes in a
-trace of their own; its gradient in reverse mode, a few times as long as the program whatever it has
-inputs.
+"""Derivatives of a program as programs: forward mode, by dual scalars in a trace of their own; and
+the gradient in reverse mode, a few times as long as the program whatever the number of inputs.
 
 Derivatives are the ordinary partial ones by every entry of an input. A derivative is a program
 again, so it has derivatives too.
@@ -21,15 +20,16 @@ from freebody.program.tracer import trace
 
 
 class Directions(NamedTuple):
-    """Directions along which an input is differentiated: their core shape, and the rates of its
-    scalars along each, a row each, at a value; None: each scalar is a direction of its own."""
+    """Directions along which an input is differentiated: their shape, and a function from the
+    input's value to the rates of its scalars (rows) along each; None: each scalar is a direction of
+    its own."""
 
     shape: tuple[int, ...]
     rates: Callable[[Any], Sequence[Sequence[Scalar]]] | None = None
 
 
 def differentiated(program: Program, by: Mapping[int, Directions]) -> Program:
-    """The program's outputs, then of each in turn its derivatives by each of some inputs, called
+    """A program of the given program's outputs followed by their derivatives by some inputs, called
     dy_dx, (*output, *directions).
 
     by: directions by positions among the inputs.
@@ -48,7 +48,7 @@ def differentiated(program: Program, by: Mapping[int, Directions]) -> Program:
 
 
 def jacobian(program: Program, by: Sequence[int]) -> Program:
-    """The derivatives of each output by each of some inputs, at the same inputs.
+    """A program of the derivatives of each output by each of some inputs, with the same inputs.
 
     by: positions among the inputs. Outputs: of each output in turn one for each of these inputs,
     (*output, *input).
@@ -64,7 +64,7 @@ def jacobian(program: Program, by: Sequence[int]) -> Program:
 def _with_slopes(
     program: Program, by: Mapping[int, Directions], given: Sequence[Any]
 ) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """The outputs, and of each in turn the derivatives by each of some inputs."""
+    """The outputs, and for each in turn its derivatives by each of some inputs."""
     lifted, number = list(given), count()
     for k, directions in by.items():
         ways = [next(number) for _ in range(prod(directions.shape))]
@@ -90,7 +90,8 @@ def _with_slopes(
 
 
 def directional(program: Program, by: Sequence[int]) -> Program:
-    """The rates of the outputs where some inputs change at given rates, which are the last inputs.
+    """A program of the outputs' rates when some inputs change at given rates, which are its last
+    inputs.
 
     by: positions of those that change. The length is in proportion to that of the program, whatever
     their sizes.
@@ -115,8 +116,8 @@ def directional(program: Program, by: Sequence[int]) -> Program:
 def applied(
     table: Program, program: Program, by: Sequence[int], of: Sequence[int], count: int
 ) -> Program:
-    """A Jacobian times so many vectors, which are the last inputs: rates of the inputs `by`,
-    (count, *input), uniform.
+    """A program of a Jacobian times `count` vectors, which are its last inputs: rates of the inputs
+    `by`, (count, *input), uniform.
 
     table: as `jacobian` of the program by these gives it. Outputs: those of the outputs `of`,
     (*output, count).
@@ -142,8 +143,8 @@ def applied(
 def applied_back(
     table: Program, program: Program, by: Sequence[int], of: Sequence[int], count: int
 ) -> Program:
-    """The transpose of a Jacobian times so many vectors, weights of the outputs `of`, (count,
-    *output).
+    """A program of the transpose of a Jacobian times `count` vectors, weights of the outputs `of`,
+    (count, *output).
 
     As `applied`; outputs: those of the inputs `by`, (count, *input).
     """
@@ -168,7 +169,7 @@ def applied_back(
 
 
 def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> list[Argument]:
-    """Arguments for so many vectors of each of these arguments, as uniform inputs."""
+    """Uniform inputs for `count` vectors of each of the given arguments."""
     prefix = free_prefix("vectors", program.inputs)
     return [
         Argument(f"{prefix}{k}", (count, *x.shape), uniform=True) for k, x in enumerate(arguments)
@@ -178,7 +179,7 @@ def _vectors(program: Program, arguments: Sequence[Argument], count: int) -> lis
 def _rows(
     table: Program, program: Program, by: Sequence[int], given: Sequence[Any]
 ) -> list[list[Any]]:
-    """The rows of each output's Jacobian, by all inputs `by` one after the other."""
+    """The rows of each output's Jacobian by all inputs `by`, one after the other."""
     found = iter(evaluated(table, given))
     rows = []
     for output in program.outputs:
@@ -213,8 +214,8 @@ def slope_arguments(program: Program, by: Sequence[int]) -> tuple[Argument, ...]
 
 
 def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
-    """The ordinary partial derivatives of Σ w·y, over outputs y with weights w, which are the last
-    inputs.
+    """A program of the partial derivatives of Σ w·y by some inputs, over outputs y with weights w,
+    which are its last inputs.
 
     by: positions of the inputs by which is differentiated; of: of the outputs that have weights, of
     their shapes. Outputs: one for each of the inputs `by`, of its shape.
@@ -239,8 +240,8 @@ def gradient(program: Program, by: Sequence[int], of: Sequence[int]) -> Program:
 def _gradient(
     program: Program, found: list[Scalar], by: Sequence[int], weights: dict[int, list[Scalar]]
 ) -> list[Scalar]:
-    """Gradient, collected from the results back to the inputs: each node's weight is what its
-    readers pass on to it."""
+    """The gradient by reverse mode, from the results back to the inputs: each node's weight is the
+    sum of what its readers pass on."""
     weight: list[Scalar] = [0.0] * len(program)
     counts: list[Scalar] = [0.0] * len(program)
     start = 0
@@ -266,8 +267,8 @@ def _gradient(
 def _partials(
     program: Program, index: int, found: list[Scalar], moves: list[bool], counts: Scalar
 ) -> list[tuple[int, Scalar, Scalar]]:
-    """Partial derivatives of a node: the operands that move, the derivative by each, and whether it
-    counts (1, or a scalar that is 0 or 1).
+    """Triples for a node: an operand that depends on the inputs, the partial derivative by it, and
+    whether that counts (1, or a scalar that is 0 or 1).
 
     Behind a choice only what was chosen counts: the derivative of what was not may be infinite, and
     0 times that is no number. So derivatives are chosen, not weighted.
@@ -296,7 +297,7 @@ def _partials(
 
 
 def _depends(program: Program, places: set[int]) -> list[bool]:
-    """For each node whether it follows from the input scalars at these places."""
+    """For each node whether it depends on the input scalars at these places."""
     found: list[bool] = []
     for index, op in enumerate(program.op):
         if op == "input":

@@ -1,4 +1,4 @@
-"""A program over any scalars: its inputs' in, its outputs' out, node by node."""
+"""Evaluation of a program over any scalars, node by node from inputs to outputs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ VALUES: dict[str, Callable[..., Scalar]] = {
 
 
 def evaluated(program: Program, inputs: Sequence[Any]) -> tuple[Any, ...]:
-    """The outputs as nested tuples, of inputs that are nested tuples of any scalars."""
+    """The outputs as nested tuples, from inputs that are nested tuples of any scalars."""
     held = values(program, inputs)
     results, start = [], 0
     for argument in program.outputs:
@@ -27,7 +27,7 @@ def evaluated(program: Program, inputs: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def values(program: Program, inputs: Sequence[Any]) -> list[Scalar]:
-    """The value of every node, of inputs that are nested tuples of any scalars."""
+    """The value of every node, from inputs that are nested tuples of any scalars."""
     scalars = [x for nest in inputs for x in flat(nest)]
     held: list[Scalar] = []
     for index, op in enumerate(program.op):
@@ -41,7 +41,7 @@ def values(program: Program, inputs: Sequence[Any]) -> list[Scalar]:
 
 
 def free_prefix(prefix: str, arguments: Sequence[Argument]) -> str:
-    """A prefix with which no name of the arguments begins."""
+    """The prefix, extended by underscores until no argument's name begins with it."""
     while any(argument.name.startswith(prefix) for argument in arguments):
         prefix += "_"
     return prefix

@@ -1,5 +1,4 @@
-"""Passes over a program: each takes a program and returns one that computes the same, up to
-rounding.
+"""Passes over a program: each returns one that computes the same up to rounding.
 
 Measured and not kept: flattening sums into chains of fused multiply-adds (longer waits, 10-25 %
 slower at 32 joints) and depth-first order (no gain).
@@ -38,8 +37,8 @@ def drop_dead(program: Program) -> Program:
 
 
 def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...]]:
-    """The program whose input of that name, a vector, holds only the scalars that it reads; and
-    which they are.
+    """The program with its vector input of a given name reduced to the scalars that are read, and
+    the indices of these.
 
     Where it reads none, the first stays: the input has a say in the shape of what comes out.
     """
@@ -62,8 +61,7 @@ def without_unread(program: Program, name: str) -> tuple[Program, tuple[int, ...
 
 
 def with_epsilon(program: Program, value: float) -> Program:
-    """The program that counts as rounding what numbers with this epsilon do, whatever computes
-    it."""
+    """The program with the unit of rounding fixed to a value, whatever number type computes it."""
     rows = [
         ("const", len(program.constants), -1, -1) if op == "epsilon" else (op, *row)
         for op, *row in zip(program.op, program.a, program.b, program.c, strict=True)
@@ -73,8 +71,8 @@ def with_epsilon(program: Program, value: float) -> Program:
 
 
 def share_reciprocals(program: Program) -> Program:
-    """Quotients by one denominator become products with its reciprocal; a quotient by a uniform one
-    does.
+    """The program with quotients by a shared denominator replaced by products with its reciprocal,
+    as are quotients by a uniform denominator.
 
     A division costs as much as ten products.
     """
@@ -101,7 +99,8 @@ def share_reciprocals(program: Program) -> Program:
 
 
 def gather_factors(program: Program) -> Program:
-    """u (v x) becomes (u v) x where u and v are uniform: their product is computed once a call.
+    """The program with u (v x) replaced by (u v) x where u and v are uniform, so that their product
+    is computed once a call.
 
     Of constants the trace itself does so.
     """
@@ -132,7 +131,8 @@ def gather_factors(program: Program) -> Program:
 
 
 def schedule(program: Program) -> Program:
-    """An order in which few values are alive at a time, so that they fit the registers.
+    """The program's nodes in an order in which few values are alive at a time, so that they fit the
+    registers.
 
     Of the nodes whose operands are there, the next is the one that is the last reader of most
     operands; among equals, in a short program, the one on which the longest chain rests, then the
@@ -143,7 +143,8 @@ def schedule(program: Program) -> Program:
 
 
 class _NodeOrder:
-    """The order of a program's nodes in the making: which are put, and which are ready to be.
+    """A program's nodes while they are put in order: which have been placed, and which are ready to
+    be.
 
     operands, readers: of each node, inputs and constants left out. unread: readers of each node
     that are still to come. missing: operands of each node that are not put yet. frees: operands of
@@ -173,7 +174,7 @@ class _NodeOrder:
                 self._push(index)
 
     def run(self) -> list[int]:
-        """All nodes in their final order."""
+        """The indices of all nodes in their final order."""
         while self.ready:
             index = heapq.heappop(self.ready)[-1]
             if self.place[index] < 0:  # else it was pushed again since with a better rank
@@ -204,7 +205,7 @@ class _NodeOrder:
 
 
 def _heights(operands: Sequence[Sequence[int]]) -> list[int]:
-    """The length of the longest chain that rests on each node, in `STRIDE`s."""
+    """The length of the longest chain of nodes that depends on each node, in units of `STRIDE`."""
     height = [0] * len(operands)
     for index in range(len(operands) - 1, -1, -1):
         for operand in operands[index]:
@@ -221,15 +222,15 @@ PASSES: dict[str, Callable[[Program], Program]] = {
 
 
 def optimise(program: Program) -> Program:
-    """All passes, one after the other, the product verified."""
+    """The program after all passes, verified."""
     for apply in PASSES.values():
         program = apply(program)
     return verify(program)
 
 
 def hoist(program: Program) -> tuple[Program, Program]:
-    """The program cut in two parts: the first computes once a call what follows from uniform inputs
-    alone, the second all else for every sample.
+    """The program cut in two: the first part computes once a call what depends on uniform inputs
+    alone, the second part everything else for every sample.
 
     The first part has what were the uniform inputs, and one output: what it computes of them. The
     second has the other inputs, and one uniform input, the last: the scalars of the uniform ones,
@@ -270,7 +271,7 @@ def hoist(program: Program) -> tuple[Program, Program]:
 
 
 def _handed(program: Program) -> list[int]:
-    """The nodes that are computed once a call and read for every sample, or are results."""
+    """The nodes computed once a call that are read for every sample or are results."""
     uniform = program.uniform
     read = set(program.results)
     for index, once in enumerate(uniform):
@@ -284,8 +285,7 @@ def _handed(program: Program) -> list[int]:
 
 
 def _places(program: Program) -> list[int]:
-    """For each scalar of the inputs its place among those of the uniform ones, or among those of
-    the others."""
+    """For each scalar of the inputs its position among the uniform scalars, or among the others."""
     sizes, places = {False: 0, True: 0}, []
     for argument in program.inputs:
         for _ in range(argument.size):
@@ -295,7 +295,7 @@ def _places(program: Program) -> list[int]:
 
 
 class _RewrittenNodes:
-    """Rows of a new program, and where each node of the old one went."""
+    """Nodes of a rewritten program as rows, and for each node of the old program its new index."""
 
     def __init__(self) -> None:
         self.rows: list[tuple[str, int, int, int]] = []
@@ -311,7 +311,7 @@ class _RewrittenNodes:
 
 
 def _reordered(program: Program, order: Iterable[int]) -> Program:
-    """The nodes in `order`, renumbered; constants renumbered too."""
+    """The program with its nodes in `order`, renumbered, and its constants renumbered."""
     new = [-1] * len(program)
     rows: list[tuple[str, int, int, int]] = []
     constants: list[float] = []
@@ -332,7 +332,7 @@ def _reordered(program: Program, order: Iterable[int]) -> Program:
 def _program(
     old: Program, rows: list[tuple[str, int, int, int]], new: list[int], constants: Iterable[float]
 ) -> Program:
-    """The program of other rows, `new` telling where each node of the old one went."""
+    """The program made of new rows; new: the new index of each node of the old program."""
     op, a, b, c = zip(*rows, strict=True) if rows else ((), (), (), ())
     results = tuple(new[index] for index in old.results)
     return replace(old, op=op, a=a, b=b, c=c, constants=tuple(constants), results=results)

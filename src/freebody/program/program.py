@@ -1,5 +1,5 @@
-"""A program: straight-line arithmetic from named arrays to named arrays, as data that can be
-checked and printed."""
+"""Programs: straight-line arithmetic from named arrays to named arrays, as data that can be checked
+and printed."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from freebody.scalars.operations import ARITY
 
 
 class ProgramError(FreebodyError, ValueError):
-    """A program that breaks its specification."""
+    """Raised for a program that breaks its specification."""
 
 
 @dataclass(frozen=True)
 class Argument:
-    """Name and core shape of an input or output; () is a scalar.
+    """The name and core shape of an input or output; () is a scalar.
 
     The name is a word of freebody's own, never one from a file: it stands in generated text. A
     uniform input is one value for the whole batch: it is read, and what follows from it alone
@@ -50,7 +50,7 @@ class Argument:
 
 @dataclass(frozen=True, repr=False)
 class Program(Titled):
-    """Nodes (op, a, b, c) in an order in which operands precede, and the nodes that are the
+    """A program: nodes (op, a, b, c), operands before their readers, and the nodes that are
     results.
 
     `a`, `b` and `c` index nodes, -1 where there is no operand; `c` may be left out where no
@@ -99,8 +99,8 @@ class Program(Titled):
 
     @cached_property
     def uniform(self) -> tuple[bool, ...]:
-        """For each node whether it follows from uniform inputs and constants alone: the same for
-        the whole batch."""
+        """For each node whether it depends on uniform inputs and constants alone, and so is the
+        same for the whole batch."""
         scalars = [argument.uniform for argument in self.inputs for _ in range(argument.size)]
         found: list[bool] = []
         for index, op in enumerate(self.op):
@@ -171,7 +171,7 @@ def scalar_names(arguments: tuple[Argument, ...]) -> list[str]:
 
 
 def verify(program: Program) -> Program:
-    """The program itself, if it is a valid one.
+    """The program itself if it is valid; raises ProgramError otherwise.
 
     Raises
     ------

@@ -27,7 +27,8 @@ _STORE = 4  # LLVM's time grows with the square of the stores in a function
 
 @dataclass
 class Segment:
-    """Nodes to compute in order; slots to load before and to store after."""
+    """A piece of straight-line code: nodes to compute in order, slots to load before and to store
+    after."""
 
     nodes: list[int]
     loads: dict[int, int] = field(default_factory=dict)
@@ -36,7 +37,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class SinCos:
-    """Slots of an argument, of its sine and of its cosine."""
+    """Slots of an angle, of its sine and of its cosine, which are computed between segments."""
 
     argument: int
     sine: int
@@ -45,7 +46,7 @@ class SinCos:
 
 @dataclass(frozen=True)
 class SegmentedProgram:
-    """Steps in order, and what lies where.
+    """A program as steps in order, with the slots of inputs, results and passed values.
 
     Inputs come first, but for the uniform ones, then each different result once, then what crosses
     cuts.
@@ -58,7 +59,8 @@ class SegmentedProgram:
 
 
 def segment(program: Program, longest: int = LONGEST) -> SegmentedProgram:
-    """Cut `program`, whose uniform inputs are the last, keeping its order within each stage."""
+    """The program cut into segments, in its order within each stage; its uniform inputs must be the
+    last."""
     stage = _stages(program)
     last = max(stage, default=0)
     stores = Counter(program.results)
@@ -84,7 +86,8 @@ _TRIG = ("sin", "cos")
 
 
 def _stages(program: Program) -> list[int]:
-    """Stage of each node. Stage k is the k-th round of sines and cosines, then arithmetic.
+    """The stage of each node: stage k is the k-th round of sines and cosines followed by
+    arithmetic.
 
     Sines and cosines come as early as they can, arithmetic as late: before the round that needs it,
     else at the end.
@@ -103,7 +106,8 @@ def _stages(program: Program) -> list[int]:
 
 
 def _cut(nodes: list[int], stores: Counter[int], longest: int) -> list[list[int]]:
-    """Pieces of about equal weight, none heavier than `longest` (or a single node)."""
+    """Nodes cut into pieces of about equal weight, none heavier than `longest` (or a single
+    node)."""
     ends = list(accumulate(1 + _STORE * stores[index] for index in nodes))
     pieces = -(-ends[-1] // longest) if ends else 0
     share = ends[-1] / pieces if pieces else 0.0
@@ -119,7 +123,8 @@ def _trigonometric(program: Program, nodes: list[int]) -> list[list[int]]:
 
 
 def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
-    """Give slots to values that cross steps, reusing those whose last reader is done."""
+    """The segmented program with slots for values that cross steps; a slot is reused once its
+    value's last reader is done."""
     sampled = program.sampled_size
     results = {index: sampled + k for k, index in enumerate(dict.fromkeys(program.results))}
     stored = _stored(program, steps, results)
@@ -146,8 +151,8 @@ def _allocate(program: Program, steps: list[list[int]]) -> SegmentedProgram:
 
 
 def _stored(program: Program, steps: list[list[int]], results: Iterable[int]) -> list[list[int]]:
-    """The results that each step stores: where they are computed, or where no step can store them
-    there, in the last."""
+    """The results that each step stores: in the step that computes them, or in the last step where
+    that one cannot."""
     producer = {
         index: number
         for number, nodes in enumerate(steps)
@@ -161,7 +166,7 @@ def _stored(program: Program, steps: list[list[int]], results: Iterable[int]) ->
 
 
 def _arriving(program: Program, steps: list[list[int]], stored: list[list[int]]) -> list[list[int]]:
-    """The values that each step reads and that come from another step, or from an input of every
+    """The values that each step reads and that come from another step or from an input of every
     sample."""
     sampled = program.sampled_size
     found = []
@@ -182,8 +187,8 @@ def _arriving(program: Program, steps: list[list[int]], stored: list[list[int]])
 
 @dataclass
 class _Slots:
-    """The slot of each value that crosses steps; a slot is free again behind the step that reads
-    its value last."""
+    """The slot of each value that crosses steps; a slot is free again after the step that reads its
+    value last."""
 
     of: dict[int, int]
     last_reader: dict[int, int]
@@ -192,7 +197,7 @@ class _Slots:
     _expiring: dict[int, list[int]] = field(default_factory=dict)
 
     def taken(self, step: int, index: int) -> int:
-        """A slot for a value that a step computes."""
+        """A free slot for a value that a step computes."""
         if self._free:
             slot = self._free.pop()
         else:
@@ -207,7 +212,8 @@ class _Slots:
 
 
 def _sin_cos(program: Program, step: int, nodes: list[int], slots: _Slots) -> SinCos:
-    """Sine and cosine of one argument; what nothing reads of them has a slot for the time."""
+    """The step that computes sine and cosine of one argument; one that nothing reads gets a slot
+    for the time being."""
     by_kind = {program.op[index]: slots.taken(step, index) for index in nodes}
     unused = -1 if len(by_kind) == 2 else slots.taken(step, -1)
     argument = slots.of[program.a[nodes[0]]]

@@ -18,7 +18,7 @@ def trace(
     inputs: Sequence[Argument],
     outputs: Sequence[Argument] | None,
 ) -> Program:
-    """The program of what `function` does to scalars.
+    """The program of a function: what it does to the scalars of its inputs.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Abilities of an arm, place by place: maps over many postures."""
+"""The abilities of an arm from place to place: maps over many postures."""

@@ -1,4 +1,4 @@
-"""`dexterity`: how well a frame moves in all directions, posture by posture."""
+"""`dexterity`: how well a frame moves in all directions, at each posture."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Dexterity(Tabled, ByValue):
-    """The singular values of a frame's Jacobian at each posture (...): how far it moves, at joint
-    rates of length 1, along the axes of the velocity ellipsoid; their inverses are the axes of the
+    """The singular values of a frame's Jacobian at each posture (...): the speeds, at joint rates
+    of length 1, along the axes of the velocity ellipsoid; their inverses are the semi-axes of the
     force ellipsoid.
 
     singular_values: (..., k), the largest first, k the smaller of rows and joints. rows: names of
@@ -44,14 +44,14 @@ class Dexterity(Tabled, ByValue):
 
     @property
     def manipulability(self) -> Array:
-        """Product of the singular values (...): the volume of the ellipsoid but for a constant
-        (Yoshikawa 1985)."""
+        """The product of the singular values (...), which is the ellipsoid's volume up to a
+        constant (Yoshikawa 1985)."""
         return np.asarray(self.singular_values.prod(axis=-1))
 
     @property
     def condition(self) -> Array:
-        """Largest over smallest (...); 1 where all directions are alike, infinite where one is
-        lost."""
+        """The ratio of the largest to the smallest singular value (...): 1 where all directions are
+        alike, infinite where one is lost."""
         largest, smallest = self.singular_values[..., 0], self.singular_values[..., -1]
         lost = smallest <= 0.0
         return np.where(lost, np.inf, largest / np.where(lost, 1.0, smallest))
@@ -63,7 +63,8 @@ class Dexterity(Tabled, ByValue):
         return self.singular_values[..., -1]
 
     def to_xarray(self) -> xr.Dataset:
-        """A labelled dataset over the postures: the singular values and what follows from them."""
+        """A labelled dataset over the postures: the singular values and the measures that follow
+        from them."""
         dims = axes_of("posture", self.smallest.ndim)
         linear, k = self.rows[-1].startswith("v"), self.singular_values.shape[-1]
         one, product = ("m", f"m{k}") if linear else ("1", "1")

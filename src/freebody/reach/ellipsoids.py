@@ -39,15 +39,15 @@ class Ellipsoids(Tabled, ByValue):
 
     @property
     def velocity(self) -> Array:
-        """Semi-axes (..., r, r), one a row, m/s (rad/s for angular rows), at joint rates of
-        length 1 (rad/s and m/s alike)."""
+        """Semi-axes (..., r, r) of the velocity ellipsoid, one a row, in m/s (rad/s for angular
+        rows), at joint rates of length 1 (rad/s and m/s alike)."""
         return self.directions * self.singular_values[..., None]
 
     @property
     def force(self) -> Array:
-        """Semi-axes (..., r, r), one a row, N (N m), which joint torques of length 1 (N m and N
-        alike) hold at rest; infinite along a direction that is lost, since links bear that alone.
-        """
+        """Semi-axes (..., r, r) of the force ellipsoid, one a row, in N (N m), which joint torques
+        of length 1 (N m and N alike) hold at rest; infinite along a lost direction, in which the
+        links bear any load."""
         size = self.singular_values[..., None]
         lost = size == 0.0
         along = np.where(self.directions == 0.0, 0.0, np.copysign(np.inf, self.directions))

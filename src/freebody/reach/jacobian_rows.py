@@ -1,5 +1,5 @@
-"""Functions of the rows of a frame's Jacobian, posture by posture: by a kernel, and where that is
-not sure by a closer look."""
+"""Functions of the rows of a frame's Jacobian at many postures: by a kernel, and where its result
+is not sure by NumPy."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from freebody.trees.public_calls import JointVector, evaluate, finite_vector, re
 
 @dataclass(frozen=True)
 class OfRows:
-    """A function of rows of a Jacobian, linear ones divided by a length.
+    """A function of the rows of a Jacobian, in which linear rows are divided by a length.
 
     outputs: of matrices (r, nv). evaluate: of such a matrix of scalars the outputs, and whether
     they are sure. look: of matrices of numbers (..., r, nv) the outputs.
@@ -39,7 +39,8 @@ class OfRows:
     look: Callable[[Array], Array | tuple[Array, ...]]
 
     def at(self, model: Model, option: Option, q: JointVector, length: float = 1.0) -> Any:
-        """The outputs at q (..., nq), which is checked; length: m. option: frame and rows."""
+        """The function's outputs at joint positions q (..., nq); length: the divisor of linear rows
+        (m); option: the frame and its rows."""
         key = self.function, option
         return evaluate(key, model, (q, length), None, None, self._answer)
 

@@ -1,4 +1,4 @@
-"""Labelled datasets of one form for all maps of this folder, which know nothing of each other."""
+"""Labelled datasets of one form for the maps of this folder, which do not import each other."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MapEntry = tuple[tuple[str, ...], Any, str, str]
 
 
 def axes_of(name: str, count: int) -> tuple[str, ...]:
-    """Names of so many axes: `name`, or `name0`, `name1`, … of several."""
+    """Names of `count` axes: `name`, or `name0`, `name1`, … where there are several."""
     return (name,) if count == 1 else tuple(f"{name}{k}" for k in range(count))
 
 
@@ -24,7 +24,7 @@ def labelled(
     coordinates: Mapping[str, MapEntry],
     about: Mapping[str, Any],
 ) -> xr.Dataset:
-    """A dataset with units; about: its attributes."""
+    """A dataset of arrays with dimensions and units; about: its attributes."""
     import xarray as xr
 
     def variables(given: Mapping[str, MapEntry]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""`payload_map`: the largest mass that a robot holds at rest, posture by posture."""
+"""`payload_map`: the largest mass that a robot holds at rest, at each posture."""
 
 from __future__ import annotations
 
@@ -155,7 +155,8 @@ def payload_map(
 
 
 def _efforts(model: Model) -> Array:
-    """The joints' effort limits (..., nv), infinite where there is none."""
+    """The joints' effort limits (..., nv), infinite where there are none; refuses a model without
+    any."""
     written = model.limits.effort
     efforts = np.where(written == 0.0, np.inf, written)  # 0 in files is "not given"
     if not np.isfinite(efforts[..., list(model.driven)]).any():
@@ -167,7 +168,7 @@ def _efforts(model: Model) -> Array:
 
 
 def _given(model: Model, effort: JointVector) -> Array:
-    """Efforts (..., nv) as they are given."""
+    """The largest efforts (..., nv) as the caller gives them."""
     if isinstance(effort, Mapping) and model.loops:
         others = dict.fromkeys(set(model.velocity_names) - set(_driven_names(model)), _UNLIMITED)
         effort = others | dict(effort)
@@ -195,7 +196,8 @@ HeldLoad = tuple[Scalar, Scalar, Scalar]
 
 
 def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) -> HeldLoad:
-    """Mass, joint and overload at each posture by one kernel of the model."""
+    """The largest mass, the limiting joint and whether it is overloaded, at each posture, by one
+    kernel of the model."""
     key = ("payload_map", frame)
     found = model.compiled.get(key)
     if found is None:
@@ -204,7 +206,7 @@ def _at_once(model: Model, q: Array, frame: str, effort: Array, point: Array) ->
 
 
 def _compiled(model: Model, frame: str) -> Kernel:
-    """The kernel (q, effort, point) -> mass, joint and overload."""
+    """The kernel (q, effort, point) -> largest mass, limiting joint and overload."""
     pose = formula(model, "forward_kinematics", frame=frame)
     jacobian = formula(model, "jacobian", frame=frame)
     static, d = formula(model, "static_torque"), model.dim
@@ -226,8 +228,8 @@ _OUTPUTS = [Argument(name, ()) for name in ("mass", "joint", "overloaded")]
 def _held(
     torques: Sequence[Scalar], slopes: Sequence[Scalar], effort: Sequence[Scalar]
 ) -> HeldLoad:
-    """Mass, joint and overload from torques at rest (nv,) without payload, and from what a kilogram
-    adds to them."""
+    """The largest mass, the limiting joint and its overload, from the torques at rest (nv,) without
+    payload and their change for each kilogram."""
     best: HeldLoad = (_UNLIMITED, 0.0, 0.0)
     for k, (torque, slope) in enumerate(zip(torques, slopes, strict=True)):
         over = less(effort[k], absolute(torque))
@@ -243,8 +245,8 @@ def _held(
 
 
 def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array) -> HeldLoad:
-    """Mass, joint and overload by the torques of the chain at rest, without payload and under the
-    weight of a kilogram, which serves closed chains and families."""
+    """The largest mass, the limiting joint and its overload, from the torques at rest without
+    payload and under a kilogram's weight; for closed chains and families."""
     d, field = model.dim, model.gravity
     T = forward_kinematics(model, q, frame)
     arm = T[..., :d, :d] @ point

@@ -1,4 +1,4 @@
-"""`workspace`: where the tip of an arm can be, and in how many ways."""
+"""`workspace`: the points that the tip of an arm reaches, and in how many ways."""
 
 from __future__ import annotations
 
@@ -55,19 +55,20 @@ class WorkspaceMap(Tabled, ByValue):
 
     @property
     def reached(self) -> np.ndarray:
-        """Flags of the points that are reached (..., *family), of several orientations in any."""
+        """Flags of the points that are reached (..., *family), with several orientations in any of
+        them."""
         found = self.ways > 0
         return np.asarray(found.any(axis=self._axis)) if self._several else found
 
     @property
     def share(self) -> Array:
-        """The part of the orientations in which each point is reached (..., *family)."""
+        """The fraction of the orientations in which each point is reached (..., *family)."""
         found = (self.ways > 0).astype(float)
         return np.asarray(found.mean(axis=self._axis)) if self._several else found
 
     @property
     def _axis(self) -> int:
-        """The axis of several orientations."""
+        """The index of the axis of several orientations."""
         return self.points.ndim - 1
 
     @property
@@ -75,8 +76,8 @@ class WorkspaceMap(Tabled, ByValue):
         return self.ways.ndim > self._axis + len(self.family)
 
     def to_xarray(self) -> xr.Dataset:
-        """A labelled dataset: ways, distance, share and reached over the points, with their places
-        as coordinates."""
+        """A labelled dataset over the points, with their places as coordinates: ways, distance,
+        share and reached."""
         dims = axes_of("point", self.points.ndim - 1)
         family = axes_of("member", len(self.family))
         all_of = (*dims, *(("orientation",) if self._several else ()), *family)
@@ -228,7 +229,8 @@ def _closed_chain(model: Model, frame: str, task: Task, target: Array) -> Ways:
 
 
 def _poses(points: Array, R: Array) -> Array:
-    """(..., [m,] dim + 1, dim + 1) of points (..., dim) and rotations ([m,] dim, dim)."""
+    """Poses (..., [m,] dim + 1, dim + 1) made of points (..., dim) and rotations ([m,] dim,
+    dim)."""
     d = points.shape[-1]
     batch = (*points.shape[:-1], *R.shape[:-2])
     poses = np.zeros((*batch, d + 1, d + 1))

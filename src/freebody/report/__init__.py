@@ -1,1 +1,1 @@
-"""The study of a robot: as data, as files, as a page."""
+"""The study of a robot as data, as files and as a page."""

@@ -50,8 +50,8 @@ def checks(
 
 
 def _with_slack(model: Model, found: Iterable[Check]) -> Iterator[Check]:
-    """Bars of a closed chain whose numbers are rounded so far that its redundant equations
-    contradict each other."""
+    """The checks, with allowed values raised for a closed chain whose rounded numbers make its
+    redundant equations contradict each other."""
     slack = redundancy(model).slack
     for each in found:
         if each.passed or slack <= each.bar:
@@ -65,12 +65,12 @@ def _with_slack(model: Model, found: Iterable[Check]) -> Iterator[Check]:
 
 
 def check(name: str, value: float, bar: float, text: str) -> Check:
-    """A check; NaN does not pass."""
+    """A check that a value is at most `bar`; NaN does not pass."""
     return Check(name, float(value), float(bar), bool(value <= bar), text)
 
 
 def relative(difference: Array, reference: Array) -> float:
-    """Largest difference over largest reference; 0 where both vanish."""
+    """The largest difference divided by the largest reference; 0 where both vanish."""
     size = float(np.abs(reference).max(initial=0.0))
     off = float(np.abs(difference).max(initial=0.0))
     return off / size if size else off
@@ -121,7 +121,7 @@ def _bodies(model: Model, motion: Motion, data: xr.Dataset) -> list[Check]:
 
 def _closed(model: Model, motion: Motion) -> list[Check]:
     """Checks of closed chains: how well the motion keeps the loops closed, and whether the torques
-    of a stretch of it simulate back to it."""
+    of a part of it, simulated, reproduce it."""
     gap = gaps(model, scaled_residual(model, motion.q)).max() / length(model)
     start, end = (motion.t[0] + part * motion.duration for part in _STRETCH)
     q, qd, _ = motion.at(start)
@@ -144,8 +144,8 @@ def _closed(model: Model, motion: Motion) -> list[Check]:
 
 
 def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
-    """S·w of joints of one coordinate with rotor, friction and spring, against tau; what struts do
-    the reactions tell."""
+    """Checks of the component S·w of each joint's reaction, with rotor, friction and spring,
+    against tau, for joints of one coordinate."""
     tau = data["tau"].values
     along = data["tau_friction"].values + data["tau_springs"].values + data["tau_rotors"].values
     if model.struts:
@@ -174,8 +174,8 @@ def _along_axes(model: Model, data: xr.Dataset) -> list[Check]:
 
 
 def _forward(model: Model, motion: Motion, data: xr.Dataset) -> Check | None:
-    """Forward dynamics of the torques against the accelerations; None where the mass matrix is
-    singular."""
+    """A check of forward dynamics under the torques against the accelerations; None where the mass
+    matrix is singular."""
     try:
         back = forward_dynamics(all_driven(model), motion.q, motion.qd, data["tau"].values)
     except SingularError:

@@ -1,4 +1,4 @@
-"""Runs of a model that is driven by the torques of a motion, in pieces or open loop.
+"""Simulations of a model driven by the torques of a motion, in pieces or open loop.
 
 First they are tried in steps that are known beforehand: the stretches on which the motion is
 smooth, or equal parts of them. So the torques of all stages come in one batch, and a step costs no
@@ -59,8 +59,8 @@ _AccelerationLaw = Callable[[float, Array], Any]
 def land(
     whole: System, motion: Motion, start: Array, end: Array, allowed: Ranges, method: str
 ) -> Array:
-    """(pieces,) distance from the reference at each piece's end over the joint range; all run side
-    by side; infinite where the run was broken off."""
+    """The distance (pieces,) from the reference at each piece's end, relative to the joint range;
+    all pieces run side by side; infinite for a run that was broken off."""
     reference = MotionReference(whole, motion)
     for parts in _PARTS if method == "DOP853" else ():
         try:
@@ -100,8 +100,8 @@ def land(
 
 
 def _missed(whole: System, motion: Motion, end: Array, y: Array, allowed: Ranges) -> Array:
-    """(pieces,) how far states (pieces, n) are from the motion at times (pieces,), over the joint
-    range."""
+    """The distance (pieces,) of states (pieces, n) from the motion at times (pieces,), relative to
+    the joint range."""
     off = difference(whole.model, motion.at(end)[0], whole.split(y)[0])
     return np.abs(off / allowed.width).max(axis=-1)
 
@@ -109,8 +109,8 @@ def _missed(whole: System, motion: Motion, end: Array, y: Array, allowed: Ranges
 def open_loop(
     whole: System, motion: Motion, allowed: Ranges, method: str
 ) -> tuple[Array, Array, str]:
-    """(times, distance from the reference (k, nv), why it ended early) of one run over the whole
-    motion.
+    """(times, distance from the reference (k, nv), the reason why it ended early) of one open-loop
+    run over the whole motion.
 
     It ends where a joint has gone astray by its whole range, or when its evaluations are spent.
     """
@@ -160,8 +160,8 @@ def open_loop(
 
 
 def _in_steps(reference: MotionReference, allowed: Ranges, parts: int) -> tuple[Array, Array, str]:
-    """The results of `open_loop`, with each smooth stretch of the motion in so many steps. Raises
-    _TooLong."""
+    """The results of `open_loop` by equal steps, `parts` in each smooth stretch of the motion.
+    Raises _TooLong."""
     motion, whole = reference.motion, reference.system
     times = _edges(motion, motion.t[:1], motion.t[-1:], parts)
     at, due = motion.at(times[:, 0])[0], np.isin(times[:, 0], motion.t)
@@ -181,7 +181,8 @@ def _run(
     method: str,
     among_jumps: bool, **more: Any,
 ) -> Any:  # fmt: skip
-    """A stretch by one of the integrators of `TOLERANCE`; among jumps it is tried in one step."""
+    """The solution over a stretch by one of the integrators of `TOLERANCE`; between jumps that are
+    close a single step is tried first."""
     if method != "DOP853":
         more["jac"] = slope
     if among_jumps:
@@ -191,8 +192,8 @@ def _run(
 
 
 def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
-    """Fractions of the pieces, from 0 to 1, at which the accelerations of one of them jump: no step
-    of an integrator goes across."""
+    """Fractions of the pieces, from 0 to 1, at which the accelerations of one of them jump, so that
+    no integrator steps across."""
     inside = (jumps[:, None] - start) / length
     cuts = np.unique(inside[(inside > _SAME) & (inside < 1.0 - _SAME)])
     apart = np.diff(cuts, prepend=0.0) > _SAME
@@ -200,16 +201,16 @@ def _cuts(jumps: Array, start: Array, length: Array) -> list[float]:
 
 
 def _inside(start: float, end: float) -> tuple[float, float]:
-    """The ends of a stretch from within: there a jump is not yet, or is over."""
+    """Two times just inside the ends of a stretch, where a jump at an end has no effect."""
     return start + _BESIDE * (end - start), end - _BESIDE * (end - start)
 
 
 class _Spent(Exception):
-    """A run has used its evaluations."""
+    """Raised when a run has used up its evaluations."""
 
 
 def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[float, Array], Array]:
-    """`rate`, which raises `_Spent` when it has been called more than `most` times."""
+    """The function `rate`, made to raise `_Spent` after `most` calls."""
     calls = 0
 
     def counted(t: float, y: Array) -> Array:
@@ -223,36 +224,36 @@ def _limited(rate: Callable[[float, Array], Array], most: int) -> Callable[[floa
 
 
 def _stretches(motion: Motion) -> Array:
-    """Times between which the open-loop run goes at once: accelerations jump at them, or what was
-    reached before evaluations ran out is kept."""
+    """Times that divide the open-loop run: accelerations jump there, or the states reached are kept
+    in case the evaluations run out."""
     edges = np.unique(np.concatenate([motion.t[::20], motion.t[-1:], motion.jumps]))
     return edges[np.append(np.diff(edges) > _SAME * motion.duration, True)]
 
 
 class _TooLong(Exception):
-    """Steps are too long for the method, or too many."""
+    """Raised where steps are too long for the method, or too many."""
 
 
 @dataclass(frozen=True)
 class MotionReference:
-    """The torque that the motion needs at any time, and the system under it."""
+    """A motion with the torque that it needs at any time, and the system under that torque."""
 
     system: System
     motion: Motion
 
     def torque(self, t: Array, around: Array | None = None) -> Array:
-        """The torque at times t; `around`: times on the side of a jump on which t is meant."""
+        """The torque at times t; around: times on the side of a jump that is meant."""
         return self.system.torque(t, *self.motion.at(t, around))
 
     def state(self, t: Array) -> Array:
-        """State (q, q̇) of the motion at times t."""
+        """The state (q, q̇) of the motion at times t."""
         q, qd, _ = self.motion.at(t)
         return np.concatenate([q, qd], axis=-1)
 
 
 def _edges(motion: Motion, start: Array, end: Array, parts: int) -> Array:
-    """Times (k + 1, lanes) from each start (lanes,) to its end, between which the motion is smooth,
-    each such stretch in equal parts; lanes of fewer steps stand still at their end."""
+    """Times (k + 1, lanes) from each start (lanes,) to its end, with the motion smooth in between
+    and each smooth stretch divided equally; lanes with fewer steps repeat their end."""
     pieces = motion.t if motion.pieces is None else motion.pieces.breaks
     every = np.unique(np.concatenate([motion.t, pieces, motion.jumps]))
     near = _SAME * motion.duration
@@ -270,8 +271,8 @@ def _edges(motion: Motion, start: Array, end: Array, parts: int) -> Array:
 
 
 def _steps(reference: MotionReference, times: Array) -> Iterator[Array]:
-    """The states (lanes, n) at times (k + 1, lanes) behind the first, at which they are on the
-    motion, as they are reached. Raises _TooLong."""
+    """The states (lanes, n) at the times (k + 1, lanes) after the first, where they are on the
+    motion, one after the other. Raises _TooLong."""
     system, y = reference.system, reference.state(times[0])
     if times.size * len(_NODES) > _MOST_IN_STEPS:
         raise _TooLong
@@ -287,8 +288,8 @@ def _steps(reference: MotionReference, times: Array) -> Iterator[Array]:
 
 
 def _step(system: System, t: Array, tau: Array, h: Array, y: Array) -> Array:
-    """The states (lanes, n) one step h (lanes, 1) on; t (13, lanes) and tau (13, lanes, nv) of the
-    stages, the last at the end."""
+    """The states (lanes, n) one step h (lanes, 1) later; t (13, lanes) and tau (13, lanes, nv)
+    belong to the stages, the last to the end."""
     slopes = np.empty((len(_NODES), *y.shape))
     now = y
     for k, weights in enumerate(_WEIGHTS):

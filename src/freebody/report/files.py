@@ -34,7 +34,7 @@ _DRIVES = ("tau", *variables.PARTS, "power")
 
 
 def save(study: Study, directory: Path, report: bool) -> list[Path]:
-    """Write what `makers` lists, and the manifest."""
+    """The paths of the files of a study that are written, the manifest's last."""
     about = {
         "freebody": freebody.__version__,
         "robot": study.model.name,
@@ -49,8 +49,8 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 
 
 def makers(study: Study, report: bool) -> Makers:
-    """Functions that make study.nc, motion.csv, torques.csv, reactions.csv, summary.csv,
-    reactions_summary.csv, checks.csv, and report.html if asked for."""
+    """Functions that make the files of a study: study.nc, motion.csv, torques.csv, reactions.csv,
+    summary.csv, reactions_summary.csv, checks.csv, and report.html if asked for."""
     tables: dict[str, Callable[[], _HeadAndRows]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),
         "torques.csv": lambda: _torques(study),

@@ -1,4 +1,4 @@
-"""Singular values of the tip's Jacobian: how near it comes to losing rank."""
+"""Singular values of the tip's Jacobian: how near the arm comes to a singular pose."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SINGULAR = 1e-3
 
 
 def _bodies_before(model: Model, frame: str) -> list[int]:
-    """The body that carries a frame and all that carry it, from there to the ground."""
+    """The body that carries a frame, followed by the bodies between it and the ground."""
     found, body = [], model.frame(frame).body
     while body >= 0:
         found.append(body)
@@ -36,7 +36,7 @@ def _coordinates_before(model: Model, frame: str) -> list[int]:
 
 
 def task(model: Model, tip: str, q: Array) -> tuple[int, str]:
-    """The number of rows of the Jacobian that count along q (T, nq), and their name.
+    """The number of rows of the Jacobian that are used along q (T, nq), and their name.
 
     All of them if the tip has that many coordinates to move it; else the rows of position alone,
     unless the tip's position leaves some coordinate unseen all the time (a tip on the last axis).
@@ -66,7 +66,8 @@ def characteristic_length(model: Model, tip: str, q: Array) -> float:
 
 
 def scaled(model: Model, tip: str, q: Array) -> Array:
-    """The counted rows of J (..., rows, n), without units: lengths over the characteristic length.
+    """The used rows of the Jacobian (..., rows, n) without units: lengths divided by the
+    characteristic length.
 
     Columns are those that move the tip; sliding ones are multiplied by the length, so that all are
     per radian. Of a closed chain they are the motions that the loops allow.

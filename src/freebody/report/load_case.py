@@ -1,5 +1,5 @@
-"""The load case of a study in words: the robot's loads, its tip, how it is mounted, and which of
-its numbers are others than its file's."""
+"""The load case of a study in words: the robot's loads, its tip, how it is mounted, and which
+numbers differ from its file's."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from freebody.model.tree import Attached
 
 
 def load_case(model: Model) -> dict[str, str]:
-    """Words by what they are about: "load", "tip", "mounting", and "changed" where numbers are.
+    """The load case in words by subject: "load", "tip", "mounting", and "changed" where numbers
+    are.
 
     They tell the model as it is, not how it was made, so that equal models have equal words but for
     what was changed by name.
@@ -33,7 +34,7 @@ def load_case(model: Model) -> dict[str, str]:
 
 
 def _load(model: Model, part: Attached) -> str:
-    """A load in words: its mass, its centre of mass and its inertia, in the axes of its frame."""
+    """A load in words: its mass, centre of mass and inertia, in the axes of its frame."""
     inertia = part.inertia
     centre = ", ".join(_quantity(x) for x in inertia.com)
     entries = [
@@ -50,13 +51,13 @@ def _quantity(x: Quantity) -> str:
 
 
 def _number(x: object) -> str:
-    """A number, or those of a family."""
+    """A number as text, or the range of the numbers of a family."""
     values = np.asarray(x, dtype=float)
     low, high = (f"{float(end) + 0.0:.4g}" for end in (values.min(), values.max()))
     return low if low == high else f"{low} … {high}"
 
 
 def in_a_line(model: Model) -> str:
-    """The load case besides the tip."""
+    """The load case except the tip, in one line."""
     case = load_case(model)
     return " ".join(f"{about.capitalize()}: {case[about]}" for about in case if about != "tip")

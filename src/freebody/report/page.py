@@ -1,5 +1,5 @@
-"""The study as one HTML file: no script or font is fetched, figures are inline SVG, every number
-knows its source."""
+"""The study as one HTML file that fetches neither scripts nor fonts, with inline SVG figures and
+numbers that name their source."""
 
 from __future__ import annotations
 
@@ -37,12 +37,12 @@ if TYPE_CHECKING:
 
 
 def write(study: Study, path: Path) -> Path:
-    """Write a study's page; its path."""
+    """The path of the HTML page that is written."""
     return files.write(path, page(study))
 
 
 def page(study: Study) -> str:
-    """HTML of a study's whole page."""
+    """The HTML text of a study's page."""
     diagrams, loads = figures.free_bodies(study)
     return legal(
         _templates()
@@ -89,7 +89,7 @@ def _templates() -> jinja2.Environment:
 
 
 def _equations(study: Study) -> Any:
-    """The equations of motion where they are short, or the words that say which package they need;
+    """The equations of motion where they are short, or the sentence on the package that they need;
     None where they are long."""
     try:
         return beside.found(beside.EQUATIONS_OF_A_STUDY, "Equations of motion").shown(study.model)
@@ -98,7 +98,7 @@ def _equations(study: Study) -> Any:
 
 
 def _facts(study: Study) -> dict[str, Any]:
-    """Single words and numbers of the text."""
+    """Single words and numbers that the page's template puts into its text."""
     model, motion = study.model, study.motion
     source, path = _source(study)
     failed = [check for check in study.checks if not check.passed]
@@ -120,14 +120,15 @@ def _facts(study: Study) -> dict[str, Any]:
 
 
 def _notices(study: Study) -> dict[str, list[str]]:
-    """Findings about the motion, and how the file was read, without the file's folder."""
+    """Findings about the motion, and notices on how the file was read, without the file's
+    folder."""
     read = readings(study.model)
     short = [str(replace(n, file=Path(n.file).name if n.file else None)) for n in read]
     return {"findings": list(study.warnings), "reading": short}
 
 
 def _source(study: Study) -> tuple[str, str]:
-    """The name of the robot's source, and the whole path of its file."""
+    """The name of the robot's source, and the full path of its file, "" where it is none."""
     source = study.model.source
     name = Path(source).name
     if Path(source).suffix in SUFFIXES and name != source:

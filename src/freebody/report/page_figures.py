@@ -44,14 +44,14 @@ _MAP = 520.0  # height of a map, pixels
 
 @dataclass(frozen=True)
 class CaptionedDrawing:
-    """SVG text of a drawing, with its caption."""
+    """A drawing as SVG text with its caption."""
 
     svg: str
     caption: str = ""
 
 
 def robot(study: Study) -> CaptionedDrawing:
-    """The robot at the worst instant, with poses before and after."""
+    """The drawing of the robot at the worst instant, with earlier and later poses."""
     model, q = study.model, study.motion.q
     count, worst = len(study.motion.t), study.worst
     others = {count * k // 4 for k in (range(4) if len(model.bodies) <= 12 else (1, 3))}
@@ -83,7 +83,7 @@ def motion(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def torques(study: Study) -> Iterator[CaptionedDrawing]:
-    """Each coordinate's torque with its parts and limits."""
+    """Plots of each coordinate's torque with its parts and limits."""
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
     units = data["effort_unit"].values
@@ -95,13 +95,14 @@ def torques(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def parts(study: Study) -> dict[str, str]:
-    """Variables of the torque and its parts that are there at all, and what they are called."""
+    """The variables of the torque and of those of its parts that are not zero, with their names in
+    print."""
     there = {x: words for x, words in PARTS.items() if np.abs(study.data[x].values).max() > 0}
     return {"tau": "total", **there}
 
 
 def powers(study: Study) -> Iterator[CaptionedDrawing]:
-    """Mechanical power of the drives, and of all together."""
+    """Plots of the mechanical power of each drive and of all together."""
     data = study.data
     for group in _groups(study.model.driven_names):
         curves = {short: data["power"].sel(coordinate=name).values for name, short in group}
@@ -110,7 +111,7 @@ def powers(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def energies(study: Study) -> Iterator[CaptionedDrawing]:
-    """Energies, and how far their balance is off."""
+    """Plots of the energies, and of the error of their balance."""
     data = study.data
     kinetic, potential = data["kinetic_energy"].values, data["potential_energy"].values
     start = float(potential[0])
@@ -122,8 +123,8 @@ def energies(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
-    """The tip's path and speed, and how near the arm is to a singular pose; nothing without a
-    tip."""
+    """Plots of the tip's path and speed, and of how near the arm is to a singular pose; none
+    without a tip."""
     data, singularity = study.data, study.singularity
     if singularity is None:
         return
@@ -140,12 +141,12 @@ def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def gravity(study: Study) -> Iterator[CaptionedDrawing]:
-    """The gravity part of the torques."""
+    """Plots of the torques that gravity causes."""
     yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
 
 
 def lifting(study: Study) -> Iterator[CaptionedDrawing]:
-    """The largest payload along the motion, and over a plane."""
+    """The plot of the largest payload along the motion, and its map over a plane."""
     mass = lifting_along(study)
     if mass is None:
         return
@@ -165,7 +166,7 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def reactions(study: Study) -> Iterator[CaptionedDrawing]:
-    """Magnitude of each joint's reaction."""
+    """Plots of the magnitude of each joint's reaction."""
     for variable, what, unit in (
         ("reaction_force", "Reaction force", "N"),
         ("reaction_moment", "Reaction moment", "N m"),
@@ -178,7 +179,7 @@ def reactions(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def drift(study: Study) -> Iterator[CaptionedDrawing]:
-    """The distance of the open-loop run from the reference."""
+    """The plot of the open-loop run's distance from the reference."""
     replay = study.replay
     if replay is None or len(replay.drift_time) < 2:
         return
@@ -199,7 +200,7 @@ def drift(study: Study) -> Iterator[CaptionedDrawing]:
 def _overlays(
     study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit"
 ) -> Iterator[CaptionedDrawing]:
-    """Coordinates of one unit together, at most eight a picture."""
+    """Plots of a variable for coordinates of one unit together, at most eight in each."""
     array = study.data[variable]
     dim = "position" if "position" in array.dims else "coordinate"
     groups: dict[str, list[str]] = {}
@@ -214,14 +215,14 @@ def _overlays(
 def _units(
     study: Study, array: xr.DataArray, dim: str, unit_name: str
 ) -> Iterator[tuple[str, str]]:
-    """(name, unit) along a dimension; entries of quaternions have none."""
+    """Pairs (name, unit) along a dimension; entries of quaternions have no unit."""
     known = dict(zip(study.model.velocity_names, study.data[unit_name].values, strict=True))
     for name in map(str, array[dim].values):
         yield name, str(known.get(name, "1" if ".quat_" in name else "m"))
 
 
 def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
-    """Equal groups of at most eight: each name and what a legend calls it."""
+    """Groups of at most eight and about equal size: pairs of a name and its text in a legend."""
     called = list(zip(names, shortened(names), strict=True))
     count = -(-len(names) // _TOGETHER)
     size = -(-len(names) // count) if count else 1
@@ -230,7 +231,7 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
 
 
 def _single(study: Study, title: str, name: str, curve: np.ndarray, unit: str) -> CaptionedDrawing:
-    """Plot of a single curve, its peak marked."""
+    """A plot of a single curve with its peak marked."""
     return _plot(study, title, {name: curve}, unit, legend=False, peaks=True)
 
 
@@ -258,8 +259,8 @@ _LIFTING = "Largest payload at rest (kg)"
 
 
 def lifting_along(study: Study) -> Array | None:
-    """The largest mass (T,) at the tip at each posture of the motion; None without a tip, and where
-    gravity or efforts say nothing of it."""
+    """The largest payload (T,) at the tip at each posture of the motion; None without a tip, or
+    where gravity or efforts set no limit."""
     model = study.model
     if model.tip is None or model.loops or model.passive or not model.gravity.any():
         return None
@@ -270,8 +271,8 @@ def lifting_along(study: Study) -> Array | None:
 
 
 def lifting_over_plane(study: Study) -> tuple[Drawing, str] | None:
-    """The map, of all branches the best, and words on how the tip is turned in it; None for an arm
-    without a closed form."""
+    """The map of the largest payload over a plane, the best of all branches, and words on the tip's
+    orientation in it; None for an arm without a closed form."""
     model, q = study.model, study.motion.q[study.worst.index]
     tip = model.frame().name
     form = None if _wrong(model) else _form(model, tip)
@@ -302,7 +303,7 @@ def lifting_over_plane(study: Study) -> tuple[Drawing, str] | None:
 
 
 def _wrong(model: Model) -> bool:
-    """Whether its masses or effort limits cannot be trusted."""
+    """Whether the model's masses or effort limits cannot be trusted."""
     return any(doubt.of.mend for doubt in doubts_on(model, MASSES, EFFORTS))
 
 
@@ -319,8 +320,8 @@ def _form(model: Model, tip: str) -> ClosedFormArm | None:
 
 
 def _plane(model: Model, tip: str, q: Array) -> Array | None:
-    """An even grid of points (n, n, dim): across, and up against gravity; None where the tip stays
-    on a line."""
+    """An even grid of points (n, n, dim), across and upwards against gravity; None where the tip
+    stays on a line."""
     up = -np.asarray(model.gravity) / np.linalg.norm(model.gravity)
     some, _, _ = random_state(model, 0, _SAMPLES)
     places = forward_kinematics(model, some, tip)[:, : model.dim, model.dim]

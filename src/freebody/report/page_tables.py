@@ -1,4 +1,4 @@
-"""The tables of the report: which variables of the data stand in which column."""
+"""The tables of the report: which variables of the data are shown in which column."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ TableColumn = tuple[Head, Sequence[Cell]]
 
 @dataclass(frozen=True)
 class Printed:
-    """A column of numbers: a variable of the data along one dimension, `at` a fixed label of its
-    other.
+    """A column of numbers in a table: a variable of the data along one dimension, with fixed labels
+    `at` of its other dimension.
 
     A share is printed in percent, one of a limit with a bar.
     """
@@ -54,7 +54,7 @@ class Printed:
     tip: str | None = None
 
     def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> TableColumn:
-        """Head and cells for the rows `names`."""
+        """The head and the cells of the column, for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
         limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
@@ -104,7 +104,7 @@ def drives(study: Study) -> ReportTable:
 
 
 def work(study: Study) -> ReportTable:
-    """The work that each drive puts in and takes up."""
+    """The table of the work that each drive delivers and absorbs."""
     columns = {
         "Work done": "work_done",
         "Work braked": "work_braked",
@@ -120,8 +120,8 @@ def work(study: Study) -> ReportTable:
 
 
 def ranges(study: Study) -> ReportTable | None:
-    """The range that each coordinate goes through, and its limits; None where no coordinate has a
-    range."""
+    """The table of the range that each coordinate moves through, and of its limits; None where no
+    coordinate has a range."""
     if not np.isfinite(study.summary["lowest"].values).any():
         return None
     columns = {
@@ -138,7 +138,7 @@ def ranges(study: Study) -> ReportTable | None:
 
 
 def bodies(study: Study) -> ReportTable:
-    """Masses and centres of mass, and what carries each body."""
+    """The table of masses and centres of mass, and of what carries each body."""
     model, book = study.model, facts(study)
     names = [body.name for body in model.bodies]
     parents = ["ground" if body.parent < 0 else names[body.parent] for body in model.bodies]
@@ -157,8 +157,8 @@ def bodies(study: Study) -> ReportTable:
 
 
 def gravity(study: Study) -> ReportTable | None:
-    """The worst poses at rest, and the largest gravity load along the motion; None where gravity
-    loads nothing."""
+    """The table of the worst poses at rest, and of the largest gravity load along the motion; None
+    where gravity loads nothing."""
     names = [pose.coordinate for pose in study.static]
     if not names:
         return None
@@ -195,7 +195,7 @@ def reactions(study: Study) -> ReportTable:
 
 
 def checks(study: Study) -> ReportTable:
-    """Each check with its value and bar."""
+    """The table of checks, each with its value and bar."""
     names, book = [c.name for c in study.checks], facts(study)
     said = {True: WordsCell("passed", css="ok"), False: WordsCell("failed", css="bad")}
     results = [said[check.passed] for check in study.checks]
@@ -216,7 +216,7 @@ them."""
 
 
 def loads(study: Study, body: BodyLoads) -> ReportTable:
-    """Components of all that acts on a body at the worst instant, world axes."""
+    """The table of the components of all loads on a body at the worst instant, in world axes."""
     symbols = [
         Markup(html(load.name) + (f", {html(load.moment_name)}" if load.moment_name else ""))
         for load in body.loads
@@ -232,8 +232,8 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
 def _component(
     study: Study, body: BodyLoads, load: Load, what: str, axis: dict[str, str], j: int
 ) -> Cell:
-    """A component of a load: of a reaction on the child as in the data, on the parent its opposite;
-    of a weight, which has no moment."""
+    """The cell of a load's component: for a reaction on the child as in the data, on the parent its
+    opposite; for a weight, which has no moment, its force."""
     value = float(getattr(load, what)[j])
     if load.joint is not None:
         sign = -1.0 if load.role == "counter" else 1.0
@@ -257,8 +257,8 @@ def _by_coordinate(
     caption: str, study: Study, names: Sequence[str], titles: Mapping[str, str],
     more: Iterable[Printed] = (),
 ) -> ReportTable:  # fmt: skip
-    """Rows are coordinates, numbered as in the drawings; columns without any finite number are left
-    out. titles: of the columns, with their variables."""
+    """A table whose rows are coordinates, numbered as in the drawings; columns without a finite
+    number are left out. titles: of the columns, with their variables."""
     book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
     shown = [
         p.column(study, book, "coordinate", names)
@@ -273,7 +273,7 @@ def _listed(
     caption: str, title: str, names: Iterable[str], columns: Sequence[TableColumn],
     numbers: Iterable[int] | None = None,
 ) -> ReportTable:  # fmt: skip
-    """Named rows with numbers, by default from 1."""
+    """A table of named rows, numbered by default from 1."""
     first: list[Cell] = [WordsCell(name, strong=True) for name in names]
     counted = range(1, len(first) + 1) if numbers is None else numbers
     before: list[Cell] = [WordsCell(str(n), css="count") for n in counted]
@@ -290,9 +290,9 @@ TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
 
 
 def facts(study: Study) -> xr.Dataset:
-    """The numbers of the page besides time series and summary: of bodies mass, centre and weight;
-    of coordinates limits (infinite without) and the worst pose, NaN where gravity loads nothing;
-    value and bar of each check."""
+    """The page's numbers besides time series and summary: mass, centre and weight of bodies; limits
+    (infinite without) and worst pose of coordinates, NaN where gravity loads nothing; value and bar
+    of each check."""
     model = study.model
     bodies = [model.tree.bodies[at] for at in model.tree.body_of]
     masses, centres = zip(

@@ -64,7 +64,7 @@ def replayed(model: Model, motion: Motion) -> Replay:
 
 
 def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
-    """Say where the motion cannot be followed."""
+    """Raise the error that says where the motion cannot be followed."""
     k = int(np.argmin(np.diff(edges)))
     condition = float(np.linalg.cond(mass_matrix(model, motion.at(edges[k])[0])))
     raise SingularError(
@@ -75,7 +75,7 @@ def _refuse(model: Model, motion: Motion, edges: Array) -> NoReturn:
 
 
 def _followed(motion: Motion, edges: Array) -> Index:
-    """Indices of the pieces that are run: all, or so many of a long log, evenly spread, that they
+    """The indices of the pieces that are run: all, or for a long log as many, evenly spread, as
     hold `_MOST_SAMPLES` samples.
 
     Between samples the reference is a polynomial; each sample costs an integrator steps.
@@ -86,8 +86,8 @@ def _followed(motion: Motion, edges: Array) -> Index:
 
 
 def _method(model: Model, whole: System, motion: Motion) -> str:
-    """Implicit where friction is stiff at some of a few poses of the motion: of several steps, or
-    where many jumps of the accelerations have it begin again, of one."""
+    """The name of the integrator: an implicit one where friction is stiff at one of a few poses of
+    the motion, "Radau" if accelerations jump often, else "BDF"; "DOP853" otherwise."""
     samples = motion.q[:: max(1, len(motion.t) // 8)]
     stiffest = max(samples, key=lambda q: decay_rate(model, whole.friction, q))
     if suited_method(whole, stiffest, motion.duration) == "DOP853":
@@ -96,7 +96,7 @@ def _method(model: Model, whole: System, motion: Motion) -> str:
 
 
 def _landed(edges: Array, factors: Array, misses: Array) -> str:
-    """Sentence on how the pieces of a replay ended."""
+    """A sentence on how the pieces of a replay ended."""
     count, run = len(misses), int((~np.isnan(misses)).sum())
     if np.isinf(misses).any():
         return "The replay in pieces was stopped: it needs too many steps."
@@ -117,7 +117,7 @@ def _landed(edges: Array, factors: Array, misses: Array) -> str:
 def _drifted(
     model: Model, allowed: Ranges, t: Array, drift: Array, ended: str, growth: float
 ) -> str:
-    """A sentence on the open-loop run, and what its drift comes from."""
+    """A sentence on the open-loop run and the cause of its drift."""
     share = drift / allowed.width
     k, j = np.unravel_index(int(np.argmax(share)), share.shape)
     found = f"drifts by up to {drift[k, j]:.2g} {'rad' if allowed.turns[j] else 'm'}"
@@ -144,8 +144,8 @@ _HALVINGS = 14
 
 
 def scaling(model: Model, allowed: Ranges) -> Array:
-    """The scale of each entry of (q, q̇), (nq + nv,): the range, and the range per second;
-    quaternions 1."""
+    """The scale of each entry of (q, q̇), (nq + nv,): the range of the joint, and the range per
+    second; 1 for quaternions."""
     position = np.ones(model.nq)
     iq, iv = position_columns(model)
     position[iq] = allowed.width[iv]
@@ -153,8 +153,8 @@ def scaling(model: Model, allowed: Ranges) -> Array:
 
 
 def transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Array]:
-    """Grid times (k + 1,) and the scaled state-transition matrices (k, n, n) of its steps along the
-    motion.
+    """The times (k + 1,) of a grid and the scaled state-transition matrices (k, n, n) of its steps
+    along the motion.
 
     Each is the exponential of the linearised dynamics at the step's middle. Steps are halved until
     none alone amplifies by more than a tenth of the bound: near poses where the mass matrix is all
@@ -176,7 +176,8 @@ def transitions(whole: System, motion: Motion, scale: Array) -> tuple[Array, Arr
 
 
 def _steps(whole: System, motion: Motion, scale: Array, start: Array, end: Array) -> Array:
-    """exp(A (end - start)), A at the middle (k, n, n), in units of `scale`."""
+    """The matrices exp(A (end - start)) with A at the middle of each step (k, n, n), in units of
+    `scale`."""
     reference, middle = MotionReference(whole, motion), 0.5 * (start + end)
     A = whole.jacobian(middle, reference.state(middle), reference.torque(middle))
     with np.errstate(over="ignore", invalid="ignore"):
@@ -184,7 +185,7 @@ def _steps(whole: System, motion: Motion, scale: Array, start: Array, end: Array
 
 
 def exponentials(A: Array) -> Array:
-    """exp(A) of matrices (k, n, n): Taylor's series of A / 2^s, squared s times.
+    """The exponentials of matrices A (k, n, n): the Taylor series of A / 2^s, squared s times.
 
     scipy's expm wakes BLAS threads for each small matrix; on a busy machine that takes seconds.
     """
@@ -201,8 +202,8 @@ def exponentials(A: Array) -> Array:
 
 
 def pieces(times: Array, steps: Array) -> tuple[Array, Array]:
-    """(edges, factors): the longest pieces of the grid whose products of steps have norm at most
-    `BOUND`.
+    """(edges, factors) of the longest pieces of the grid whose products of transition matrices have
+    a norm of at most `BOUND`.
 
     A factor is the largest norm on the way through the piece, at least 1.
     """
@@ -221,8 +222,8 @@ def pieces(times: Array, steps: Array) -> tuple[Array, Array]:
 
 
 def amplification(steps: Array) -> float:
-    """log10 of the norm of the product of all steps, or of its largest part from the start,
-    whichever is larger."""
+    """The log10 of the norm of the product of all steps, or of the part from the start whose norm
+    is largest, whichever is larger."""
     product, exponent, largest = np.eye(steps.shape[-1]), 0.0, 0.0
     for step in steps:
         product = step @ product

@@ -1,4 +1,4 @@
-"""Findings of a study besides time series: checks, worst instant, worst pose, singularities, the
+"""Findings of a study besides time series: checks, worst instant, worst pose, singularities,
 replay."""
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
 @dataclass(frozen=True)
 class LimitUse:
-    """The share of one limit that a motion uses."""
+    """The fraction of one limit that a motion uses."""
 
     quantity: str
     """position, speed, torque, force, RMS torque, RMS force, or power."""
@@ -38,12 +38,12 @@ class LimitUse:
 
     @property
     def exceeded(self) -> bool:
-        """Whether the value is beyond the limit; a value on the limit is within."""
+        """Whether the value is beyond the limit; a value equal to the limit is within."""
         return self.fraction > 1.0 + CLOSE
 
     @property
     def text(self) -> str:
-        """The use of the limit in words: what, how much, when, where."""
+        """The use of the limit as a phrase: what, how much, when, where."""
         when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
         value, limit = self.in_print()
         if self.quantity == "position":
@@ -58,7 +58,7 @@ class LimitUse:
         )
 
     def in_print(self) -> tuple[str, ...]:
-        """Value and limit in print: apart unless they differ by rounding only."""
+        """Value and limit as printed, with different digits unless they differ by rounding only."""
         size = abs(self.limit)
         if not self.exceeded and abs(abs(self.value) - size) <= CLOSE * (size or 1.0):
             return f"{self.value if size else self.limit:.4g}", f"{self.limit:.4g}"
@@ -67,7 +67,7 @@ class LimitUse:
 
 @dataclass(frozen=True, repr=False)
 class MotionVerdict(Tabled):
-    """Whether the robot can make the motion, as far as its description tells; the first line of a
+    """Whether the robot can make the motion, as far as its description shows; the first line of a
     study."""
 
     outcome: VerdictOutcome
@@ -95,12 +95,12 @@ class MotionVerdict(Tabled):
 
     @property
     def heading(self) -> str:
-        """The outcome, to begin with."""
+        """The outcome with a capital letter, as a heading."""
         return self.outcome.capitalize()
 
     @property
     def text(self) -> str:
-        """The whole verdict: heading and reason."""
+        """The whole verdict as text: heading and reason."""
         return f"{self.heading}: {self.reason}"
 
     def __str__(self) -> str:
@@ -108,18 +108,19 @@ class MotionVerdict(Tabled):
 
     @property
     def good(self) -> bool:
-        """Whether there is nothing to mend: no limit is exceeded, and no masses and limits of the
-        file are wrong. What is not given or estimated is none that had to be mended."""
+        """Whether nothing has to be mended: no limit is exceeded, and no masses or limits in the
+        file are wrong. Missing and estimated values do not count."""
         return self.outcome != "not feasible" and not any(x.of.mend for x in self.doubts)
 
     @property
     def binding(self) -> LimitUse | None:
-        """The limit that the motion uses most of, or exceeds most."""
+        """The limit that the motion uses most, or exceeds most; None where there is none."""
         return self.uses[0] if self.uses else None
 
 
 def percent(share: float) -> str:
-    """A share in words that does not round across the limit: 100.4 % is not 100 %."""
+    """A fraction as a percentage that is not rounded across the limit: 100.4 % does not become 100
+    %."""
     decimals = 0 if abs(share - 1.0) >= 0.01 else 2
     while share > 1.0 + CLOSE and float(f"{100 * share:.{decimals}f}") <= 100.0:
         decimals += 1
@@ -140,7 +141,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Worst:
-    """The instant at which the drives are loaded most."""
+    """The instant of the motion at which the drives are loaded most."""
 
     index: int
     """Index of the sample in `Study.data`."""
@@ -157,7 +158,7 @@ class Worst:
 
 @dataclass(frozen=True)
 class StaticPose:
-    """The pose, among those within the limits, at which gravity loads a coordinate most."""
+    """The pose within the limits at which gravity loads one coordinate most."""
 
     coordinate: str
     q: Array
@@ -188,7 +189,7 @@ class Singularity:
 
 @dataclass(frozen=True, repr=False)
 class Replay(Titled):
-    """The torques of the motion drive the model; does it follow?
+    """The result of driving the model by the torques of a motion: whether it follows the motion.
 
     In pieces, each restarted on the reference and short enough that the linearised dynamics amplify
     an error by at most `bound`; and once open loop from the start to the end.
@@ -223,5 +224,5 @@ class Replay(Titled):
 
     @property
     def longest(self) -> float:
-        """Length (s) of the longest piece."""
+        """The length (s) of the longest piece of the replay."""
         return float((self.edges[1:] - self.edges[:-1]).max())

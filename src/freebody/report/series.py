@@ -66,7 +66,7 @@ def series(model: Model, motion: Motion) -> xr.Dataset:
 
 
 def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
-    """The names along each dimension, and the units that differ by coordinate."""
+    """The labels along each dimension, and the units that differ by coordinate."""
     turns = angular(model)
     axes = list("xyz"[: model.dim])
     named: dict[str, Any] = {
@@ -93,7 +93,7 @@ def _motion(model: Model, motion: Motion) -> _ArraysByName:
 
 
 def torques(model: Model, motion: Motion) -> _ArraysByName:
-    """The drives' torque, and the parts that sum to it, each computed by a formula of its own."""
+    """The drives' torque and the parts that add up to it, each computed by a formula of its own."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd
     M = dynamics.mass_matrix(model, q)
     C = dynamics.coriolis_matrix(model, q, qd)
@@ -167,7 +167,7 @@ _MOST_PARTS = 64
 
 
 def _energies(model: Model, motion: Motion) -> dict[str, Any]:
-    """Kinetic and potential energy, and what is left of the energy balance.
+    """Kinetic and potential energy, and the error of the energy balance.
 
     The residual is ∫ (τ - τ_friction) · q̇ dt - (E(t) - E(0)), the integral by Gauss's rule with 6
     points in each interval of the motion's curve, or in parts of it.
@@ -185,8 +185,8 @@ def _energies(model: Model, motion: Motion) -> dict[str, Any]:
 
 
 def supplied_work(model: Model, motion: Motion) -> Array:
-    """∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the integral no
-    longer changes."""
+    """The work ∫ (τ - τ_friction) · q̇ dt up to each sample (T,); intervals are halved until the
+    integral no longer changes."""
     smooth = without_friction(model)  # τ - τ_friction, free of the jumps of sign(q̇)
     parts, coarse = 1, _integral(smooth, motion, 1)
     while parts < _MOST_PARTS:
@@ -200,7 +200,7 @@ def supplied_work(model: Model, motion: Motion) -> Array:
 
 
 def _integral(model: Model, motion: Motion, parts: int) -> Array:
-    """The work up to each sample, by Gauss's rule in `parts` equal parts between knots."""
+    """The work up to each sample, by Gauss's rule with `parts` equal parts between knots."""
     knots = motion.knots
     h = np.diff(knots)[:, None] / parts
     starts = knots[:-1, None] + h * np.arange(parts)
@@ -212,16 +212,16 @@ def _integral(model: Model, motion: Motion, parts: int) -> Array:
 
 
 def _powers(model: Model, found: dict[str, Any], motion: Motion) -> dict[str, Any]:
-    """Mechanical power of each drive and their sum, and what friction takes, by the torques found;
-    joints without a drive give none."""
+    """The mechanical power of each drive, their sum, and the power lost in friction, from the
+    torques found; joints without a drive have none."""
     power = np.where(with_drive(model), found["tau"] * motion.qd, 0.0)
     friction = np.sum(found["tau_friction"] * motion.qd, axis=-1)
     return {"power": power, "motor_power": power.sum(axis=-1), "friction_power": friction}
 
 
 def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]:
-    """Variables (time, joint) from the reactions in the child's axes, (T, joints, dim) and (T,
-    joints, 3 or 1)."""
+    """The loads of bearings (time, joint) by variable, from reaction forces (T, joints, dim) and
+    moments (T, joints, 3 or 1) in the child's axes."""
     found = {name: np.full(force.shape[:2], np.nan) for name in LOADS}
     for k, body in enumerate(model.bodies):
         if body.kind.needs_axis:
@@ -231,8 +231,8 @@ def bearing_loads(model: Model, force: Array, moment: Array) -> dict[str, Array]
 
 
 def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
-    """The loads of a joint with an axis, whose drive is what the reactions do along its motion;
-    force (T, dim), moment (T, 3 or 1)."""
+    """The loads of a joint with an axis, without what its drive does along its motion; force (T,
+    dim), moment (T, 3 or 1)."""
     joint, motion, dim = body.joint, body.kind.motion, force.shape[-1]
     parts: dict[str, Array] = {}
     turning, sliding = motion is None or motion.turns, motion is None or motion.slides
@@ -257,7 +257,7 @@ def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
 
 
 def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
-    """Component along the axis, with its sign, and the size of what is across it."""
+    """The component of vectors along an axis, with its sign, and the size of the part across it."""
     n = np.asarray(axis)
     along = vectors @ n
     return along, _size(vectors - along[:, None] * n)

@@ -1,5 +1,5 @@
-"""The motion that is studied: the one that is given, or the default one at a pace within the
-limits; smoothed where it is measured and this is wished, and sampled at the peaks of loads too."""
+"""The motion that is studied: the given one, or a default one at a pace within the limits; smoothed
+if it is measured and that is wished, and sampled at the peaks of loads too."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _UNLIKELY = 0.05  # of the largest acceleration
 
 
 def given(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] | None) -> Motion:
-    """The motion that `study` was given, or the default one."""
+    """The motion given to `study`, or the default one."""
     return _from_zero(_found(model, motion))
 
 
@@ -68,8 +68,8 @@ def _found(model: Model, motion: Motion | MotionTable | str | os.PathLike[str] |
 
 
 def _from_zero(motion: Motion) -> Motion:
-    """The motion with its times counted from the first, where they are so large, as a computer's
-    clock says them, that numbers hardly tell two samples apart."""
+    """The motion with times counted from its first, where they are so large (as of a computer's
+    clock) that floats hardly separate two samples."""
     start = motion.t[0]
     if np.spacing(np.abs(motion.t).max()) <= _COARSE * np.diff(motion.t).min():
         return motion
@@ -87,8 +87,7 @@ def _from_zero(motion: Motion) -> Motion:
 
 
 def _unhurried(model: Model, motion: Motion) -> Motion:
-    """The default motion, slowed down where that brings it within the limits of speed and
-    torque."""
+    """The default motion, slowed down where that brings it within limits of speed and torque."""
     allowed = ranges(model)
     data = torque_parts(model, motion)
     factor = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed)).factor
@@ -117,8 +116,8 @@ def filtered(model: Model, motion: Motion, smooth: Smooth) -> tuple[Motion, tupl
 
 
 def _compared(model: Model, studied: Motion, other: Motion, how: str) -> str:
-    """The peak torques of both motions where they differ, the most changed first; empty where none
-    does."""
+    """A sentence on the peak torques of both motions where they differ, the most changed first;
+    empty where none does."""
     mine, theirs = (
         np.abs(torque_parts(model, m)["tau"].values).max(axis=0) for m in (studied, other)
     )
@@ -146,8 +145,8 @@ def _peaks(model: Model, k: int, mine: Array, theirs: Array) -> str:
 
 
 def with_peaks(model: Model, motion: Motion) -> Motion:
-    """The motion with samples also where a torque, a power or a reaction is largest between those
-    that it has, by more than a ten-thousandth, or above its limit.
+    """The motion with further samples where a torque, power or reaction between samples is larger
+    than at all of them by a ten-thousandth, or above its limit.
 
     Of a closed chain as it is: between samples its positions are not closed. Intervals in which the
     curve is faster accelerated than its samples explain, as between noisy ones, do not count.
@@ -169,13 +168,14 @@ def with_peaks(model: Model, motion: Motion) -> Motion:
 
 @dataclass(frozen=True)
 class _Loads:
-    """The loads of drives and joints along a motion, K quantities as sizes."""
+    """The loads on drives and joints along a motion, as K magnitudes."""
 
     model: Model
     motion: Motion
 
     def at(self, t: Array, around: Array) -> Array:
-        """(..., K) at times t (...), on the side of the times `around`."""
+        """The loads (..., K) at times t (...), on the side of a jump where the times `around`
+        are."""
         return self._of(*self.motion.at(t, around))
 
     def _of(self, q: Array, qd: Array, qdd: Array) -> Array:
@@ -192,7 +192,7 @@ class _Loads:
         return np.abs(np.concatenate(found, axis=-1)).reshape(*shape, -1)
 
     def limits(self, count: int) -> Array:
-        """(K,) of the quantities, infinite where there is none."""
+        """The limits (K,) of the loads, infinite where there is none."""
         allowed, nv = ranges(self.model), self.model.nv
         found = np.full(count, np.inf)
         found[:nv] = np.where(with_drive(self.model), allowed.effort, np.inf)
@@ -200,7 +200,7 @@ class _Loads:
         return found
 
     def higher(self) -> Iterator[float]:
-        """Times of peaks that the samples miss."""
+        """The times of peaks of loads that lie above all samples."""
         motion = self.motion
         known = self._of(motion.q, motion.qd, motion.qdd).max(axis=0)
         likely = self._likely()
@@ -219,7 +219,7 @@ class _Loads:
                 yield float(where[top])
 
     def _seen(self) -> Array:
-        """(intervals, K) the largest of three places in each interval of the knots."""
+        """The largest loads (intervals, K) at three places in each interval of the knots."""
         knots = self.motion.knots
         start, step = knots[:-1, None], np.diff(knots)[:, None]
         times = start + step * np.array([_EDGE, 0.5, 1.0 - _EDGE])
@@ -228,7 +228,7 @@ class _Loads:
         return np.concatenate([self.at(times[k], around[k]).max(axis=1) for k in parts])
 
     def _climbed(self, interval: Index, column: Index) -> tuple[Array, Array]:
-        """(largest values (C,), their times) of quantities in intervals of the knots."""
+        """(largest values (C,), their times) of given loads in given intervals of the knots."""
         knots = self.motion.knots
         start, step = knots[interval], np.diff(knots)[interval]
         around = np.repeat((start + 0.5 * step)[:, None], _FAN, axis=1)
@@ -243,8 +243,9 @@ class _Loads:
         return values[pick, k], start + step * part[pick, k]
 
     def _likely(self) -> Flags:
-        """(intervals,) of the knots, in which the acceleration is as its ends say: a quarter and
-        three quarters of the way, as halfway nothing is seen of an error of the positions."""
+        """Flags (intervals,) of the intervals between knots in which the acceleration is plausible
+        from its ends: looked at a quarter and three quarters of the way, since errors of positions
+        do not show halfway."""
         motion, knots = self.motion, self.motion.knots
         start, step = knots[:-1], np.diff(knots)
         middle = start + 0.5 * step

@@ -1,5 +1,5 @@
-"""`study`: the main job. A robot and a motion in; kinematics, loads, energies, checks and a replay
-out, as data."""
+"""`study`: freebody's main job. From a robot and a motion to kinematics, loads, energies, checks
+and a replay, as data."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Study(Tabled, ByValue):
-    """A robot's dynamic study: everything a report shows, as data.
+    """The dynamic study of a robot: everything that a report shows, as data.
 
     Names of dimensions: `time` (T samples), `coordinate` (nv; model.velocity_names), `position`
     (nq; position_names), `joint` (model.joint_names; joint i carries body i; then the loops),
@@ -94,24 +94,24 @@ class Study(Tabled, ByValue):
 
     @property
     def checked(self) -> bool:
-        """Whether all `checks` of freebody on itself passed."""
+        """Whether all of freebody's `checks` on itself passed."""
         return all(check.passed for check in self.checks)
 
     @property
     def passed(self) -> bool:
-        """Whether the motion is feasible, which nothing doubtful bars, and all `checks` passed."""
+        """Whether the motion is feasible beyond doubt, and all `checks` passed."""
         return self.checked and self.verdict.good and self.verdict.outcome == "feasible"
 
     @property
     def finding(self) -> bool:
-        """Whether there is something to mend (the command then exits with 1): a limit exceeded,
-        masses or limits that are wrong in the file, a check failed. What is not given or estimated
-        is none."""
+        """Whether something has to be mended (the command then exits with 1): a limit exceeded,
+        wrong masses or limits in the file, a failed check. Missing and estimated values do not
+        count."""
         return not (self.checked and self.verdict.good)
 
     def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
-        """Write study.nc (time series and summary), CSV tables and manifest.json into a folder; the
-        files written.
+        """The paths of the files written into a folder: study.nc (time series and summary), CSV
+        tables and manifest.json.
 
         report: report.html as well. Units stand in the headers. Each file is whole; the manifest,
         which comes last, lists their checksums. Raises FileError for a folder that cannot be
@@ -123,7 +123,7 @@ class Study(Tabled, ByValue):
         return save(self, Path(directory), report)
 
     def to_html(self, path: str | os.PathLike[str]) -> Path:
-        """Write the report as one HTML file that opens offline."""
+        """The path of the report that is written as one HTML file, which opens offline."""
         from freebody.report.page import write
 
         return write(self, Path(path))
@@ -206,7 +206,7 @@ def study(
 
 
 def _driven(model: Model) -> tuple[str, ...]:
-    """A sentence on joints that have no motor in life."""
+    """A sentence on passive joints, which have no motor in reality."""
     free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
     if not free:
         return ()
@@ -218,7 +218,7 @@ def _driven(model: Model) -> tuple[str, ...]:
 
 
 def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
-    """Replay and reason why there is none: (the replay, empty), or (None, why)."""
+    """The replay and the reason why there is none: (the replay, empty), or (None, the reason)."""
     if model.loops:
         why = "There is no replay of a closed chain; one of the checks simulates a section of the"
         return None, f"{why} motion."
@@ -229,7 +229,7 @@ def _replay(model: Model, motion: Motion) -> tuple[Replay | None, str]:
 
 
 class _Clock:
-    """Tells progress, and how long each part took."""
+    """A clock that reports progress and measures how long each part takes."""
 
     def __init__(self, progress: Progress | None):
         self.progress = progress

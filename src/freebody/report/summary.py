@@ -1,4 +1,4 @@
-"""Peaks, means and the use of limits: what motors, gears and bearings are chosen by."""
+"""Peaks, means and use of limits: the numbers by which motors, gears and bearings are chosen."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def summary(model: Model, motion: Motion, data: xr.Dataset) -> xr.Dataset:
 
 
 def mean(t: Array, x: Array) -> Array:
-    """Time average of samples x (T, n): trapezia."""
+    """The time average of samples x (T, n), by the trapezoidal rule."""
     return np.trapezoid(x, t, axis=0) / (t[-1] - t[0])
 
 
@@ -65,8 +65,8 @@ def _peak(t: Array, x: Array) -> tuple[Array, Array]:
 
 
 def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
-    """Work done and braked (J), per coordinate and of all; on one supply, drives that brake feed
-    those that drive."""
+    """The work done and absorbed (J) by each coordinate and in total; on one supply, braking drives
+    feed the others."""
     power = data["power"].values
     done, braked = parted(t, power)
     together = power.sum(axis=1, keepdims=True)
@@ -87,8 +87,8 @@ def works(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def parted(t: Array, power: Array) -> tuple[Array, Array]:
-    """Integrals (n,) of the positive and of the negative part, sign turned, of samples (T, n),
-    straight between."""
+    """The integrals (n,) of the positive part, and of the negative part with its sign changed, of
+    samples (T, n) with straight lines between."""
     h = np.diff(t)[:, None]
     p0, p1 = power[:-1], power[1:]
     size = np.abs(p0) + np.abs(p1)
@@ -101,7 +101,7 @@ def parted(t: Array, power: Array) -> tuple[Array, Array]:
 
 
 def energy_text(found: xr.Dataset, duration: float) -> str:
-    """Work, braking and peak of all drives together, in a sentence, from `Study.summary`."""
+    """A sentence on work, braking and peak power of all drives together, from `Study.summary`."""
     done, braked, net = (
         float(found[f"total_{x}"]) for x in ("work_done", "work_braked", "net_work")
     )
@@ -142,8 +142,8 @@ def _fraction(value: Array, limit: Array) -> Array:
 
 
 def _excursion(model: Model, motion: Motion, allowed: Ranges) -> tuple[Array, Array, Array]:
-    """Least and greatest position and the used part of the range (nv,); NaN where a coordinate has
-    no position."""
+    """The least and greatest position and the used fraction of the range (nv,); NaN where a
+    coordinate has no position of its own."""
     lowest, highest = np.full(model.nv, np.nan), np.full(model.nv, np.nan)
     iq, iv = position_columns(model)
     lowest[iv], highest[iv] = motion.peaks.position.low[iq], motion.peaks.position.high[iq]
@@ -167,8 +167,8 @@ def _reactions(data: xr.Dataset, t: Array) -> dict[str, Any]:
 
 
 def worst(model: Model, data: xr.Dataset) -> Worst:
-    """The instant of the largest torque relative to the effort limits; without limits, of the
-    largest torque."""
+    """The instant of the largest torque relative to effort limits, or without limits of the largest
+    torque."""
     allowed = ranges(model)
     tau, t = data["tau"].values, data["time"].values
     units = np.asarray(data["effort_unit"].values)
@@ -245,7 +245,7 @@ _ROUNDS, _TRIES = 24, 128
 
 
 def worst_poses(model: Model) -> tuple[StaticPose, ...]:
-    """For each coordinate the pose, within the limits, of the largest gravity torque found.
+    """For each coordinate the pose within the limits at which the largest gravity torque was found.
 
     4096 random poses (the same every time); the best of each coordinate is then improved by random
     steps of shrinking size. Coordinates that gravity never loads are left out.
@@ -266,7 +266,8 @@ def worst_poses(model: Model) -> tuple[StaticPose, ...]:
 
 
 def _improved(model: Model, poses: Array) -> Array:
-    """Poses (nv, nq), each moved towards a larger gravity torque of its own coordinate."""
+    """Poses (nv, nq), each moved by random search towards a larger gravity torque of its own
+    coordinate."""
     rng = np.random.default_rng(0)
     allowed = ranges(model)
     each = np.arange(model.nv)
@@ -281,7 +282,7 @@ def _improved(model: Model, poses: Array) -> Array:
 
 
 def clipped(model: Model, q: Array) -> Array:
-    """q brought within the limits."""
+    """The positions q, clipped to the limits."""
     from freebody.motion.ranges import position_columns
 
     allowed = ranges(model)

@@ -1,5 +1,4 @@
-"""Tables of a report as data: every number knows its full value and where in the data it comes
-from."""
+"""Tables of a report as data: every number keeps its full value and its place in the data."""
 
 from __future__ import annotations
 
@@ -37,7 +36,7 @@ class PrintedNumber:
 
     @property
     def over(self) -> bool:
-        """Whether the number is beyond its limit; one on the limit is within, as for the
+        """Whether the number is beyond its limit; a number equal to it is within, as in the
         verdict."""
         return self.bar is not None and self.bar > 1.0 + CLOSE
 
@@ -54,7 +53,7 @@ class PrintedNumber:
 
 @dataclass(frozen=True)
 class WordsCell:
-    """A cell of words; `strong` for what a row is about."""
+    """A cell of words; `strong` for the subject of a row."""
 
     text: str
     strong: bool = False
@@ -66,7 +65,7 @@ Cell = PrintedNumber | WordsCell
 
 @dataclass(frozen=True)
 class Head:
-    """A column: its title, unit, and what the title means."""
+    """The head of a column: its title, its unit, and what the title means."""
 
     text: str
     unit: str = ""
@@ -76,7 +75,7 @@ class Head:
 
 @dataclass(frozen=True)
 class ReportTable:
-    """Rows under heads; `caption` says what it shows."""
+    """A table: rows under heads; `caption` says what it shows."""
 
     caption: str
     heads: tuple[Head, ...]
@@ -84,14 +83,14 @@ class ReportTable:
 
 
 def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> ReportTable:
-    """A table from its columns, the numbers of each printed with the same decimals."""
+    """A table made of columns, in each of which numbers have the same number of decimals."""
     printed = [aligned(column) for column in columns]
     return ReportTable(caption, tuple(heads), tuple(zip(*printed, strict=True)))
 
 
 def aligned(column: Sequence[Cell]) -> list[Cell]:
-    """Cells with text: as many decimals as show three digits of a typical number, and no more than
-    five of any."""
+    """Cells with their text: with as many decimals as give a typical number three digits, and no
+    more than five."""
     sizes = sorted(
         abs(cell.value * cell.scale)
         for cell in column
@@ -105,20 +104,20 @@ def aligned(column: Sequence[Cell]) -> list[Cell]:
 
 
 def typeset(text: str) -> Markup:
-    """Sentences with real minus signs and powers of ten, as HTML."""
+    """Sentences as HTML, with real minus signs and powers of ten."""
     text = re.sub(r"\b10\^([\d.]+)", r"10<sup>\1</sup>", str(escape(text)))
     text = re.sub(r"(?<=\d)e([+-]\d+)", lambda m: f"·10{superscript(int(m.group(1)))}", text)
     return Markup(re.sub(r"(?<![\w.])-(?=\d)", "−", text))
 
 
 def alone(number: PrintedNumber, digits: int = 3) -> PrintedNumber:
-    """A number with its own digits, for columns of unlike sizes."""
+    """A number printed with digits of its own, for columns of unequal sizes."""
     return replace(number, text=significant(number.value * number.scale, digits))
 
 
 def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
-    """A cell with so many decimals; with digits of its own where that would print 0, unless it is
-    lost in `noise`."""
+    """A cell printed with a given number of decimals; with digits of its own where that would give
+    0, and as 0 where it is lost in `noise`."""
     if isinstance(cell, WordsCell) or cell.text:
         return cell
     size = cell.value * cell.scale
@@ -132,7 +131,7 @@ def _printed(cell: Cell, decimals: int, noise: float) -> Cell:
 
 
 def shortened(names: Sequence[str]) -> list[str]:
-    """Names without the words that all of them begin and end with."""
+    """The names without the words that all of them begin or end with."""
     if len(names) < 2:
         return list(names)
     words = [name.split("_") for name in names]

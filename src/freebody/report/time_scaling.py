@@ -1,5 +1,4 @@
-"""The pace at which a motion may be run: its torques and speeds under uniform scaling of time,
-exactly.
+"""The pace at which a motion may be run: exact torques and speeds under uniform scaling of time.
 
 Run k times as fast, the same path has rates k q̇ and accelerations k² q̈, and each torque is
 
@@ -37,8 +36,8 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pace:
-    """factor: the motion, run `factor` times as fast, reaches its first limit, of those that depend
-    on speed.
+    """The factor on a motion's speed at which it reaches its first limit, of those that depend on
+    speed.
 
     Above 1 it may be sped up so far, and at every speed between; below 1 it must be slowed down,
     `factor` being the largest that is within all. 0: no slowing helps. Infinite: no limit is ever
@@ -76,8 +75,8 @@ def pace(model: Model, motion: Motion, data: xr.Dataset, velocity: Array, effort
 
 
 def parts(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
-    """(a, b, c), arrays (T, nv): the torques' parts that grow with the square of the pace, with it,
-    and not; without what is lost of the torques transmitted."""
+    """The parts (a, b, c), arrays (T, nv), of the torques that grow with the square of the pace,
+    with the pace, and not at all; without losses of the transmitted torque."""
     get = {name: data[f"tau_{name}"].values for name in _PARTS}
     square, linear, constant = _transmitted(model, data)
     lost = lost_torque(model, data["qd"].values, square + linear + constant)
@@ -90,8 +89,8 @@ _PARTS = ("rotors", "viscous", "friction")
 
 
 def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
-    """The parts of what joints transmit that grow with the square of the pace, with it, as struts'
-    damping does, and not."""
+    """The parts of the transmitted torque that grow with the square of the pace, with the pace (as
+    the damping of struts does), and not at all."""
     get = {name: data[f"tau_{name}"].values for name in _SENT}
     dampers = get["viscous"] - viscous_friction(model) * data["qd"].values
     at_joint = get["springs"] - motor_springs(model, data["q"].values, data["qd"].values)
@@ -102,8 +101,9 @@ _SENT = ("inertial", "coriolis", "viscous", "gravity", "springs")
 
 
 def _ways(model: Model, data: xr.Dataset) -> Iterator[tuple[list[Array], list[Array]]]:
-    """(a, b, c) of the torque, and those of a polynomial that is positive at the paces at which it
-    is this: with losses two ways, by the direction of power."""
+    """Pairs of coefficients: (a, b, c) of the torque as a polynomial of the pace, and those of a
+    polynomial that is positive where the first is valid; with losses two pairs, by the direction of
+    power."""
     a, b, c = parts(model, data)
     if not lossy_joints(model.bodies):
         yield [a, b, c], [0.0 * a, 0.0 * b, 0.0 * c + 1.0]
@@ -120,7 +120,7 @@ def _ways(model: Model, data: xr.Dataset) -> Iterator[tuple[list[Array], list[Ar
 
 
 def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
-    """Torque limits (nv,) of what is driven."""
+    """Limits of torque (nv,), infinite for coordinates that nothing drives."""
     return np.where(with_drive(model), allowed.effort, np.inf)
 
 
@@ -131,8 +131,8 @@ def at_pace(motion: Motion, factor: float, words: str) -> Motion:
 
 
 def _broken(torque: Sequence[Array], bound: Array, there: Sequence[Array]) -> tuple[Array, Array]:
-    """Open intervals of k > 0, arrays (n,) of their ends, in which |a k² + b k + c| of the torque
-    is above its bound somewhere, and the polynomial `there` above 0."""
+    """Open intervals of the pace k > 0, arrays (n,) of their ends, in which |a k² + b k + c|
+    exceeds its bound somewhere and the polynomial `there` is positive."""
     a, b, c = torque
     ends: list[tuple[Array, Array]] = []
     for sign in (1.0, -1.0):
@@ -175,8 +175,8 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:
-    """Factor up to which k may rise from 1 without meeting an interval or `quickest`; where 1 lies
-    in an interval or above `quickest`, the largest k below that does not."""
+    """The pace up to which k may rise from 1 without entering an interval or exceeding `quickest`;
+    where 1 is in an interval or above `quickest`, the largest k below that is not."""
     order = np.argsort(low)
     low, high = low[order], np.maximum.accumulate(high[order]) if len(high) else high
     inside = bool(np.any((low < 1.0) & (high > 1.0)))

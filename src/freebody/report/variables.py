@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Variable:
-    """One variable of a dataset: names of its dimensions, its unit and its meaning.
+    """A variable of a dataset: the names of its dimensions, its unit and its meaning.
 
     A unit such as "rad|m" is the first for a turning joint and the second for a sliding one. A
     name that ends in _fraction is that of a share of a limit, one in _share that of another share.
@@ -179,7 +179,8 @@ def dataset(
     about: Mapping[str, str] | None = None,
     **words: str,
 ) -> xr.Dataset:
-    """Variables by name as a dataset; words: what stands for the names in braces of meanings."""
+    """A dataset of variables by name; words: the texts for the names in braces in their
+    meanings."""
     import xarray as xr
 
     variables = {}

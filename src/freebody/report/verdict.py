@@ -1,4 +1,4 @@
-"""The verdict of a study: feasible, not feasible, or not judged, and by which limit.
+"""The verdict on a motion: feasible, not feasible, or not judged, and the limit that decides.
 
 A verdict is never kinder than the truth. A doubt on the robot that bars the verdict (`doubts`:
 masses that are none, limits that are placeholders or not given, estimates) makes void what rests on
@@ -44,8 +44,8 @@ _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 def verdict(
     model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
 ) -> MotionVerdict:
-    """Judge a motion by `Study.data` and `Study.summary`; noisy: the motion's noise is part of its
-    torques."""
+    """The verdict on a motion from `Study.data` and `Study.summary`; noisy: whether the motion's
+    noise is part of its torques."""
     allowed, doubts = ranges(model), _WeighedDoubts(model.doubts)
     every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
     told = [use for use in every if not _rests(use, doubts.wrong)]
@@ -71,8 +71,8 @@ def verdict(
 
 
 class _WeighedDoubts:
-    """The doubts on a robot: those that something wrong in its file causes, those by which
-    something is unknown, and what they leave to be judged."""
+    """The doubts about a robot sorted: those due to something wrong in its file, those that leave
+    something unknown, and what can be judged all the same."""
 
     def __init__(self, every: tuple[Doubt, ...]):
         self.every = every
@@ -86,14 +86,14 @@ class _WeighedDoubts:
         """Whether some limits are not given."""
 
     def outcome(self, failed: bool) -> VerdictOutcome:
-        """The outcome, given whether something that can be judged fails."""
+        """The outcome of the verdict; failed: whether something that can be judged fails."""
         if failed:
             return "not feasible"
         return "not judged" if self.wrong or self.unknown else "feasible"
 
 
 def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
-    """Whether a limit's use rests on what is doubted."""
+    """Whether the use of a limit depends on something doubtful."""
     aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORTS))
     return any(
         set(aspects) & set(doubt.of.touches)
@@ -133,8 +133,8 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
 def _position(
     motion: Motion, allowed: Ranges, k: int, column: int, name: str, unit: str, fraction: float
 ) -> Iterator[LimitUse]:
-    """The nearest approach to, or the farthest excess of, a position limit; one-sided ranges count
-    when left."""
+    """The nearest approach to a position limit, or the largest excess of one; of one-sided ranges
+    only an excess counts."""
     found, lower, upper = motion.peaks.position, float(allowed.lower[k]), float(allowed.upper[k])
     low, high = float(found.low[column]), float(found.high[column])
     to_lower, to_upper = low - lower, upper - high
@@ -153,7 +153,7 @@ def _position(
 
 # ------------------------------------------------------------ what is not there
 def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
-    """Passive joints of an open chain that the motion needs a torque at."""
+    """Sentences on passive joints of an open chain at which the motion needs a torque."""
     if model.loops:
         return ()
     tau, acting = np.abs(data["tau"].values).max(axis=0), _acting(model, data)
@@ -167,8 +167,8 @@ def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
-    """Passive joints of an open chain that gravity, springs or friction move: at another pace they
-    would not follow."""
+    """Names of passive joints of an open chain moved by gravity, springs or friction, which would
+    not follow at another pace."""
     if model.loops:
         return ()
     _, viscous, held = (np.abs(part).max(axis=0) for part in parts(model, data))
@@ -181,8 +181,8 @@ def _own_pace(model: Model, data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _acting(model: Model, data: xr.Dataset) -> np.ndarray:
-    """(nv,) the size of what acts at a coordinate: the parts of its torque, or its joint's load on
-    its body's arm."""
+    """The size (nv,) of the efforts at each coordinate: of the parts of its torque, or of its
+    joint's load times its body's arm."""
     size = np.sum([np.abs(part) for part in parts(model, data)], axis=0).max(axis=0)
     load = np.linalg.norm(data["reaction_force"].values, axis=-1).max(axis=0)
     arm = np.linalg.norm(data["body_com"].values - data["body_origin"].values, axis=-1).max(axis=0)
@@ -201,7 +201,7 @@ def _reasons(
     undriven: Sequence[str],
     doubts: Sequence[Doubt],
 ) -> Iterator[str]:
-    """Sentences, the first to go on with after the outcome."""
+    """Sentences on the reason for a verdict, the first of which continues the outcome."""
     if over:
         more = len(over) - 1
         others = f"; {more} more limit{'s are' if more > 1 else ' is'} exceeded" if more else ""
@@ -219,8 +219,7 @@ def _reasons(
 
 
 def _but_for_doubts(uses: Sequence[LimitUse], doubts: Sequence[Doubt]) -> str:
-    """The sentence on a motion that is not judged, as it would be judged if nothing were
-    unknown."""
+    """A sentence on a motion that is not judged: the verdict if nothing were unknown."""
     beyond = [use for use in uses if use.exceeded]
     estimated = "" if all(doubt.of.absent for doubt in doubts) else " by the estimates"
     if beyond:
@@ -231,7 +230,8 @@ def _but_for_doubts(uses: Sequence[LimitUse], doubts: Sequence[Doubt]) -> str:
 
 
 def _doubted(doubts: Sequence[Doubt]) -> Iterator[str]:
-    """Sentences on what bars the verdict: what is wrong with the torques in one, then the rest."""
+    """Sentences on what prevents a verdict: first what is wrong with the torques, in one, then the
+    rest."""
     torques = [x for x in doubts if x.of.mend and {MASSES, ROTORS} & {*x.of.touches}]
     if torques:
         yield f"the torques cannot be trusted: {'; '.join(x.clause for x in torques)}."
@@ -267,7 +267,7 @@ def _paces(
 
 
 def _held_too_much(model: Model, run: Pace) -> str:
-    """The sentence on torques that exceed a limit however slow the motion is."""
+    """A sentence on torques that exceed a limit however slow the motion is."""
     held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
     k = int(np.argmax(held))
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
@@ -288,7 +288,7 @@ def _no_other_pace(names: Sequence[str], slower: bool) -> str:
 
 
 def _holds_more(model: Model) -> bool:
-    """Whether more than gravity is there at any pace: springs, dry friction."""
+    """Whether torques other than gravity's are independent of the pace: springs, dry friction."""
     if any(strut.stiffness or strut.preload for strut in model.struts):
         return True
     laws = (x for b in model.tree.bodies if b.drive is not None for x in b.drive.laws)
@@ -300,6 +300,6 @@ def _holds(law: DriveLaw) -> bool:
 
 
 def _down(factor: float) -> str:
-    """A factor with three digits, never rounded up."""
+    """A factor as text with three digits, rounded down."""
     scale = 10.0 ** (2 - int(np.floor(np.log10(factor))))
     return f"{np.floor(factor * scale * (1 + 1e-12)) / scale:.3g}"

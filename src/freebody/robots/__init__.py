@@ -1,4 +1,4 @@
-"""Bundled models: TOML files beside this one, each with its source cited."""
+"""Bundled models: TOML files in this folder, each with its source cited."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from freebody.outputs.display import TextTable
 
 
 class Models(dict[str, str]):
-    """Names of models and the sources of their numbers, printed as a table."""
+    """Names of models with the sources of their numbers, printed as a table."""
 
     def __str__(self) -> str:
         width = max(map(len, self), default=0)
@@ -22,12 +22,12 @@ class Models(dict[str, str]):
 
 
 def models() -> Models:
-    """The bundled models: name -> where its numbers come from. `load` takes the names."""
+    """The bundled models: name -> the source of its numbers. `load` takes the names."""
     return Models(_entries("source"))
 
 
 def abouts() -> dict[str, str]:
-    """Name of each bundled model -> what is worth seeing in it."""
+    """For each bundled model by name what is worth seeing in it."""
     return _entries("about")
 
 

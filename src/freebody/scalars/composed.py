@@ -31,15 +31,15 @@ LARGEST = 300
 
 
 class Factor(NamedTuple):
-    """A variable ("", its name), a function of an argument, or ("sum", a sum) that is divided
-    by."""
+    """A factor of a product: a variable ("", its name), a function of an argument, or ("sum", a
+    sum) as a denominator."""
 
     function: str
     of: Any
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """The rank by which factors are sorted: variables first."""
+        """The sort key of factors, in which variables come first."""
         return self.function, self.of if isinstance(self.of, str) else self.of.key
 
 
@@ -47,14 +47,14 @@ FactorPowers = tuple[tuple[Factor, int], ...]
 
 
 def _written(power: tuple[Factor, int]) -> str:
-    """A power of a factor as one types it."""
+    """A power of a factor as text in the form one types."""
     (function, of), exponent = power
     factor = of if not function else f"({of})" if function == "sum" else f"{function}({of})"
     return factor if exponent == 1 else f"{factor}^{exponent}"
 
 
 class Composed:
-    """A function of variables; a scalar for formulas and algorithms."""
+    """A function of variables in closed form; a scalar for formulas and algorithms."""
 
     __array_ufunc__ = None
 
@@ -70,13 +70,14 @@ class Composed:
 
     @classmethod
     def of(cls, x: Any) -> Composed:
-        """A number as function; a function as it is."""
+        """A number as a function; a function unchanged."""
         return x if isinstance(x, cls) else cls({(): exactly(x)})
 
     # ------------------------------------------------------------ what it is
     @cached_property
     def key(self) -> tuple[Any, ...]:
-        """Equal of equal functions, in an order that does not depend on how they came about."""
+        """A key that is equal for equal functions, with terms in an order that does not depend on
+        how they were made."""
         return tuple(sorted((_key(monomial), c) for monomial, c in self.terms.items()))
 
     def __eq__(self, other: object) -> bool:
@@ -97,7 +98,7 @@ class Composed:
 
     @property
     def number(self) -> Fraction | None:
-        """The number that a constant function is; None of other functions."""
+        """The value of a constant function; None for other functions."""
         return self.terms.get((), Fraction(0)) if set(self.terms) <= {()} else None
 
     @cached_property
@@ -158,7 +159,8 @@ class Composed:
 
     @property
     def _leading(self) -> Fraction:
-        """The coefficient of one term, the same one of every multiple."""
+        """The coefficient of the first term in a fixed order, by which multiples of a function
+        compare."""
         return self.terms[min(self.terms, key=_key)]
 
     # ------------------------------------------------------------ functions
@@ -191,7 +193,7 @@ class Composed:
         return total
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
-        """The value at numbers or arrays for the variables."""
+        """The value for given numbers or arrays of the variables."""
         total: Any = 0.0
         for monomial, coefficient in self.terms.items():
             term: Any = float(coefficient)
@@ -223,7 +225,7 @@ def _function(name: str, u: Composed) -> Composed:
 
 
 def _slope(factor: Factor, name: str) -> Composed | None:
-    """∂factor/∂name; None where the factor does not depend on it."""
+    """The derivative ∂factor/∂name; None where the factor does not depend on the variable."""
     if isinstance(factor.of, str):
         return Composed.of(1) if factor.of == name else None
     inner = factor.of.derivative(name)
@@ -246,7 +248,7 @@ def _key(monomial: FactorPowers) -> tuple[Any, ...]:
 
 
 def _product(a: FactorPowers, b: FactorPowers, coefficient: Fraction) -> Composed:
-    """The normal form of coefficient · a · b."""
+    """The product coefficient · a · b in normal form."""
     exponents: dict[Factor, int] = {}
     growth = Composed({})
     for factor, exponent in (*a, *b):
@@ -267,7 +269,8 @@ def _product(a: FactorPowers, b: FactorPowers, coefficient: Fraction) -> Compose
 
 
 def _folded(factor: Factor, exponent: int) -> tuple[Composed | None, int]:
-    """A factor that a power splits off, and the exponent that is left: sin³ is (1 - cos²) sin."""
+    """The function into which a power of a factor is rewritten, and the exponent that is left: sin³
+    is (1 - cos²) sin."""
     if factor.function == "sin" and exponent >= 2:
         c = _function("cos", factor.of)
         return (1 - c * c) ** (exponent // 2), exponent % 2

@@ -1,4 +1,5 @@
-"""Scalars that record what is done to them: interned nodes of a graph, folded as they are made.
+"""Scalars that record the operations on them: interned nodes of a graph, simplified as they are
+made.
 
 A node is a row (op, a, b, c) of its graph. Equal rows are one node, so common subexpressions are
 found by construction. An `Expr` is only a handle on a row. Nodes are folded by the rules of
@@ -16,7 +17,7 @@ from freebody.scalars.operations import ARITY, OPERATIONS
 
 
 class Graph(Nodes):
-    """The nodes of one trace, with handles on them."""
+    """The nodes of one trace, with handles to them."""
 
     __slots__ = ("input_names",)
 
@@ -48,7 +49,7 @@ class Graph(Nodes):
         return -1
 
     def describe(self, index: int) -> str:
-        """Text of a node, for messages and printing."""
+        """Text of a node, for messages and listings."""
         op = self.op[index]
         if op == "const":
             return repr(self.constant_of[index])
@@ -69,8 +70,8 @@ def _float(value: Any) -> float:
 
 
 class Expr:
-    """Handle on one node of a graph; behaves as a number under `+ - * / **` and the functions of
-    `elementary`.
+    """A handle on a node of a graph, which behaves as a number under `+ - * / **` and the functions
+    of `elementary`.
 
     A handle equals one of the same node. Comparing values is refused: what a trace does may depend
     on the structure of the robot, never on the value of a scalar.
@@ -149,8 +150,8 @@ class Expr:
         return self.elementary("absolute", (self,))
 
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Expr:
-        """The node of an elementary function of traced scalars and numbers; NotImplemented of
-        anything else."""
+        """The node of an elementary function of traced scalars and numbers; NotImplemented for
+        other operands."""
         graph = self.graph
         indices = [graph.operand(x) for x in operands]
         if min(indices) < 0:

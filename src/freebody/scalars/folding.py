@@ -1,4 +1,5 @@
-"""The folding rules of arithmetic, one a line of each function; the last line makes the node.
+"""Rules that simplify arithmetic while nodes are made, one rule a line of each function; the last
+line makes the node.
 
 The normal form that they keep:
 - a negation is pulled out of products, quotients and odd functions, and vanishes into the next sum,

@@ -1,5 +1,5 @@
-"""Names of a ring's generators: symbols, sines and cosines of angles, signs of rates. What needs to
-know which of them one is asks here, and takes no name apart itself."""
+"""Names of a ring's generators: symbols, sines and cosines of angles, signs of rates. All code that
+needs to know the kind of a generator asks here."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ SIGN = "sgn"
 
 
 def waves_of(angle: str) -> tuple[str, str]:
-    """The sine and the cosine of an angle."""
+    """The names of the generators for sine and cosine of an angle."""
     return f"sin_{angle}", f"cos_{angle}"
 
 
 def sign_of(rate: str) -> str:
-    """Name of the generator that is the sign of a rate."""
+    """The name of the generator for the sign of a rate."""
     return f"{SIGN}_{rate}"
 
 
 @lru_cache(maxsize=8192)
 def function_of(generator: str) -> str:
-    """Function of a generator: sin, cos or sgn; "" of a symbol."""
+    """The function of a generator by its name: sin, cos or sgn; "" for a symbol."""
     function, _, symbol = generator.partition("_")
     return function if symbol and function in (*WAVES, SIGN) else ""
 
 
 @lru_cache(maxsize=8192)
 def symbol_of(generator: str) -> str:
-    """The angle whose sine or cosine, or the rate whose sign a generator is; a symbol itself."""
+    """The angle or rate inside a generator that is a sine, cosine or sign; a symbol itself."""
     function = function_of(generator)
     return generator.removeprefix(f"{function}_") if function else generator
 
 
 def generators_in(*polynomials: Trig) -> set[str]:
-    """The generators in polynomials."""
+    """The generators that occur in polynomials."""
     return {name for x in polynomials for powers, _ in x.terms() for name in powers}
 
 
 def symbols_in(*polynomials: Trig) -> set[str]:
-    """The symbols in polynomials, those in sines, cosines and signs among them."""
+    """The symbols that occur in polynomials, also inside sines, cosines and signs."""
     return set(map(symbol_of, generators_in(*polynomials)))

@@ -12,12 +12,12 @@ ZERO, ONE = 0, 1
 
 
 class GraphError(FreebodyError, TypeError):
-    """A traced scalar used in a way that a graph cannot record."""
+    """Raised where a traced scalar is used in a way that a graph cannot record."""
 
 
 class Nodes:
-    """Rows (op, a, b, c): an operation and its operands by index, -1 where there is none. Equal
-    rows are one node.
+    """Nodes as rows (op, a, b, c): an operation and the indices of its operands, -1 where there is
+    none. Equal rows are one node.
 
     An input has in `a` its position among the inputs, a constant its position in `values`.
     """
@@ -39,7 +39,7 @@ class Nodes:
         return len(self.op)
 
     def node(self, op: str, a: int, b: int = -1, c: int = -1) -> int:
-        """The node of an operation as it is, without rules."""
+        """The index of the node of an operation, without simplification."""
         key = (op, a, b, c)
         index = self.interned.get(key)
         if index is None:
@@ -51,7 +51,7 @@ class Nodes:
         return index
 
     def number(self, value: float) -> int:
-        """The node of a finite number."""
+        """The index of the node of a finite number."""
         index = self.interned.get(value)
         if index is None:
             if not math.isfinite(value):

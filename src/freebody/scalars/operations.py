@@ -1,4 +1,4 @@
-"""The operations of a program: one record each.
+"""The operations of a program, a record each.
 
 A target adds what is its own: how it computes or writes the operation, in a table by the same
 names, which a test holds to be complete.
@@ -18,7 +18,7 @@ from freebody.scalars.nodes import ONE, ZERO, GraphError, Nodes
 
 @dataclass(frozen=True)
 class Operation:
-    """One operation, for whatever computes it.
+    """An operation of programs, for passes, targets and tracing.
 
     number: of floats; folds constants.
     fold: (nodes, *operands) -> the node of something simpler; None: there is nothing simpler.
@@ -36,7 +36,7 @@ class Operation:
     cost: float = 1.0
 
     def node(self, g: Nodes, *operands: int) -> int:
-        """The node of the operation on other nodes, folded."""
+        """The index of the node of the operation on other nodes, simplified."""
         simpler = None if self.fold is None else self.fold(g, *operands)
         if simpler is not None:
             return simpler
@@ -60,7 +60,8 @@ class Operation:
 
 
 def _alike(of_equals: int | None) -> Callable[[Nodes, int, int], int | None]:
-    """The rule of two operands that are the same node: that node, or a constant."""
+    """The simplification of an operation whose two operands are the same node: to that node, or to
+    a constant."""
 
     def fold(g: Nodes, a: int, b: int) -> int | None:
         return (a if of_equals is None else of_equals) if a == b else None
@@ -79,7 +80,8 @@ def _absolute(g: Nodes, a: int) -> int | None:
 
 
 def _epsilon(g: Nodes, a: int) -> int | None:
-    """The unit of rounding of an input from which the operand comes: they are of one type."""
+    """The node of the unit of rounding for an operand, taken from an input that it comes from,
+    which has the same number type; None for constants."""
     while ARITY[g.op[a]]:
         operands = (g.a[a], g.b[a], g.c[a])
         a = next(i for i in operands if i >= 0 and i not in g.constant_of)

@@ -1,4 +1,4 @@
-"""Rational numbers next to given ones that keep what is exact: points on the circle, rotations,
+"""Rational numbers near given ones that satisfy exact conditions: points on the circle, rotations,
 unit vectors."""
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ _HALF_TURN_PARTS = (
 
 
 def exactly(number: float | Rational) -> Fraction:
-    """A float as the shortest decimal that reads back as it; rationals as they are."""
+    """A float as the fraction of the shortest decimal that reads back as it; rationals
+    unchanged."""
     return Fraction(number) if isinstance(number, Rational) else Fraction(repr(float(number)))
 
 
 def rational_sin_cos(angle: float) -> tuple[Any, Any]:
-    """(s, c) with s² + c² = 1 exactly: 0 and ±1 at right angles, else the nearest rational point by
-    the half angle."""
+    """Rational (s, c) with s² + c² = 1 exactly: 0 and ±1 at right angles, else the nearest rational
+    point by the half angle."""
     quarter = round(angle / (math.pi / 2))
     rest = angle - quarter * (math.pi / 2)
     if abs(rest) <= EXACT:
@@ -39,7 +40,7 @@ def rational_sin_cos(angle: float) -> tuple[Any, Any]:
 
 
 def rational_rotation(matrix: Sequence[Sequence[float]]) -> tuple[tuple[Any, ...], ...]:
-    """An exactly orthogonal rational matrix next to a rotation: its quaternion rounded to
+    """An exactly orthogonal rational matrix near a rotation: its quaternion is rounded to
     rationals."""
     if all(x in (0.0, 1.0, -1.0) for row in matrix for x in row):
         return tuple(tuple(row) for row in matrix)
@@ -56,7 +57,7 @@ def rational_rotation(matrix: Sequence[Sequence[float]]) -> tuple[tuple[Any, ...
 
 
 def rational_axis(axis: Sequence[float]) -> tuple[Any, ...]:
-    """A rational vector of length exactly 1 next to a unit vector (stereographic projection)."""
+    """A rational vector of length exactly 1 near a unit vector (stereographic projection)."""
     if sum(x != 0.0 for x in axis) == 1:
         return tuple(axis)
     k = max(range(3), key=lambda i: abs(axis[i]))

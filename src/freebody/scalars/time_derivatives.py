@@ -54,11 +54,11 @@ class Jet:
         return jet(other) / self
 
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Jet:
-        """Sine or cosine: all that kinematics needs."""
+        """The sine or cosine of a jet, which are all the functions that kinematics needs."""
         return self._through(_DERIVATIVES[name])
 
     def _through(self, function: Any) -> Jet:
-        """The value of a function with its derivatives: f(x), f' ẋ, f'' ẋ² + f' ẍ."""
+        """A function of a jet with its derivatives: f(x), f' ẋ, f'' ẋ² + f' ẍ."""
         f, slope, bend = function(self.x)
         return Jet(f, slope * self.xd, bend * (self.xd * self.xd) + slope * self.xdd)
 
@@ -71,12 +71,13 @@ _DERIVATIVES: dict[str, Any] = {
 
 
 def jet(x: Scalar) -> Jet:
-    """A jet as it is; a constant with derivatives zero."""
+    """A jet unchanged; a constant as a jet with zero derivatives."""
     return x if isinstance(x, Jet) else Jet(x, 0.0, 0.0)
 
 
 def parts(nested: Any) -> tuple[Any, Any, Any]:
-    """Nested tuples of jets as three, of values and of both derivatives."""
+    """Three nested tuples from one of jets: of the values, and of the first and second
+    derivatives."""
     if isinstance(nested, tuple):
         first, second, third = zip(*map(parts, nested), strict=True)
         return first, second, third

@@ -58,7 +58,8 @@ class TrigRing:
         self._constants: dict[Any, Any] = {}
 
     def __eq__(self, other: object) -> bool:
-        """Rings of the same generators are one: their polynomials can be compared and added."""
+        """Whether two rings have the same generators, so that their polynomials can be compared and
+        added."""
         return isinstance(other, TrigRing) and (self.angles, self.names) == (
             other.angles,
             other.names,
@@ -94,7 +95,7 @@ class TrigRing:
         return found
 
     def polynomial(self, terms: Iterable[tuple[Mapping[str, int], Fraction]]) -> Trig:
-        """The polynomial with these terms, {generator: exponent} and coefficient: the inverse of
+        """The polynomial with given terms, {generator: exponent} and coefficient; the inverse of
         `Trig.terms`."""
         rows: dict[tuple[int, ...], Any] = {}
         for powers, coefficient in terms:
@@ -145,13 +146,13 @@ def _flint(number: Fraction) -> Any:
 def _again(
     ring: TrigRing, terms: tuple[tuple[Mapping[str, int], Fraction], ...], mask: int
 ) -> Trig:
-    """The element that was pickled."""
+    """A polynomial rebuilt from a pickle."""
     return Trig(ring, ring.polynomial(terms).poly, mask)
 
 
 class Trig:
-    """An element of a `TrigRing`; a scalar for the algorithms. `mask` marks the angles whose sine
-    may occur."""
+    """A polynomial of a `TrigRing`, usable as a scalar in algorithms. `mask` marks the angles whose
+    sine may occur."""
 
     __slots__ = ("mask", "poly", "ring")
     __array_ufunc__ = None
@@ -247,7 +248,8 @@ class Trig:
 
     # ------------------------------------------------------------ angles
     def elementary(self, name: str, operands: tuple[Any, ...]) -> Trig:
-        """An elementary function, as far as its values are polynomials."""
+        """The sine, cosine, sign or absolute value of a polynomial, where that is a polynomial
+        again."""
         if name == "absolute":
             return self * self.sign()
         if name not in ("sin", "cos", "sign"):
@@ -258,11 +260,11 @@ class Trig:
         return getattr(self, name)()
 
     def sin(self) -> Trig:
-        """Sine of a sum of angles and a constant."""
+        """The sine of a polynomial that is a sum of angles and a constant."""
         return self._sin_cos[0]
 
     def cos(self) -> Trig:
-        """Cosine of a sum of angles and a constant."""
+        """The cosine of a polynomial that is a sum of angles and a constant."""
         return self._sin_cos[1]
 
     @property
@@ -293,15 +295,15 @@ class Trig:
         return s, c
 
     def _angle(self, monomial: tuple[int, ...]) -> str | None:
-        """The angle whose first power a monomial is."""
+        """The angle of a monomial that is an angle to the first power; None for others."""
         if sum(monomial) != 1:
             return None
         name = self.ring.names[monomial.index(1) - 2 * len(self.ring.angles)]
         return name if name in self.ring.angles else None
 
     def sign(self) -> Trig:
-        """Sign of a multiple of a single rate: an opaque generator sgn_…, negated where the factor
-        is negative."""
+        """The sign of a multiple of a single rate: an opaque generator sgn_…, negated for a
+        negative factor."""
         factor = self.leading_coefficient
         name = str(self.poly / _flint(factor)) if factor else "0"
         if sign_of(name) not in self.ring.index:
@@ -322,7 +324,7 @@ class Trig:
 
     @property
     def fraction(self) -> Fraction:
-        """The number that a constant polynomial is."""
+        """The value of a constant polynomial."""
         if self.is_zero:
             return Fraction(0)
         ((_, coefficient),) = self.poly.terms()
@@ -330,7 +332,7 @@ class Trig:
 
     @property
     def leading_coefficient(self) -> Fraction:
-        """The coefficient of the first term in the ring's order; 0 of zero."""
+        """The coefficient of the first term in the ring's order; 0 for the zero polynomial."""
         if self.is_zero:
             return Fraction(0)
         lead = self.poly.leading_coefficient()
@@ -348,12 +350,12 @@ class Trig:
         return len(self.poly)
 
     def factors(self) -> list[tuple[Trig, int]]:
-        """Irreducible factors and exponents, up to a number; s² = 1 - c² is not made use of."""
+        """Irreducible factors with exponents, up to a constant; s² = 1 - c² is not used."""
         _, rows = self.poly.factor()
         return [(Trig(self.ring, factor, self.mask), int(exponent)) for factor, exponent in rows]
 
     def derivative(self, name: str) -> Trig:
-        """∂/∂name; of an angle the chain rule through its sine and cosine."""
+        """The derivative ∂/∂name; for an angle by the chain rule through its sine and cosine."""
         index = self.ring.index[name]
         result = Trig(self.ring, self.poly.derivative(index), self.mask)
         if name not in self.ring.angles:
@@ -365,7 +367,8 @@ class Trig:
         return result + (c * by_s - s * by_c)
 
     def along(self, rates: Mapping[str, Trig]) -> Trig:
-        """Σ ∂/∂name · rate: the time derivative, where `rates` gives each variable's."""
+        """The sum Σ ∂/∂name · rate, which is the time derivative if `rates` gives that of each
+        variable."""
         total = Trig(self.ring, self.ring.constant(0), 0)
         for name, rate in rates.items():
             slope = self.derivative(name)
@@ -374,7 +377,7 @@ class Trig:
         return total
 
     def evaluate(self, values: Mapping[str, Any]) -> Any:
-        """The value at numbers or arrays for coordinates, rates and parameters."""
+        """The value for given numbers or arrays of coordinates, rates and parameters."""
         n = 2 * len(self.ring.angles)
         used = (
             [i for i, degree in enumerate(self.poly.degrees()) if degree > 0]

@@ -86,24 +86,25 @@ class JointContacts:
         return x <= self.lower, x >= self.upper
 
     def bounds(self, q: Array) -> tuple[Array, Array]:
-        """Lowest and highest torque that hold a coordinate at rest: friction resists both ways, a
-        stop pushes inward as much as it takes."""
+        """The lowest and the highest torque that hold each coordinate at rest: friction resists
+        both ways, a stop pushes inward with any force."""
         below, above = self.at_stops(q)
         return np.where(above, -np.inf, -self.grip), np.where(below, np.inf, self.grip)
 
     def resting(self, q: Array, qd: Array) -> Flags:
-        """Flags of the coordinates that may be held."""
+        """Flags of the coordinates that are at rest and may be held, by dry friction or by a
+        stop."""
         below, above = self.at_stops(q)
         return (qd == 0.0) & ((self.grip > 0.0) | below | above)
 
     def hitting(self, q: Array, qd: Array) -> Flags:
-        """Flags of the coordinates that move on into a stop."""
+        """Flags of the coordinates at a stop that move on into it."""
         below, above = self.at_stops(q)
         return (below & (qd < 0.0)) | (above & (qd > 0.0))
 
     def contact(self, q: Array, qd: Array, M: Array, forces: Array, drag: Array) -> Contact:
-        """Contacts in states (n, ...), forces (n, nv) being all that accelerates but dry friction,
-        of size drag (n, nv), and stops.
+        """The contacts in states (n, ...), given the forces (n, nv) other than dry friction, of
+        size drag (n, nv), and stops.
 
         A coordinate at rest stays there where friction and stop can hold it, together with all
         others; else it begins to move, against its friction. Of moving ones friction resists.
@@ -133,7 +134,7 @@ class JointContacts:
 
 
 def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointContacts:
-    """Dry friction and stops of a model, of a family (*family, nv) each; dry: whether its friction
+    """The dry friction and stops of a model, for a family (*family, nv) each; dry: whether friction
     sticks."""
     nv, friction = model.nv, sticking_friction(model)[1]
     grip = friction.grip(model.family) if dry else np.zeros((*model.family, nv))
@@ -147,7 +148,8 @@ def joint_contacts(model: Model, dry: bool, restitution: Array | None) -> JointC
 
 
 def _stops(model: Model) -> tuple[Array, Array]:
-    """Positions of the stops: the limits of the joints, those of followers among them."""
+    """Positions of the lower and upper stops: the limits of the joints, those of followers
+    included."""
     if model.family:
         if any(body.joint.mimic is not None for body in model.bodies):
             raise FreebodyError(
@@ -167,7 +169,7 @@ def _stops(model: Model) -> tuple[Array, Array]:
 
 
 def refuse_beyond(model: Model, contacts: JointContacts, q: Array) -> None:
-    """Refuse a start (..., nq) behind a stop."""
+    """Refuse a start (..., nq) beyond a stop."""
     x = contacts.positions(q)
     x, lower, upper = np.broadcast_arrays(x, contacts.lower, contacts.upper)
     beyond = np.argwhere((x < lower) | (x > upper))
@@ -184,8 +186,9 @@ def refuse_beyond(model: Model, contacts: JointContacts, q: Array) -> None:
 
 
 def complementary(M: Array, forces: Array, candidates: Flags, least: Array, most: Array) -> Contact:
-    """x (n, nv) with M x = forces + push, where a candidate has x = 0 and a push between least and
-    most, or x above 0 and push = least, or x below 0 and push = most; all others have push 0.
+    """The contact x (n, nv) with M x = forces + push, where a candidate has x = 0 and a push
+    between least and most, or x above 0 and push = least, or x below 0 and push = most; all other
+    coordinates have no push.
 
     M being positive definite there is one such x. All candidates are held at first; as long as
     something is wrong, the first that is wrong changes: what is held too hard is let go, what moves
@@ -214,8 +217,8 @@ def complementary(M: Array, forces: Array, candidates: Flags, least: Array, most
 
 
 def _solved(M: Array, forces: Array, held: NDArray[np.bool_]) -> tuple[Array, Array]:
-    """x with x = 0 where it is held and M x = forces elsewhere, and what lacks in the rows of what
-    is held."""
+    """The solution x with x = 0 for held coordinates and M x = forces in the rows of the others,
+    and the residual M x - forces in the rows of held ones."""
     free = (~held).astype(float)
     reduced = M * free[..., :, None] * free[..., None, :]
     reduced += held[..., :, None] * np.eye(M.shape[-1])

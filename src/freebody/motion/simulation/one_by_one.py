@@ -49,7 +49,8 @@ from freebody.trees.special_joints import all_driven
 
 
 def one_by_one(run: Simulation, method: str, result: Simulated) -> None:
-    """Fill in the motions of one state, or of many whose torque is a table or compiled."""
+    """Fill in the motions of one state, or of many states one after another, whose torque is a
+    table or compiled."""
     if not run.lanes.shape:
         _one(run, method, result)
         return
@@ -87,7 +88,7 @@ def one_by_one(run: Simulation, method: str, result: Simulated) -> None:
 
 
 def _of_lane(run: Simulation, k: int, given: Any) -> Any:
-    """The torque or forces of one lane."""
+    """The torque or forces of one motion of a batch."""
     if isinstance(given, CompiledTorque):
         return one_lane(given, run.lanes, k)
     return some_of(run.lanes.each(given, 2), 2, k)
@@ -124,7 +125,8 @@ def _one(run: Simulation, method: str, result: Simulated, warned: bool = False) 
 
 
 def _planned(run: Simulation) -> tuple[Schedule, list[Schedule]]:
-    """The schedule of all that acts on one motion, and those of torque and forces alone."""
+    """The schedule of everything that acts on one motion, and the schedules of torque and forces
+    alone."""
     model, t = run.model, run.t
     planned = schedule(model, t, run.torque, run.breakpoints, run.sample_time)
     acting = [planned]
@@ -140,7 +142,7 @@ def _planned(run: Simulation) -> tuple[Schedule, list[Schedule]]:
 def _scheme(
     run: Simulation, method: str, whole: System, acting: list[Schedule]
 ) -> tuple[str, Scheme]:
-    """The integrator for one motion, "auto" being replaced, and how its states move on."""
+    """The integrator for one motion, with "auto" replaced, and its integration scheme."""
     if run.model.loops:
         # near a singular position accelerations are known to ten digits, and finer steps would
         # chase their rounding
@@ -172,9 +174,9 @@ def _integrate(
     tell: Callable[[float], None],
     passed: Callable[[float, float, Array], None],
 ) -> None:
-    """Put the states (nq + nv,) at the times t (T,) into a list as they are reached, the first of
-    them y0. tell: of the part that is done. passed: called at each step with its two times and the
-    state behind it.
+    """Integrate one motion: the states (nq + nv,) at the times t (T,) are appended to a list as
+    they are reached, y0 first. tell: called with the fraction done; passed: called at each step
+    with its two times and the state after it.
 
     The solver begins anew at each edge of the schedule, with the step that it had reached, and
     where the watch has found another method.
@@ -226,7 +228,8 @@ def _solver(
 
 
 def _reached(solver: OdeSolver, scheme: Scheme, due: Array) -> list[Array]:
-    """The states at times of the last step; where it is settled, the solver goes on from there."""
+    """The states at the due times within the solver's last step; where states are corrected after
+    each step, the solver goes on from the corrected one."""
     inside = due[due < solver.t]
     found: list[Array] = []
     if len(inside):
@@ -251,7 +254,7 @@ def _refuse(scheme: Scheme, method: str, before: float, message: str | None) -> 
 # ---------------------------------------------------------------- torques in pieces
 @dataclass(frozen=True, eq=False)
 class Schedule:
-    """A torque, in pieces that an integrator can step through without meeting a jump or a bend."""
+    """A torque over time in pieces, so that an integrator never steps across a jump or bend."""
 
     edges: Array
     """(k + 1,) increasing: start, what lies between the pieces, end."""
@@ -271,7 +274,7 @@ def schedule(
     sample_time: float | None = None,
     name: str = "torque",
 ) -> Schedule:
-    """The schedule of one motion; t (T,) are its times. name: of the argument."""
+    """The schedule of the torque of one motion; t (T,): its times; name: of the argument."""
     ends = t[[0, -1]]
     if isinstance(torque, np.ndarray):
         if len(torque) > 1:
@@ -286,13 +289,13 @@ def schedule(
 
 
 def with_edges(plan: Schedule, times: Array) -> Schedule:
-    """The schedule in pieces that end at these times too."""
+    """The schedule in pieces that also end at the given times."""
     edges = merged(plan.edges, times, SAME * np.diff(plan.edges).min())
     return replace(plan, edges=edges, begin=_begin_within(plan, edges))
 
 
 def along_with(plan: Schedule, other: Schedule) -> Schedule:
-    """The schedule of both at once; `given` is that of the first."""
+    """The schedule of the sum of two torques; `given` is that of the first."""
     near = SAME * min(np.diff(plan.edges).min(), np.diff(other.edges).min())
     edges = merged(plan.edges, other.edges, near)
     own, more = (_begin_within(x, edges) for x in (plan, other))
@@ -305,7 +308,8 @@ def along_with(plan: Schedule, other: Schedule) -> Schedule:
 
 
 def _begin_within(plan: Schedule, edges: Array) -> Callable[[int, Array, Array], TorqueLaw]:
-    """`Schedule.begin` of pieces between other edges, among them the schedule's own."""
+    """The function `begin` of a schedule for pieces between other edges, which include the
+    schedule's own."""
     piece = np.searchsorted(plan.edges, 0.5 * (edges[:-1] + edges[1:]), side="right") - 1
     drives: list[TorqueLaw] = []
 
@@ -318,7 +322,7 @@ def _begin_within(plan: Schedule, edges: Array) -> Callable[[int, Array, Array],
 
 
 def _of_table(t: Array, table: Array) -> Schedule:
-    """The schedule of a table, in straight lines from row to row."""
+    """The schedule of a table of torques, linear between its rows."""
     slopes = np.diff(table, axis=0) / np.diff(t)[:, None]
 
     def line(k: int) -> TorqueLaw:
@@ -331,8 +335,8 @@ def _of_table(t: Array, table: Array) -> Schedule:
 
 
 def _of_function(function: TorqueLaw, edges: Array) -> Schedule:
-    """A function that is smooth between the edges, on either side of which its value at an edge may
-    count."""
+    """The schedule of a function that is smooth between the edges, and whose value at an edge may
+    belong to either side."""
     edges = np.unique(edges)
     first, last = edges[:-1].copy(), edges[1:].copy()
     first[1:], last[:-1] = np.nextafter(first[1:], np.inf), np.nextafter(last[:-1], -np.inf)
@@ -346,7 +350,8 @@ def _of_function(function: TorqueLaw, edges: Array) -> Schedule:
 
 
 def _sampled(function: TorqueLaw, instants: Array, sample_time: float, end: float) -> Schedule:
-    """Called at every sampling instant with the state there, and held until the next."""
+    """The schedule of a function that is called at every sampling instant with the state there, and
+    whose value is held until the next."""
     held: list[Array] = []
 
     def begin(k: int, q: Array, qd: Array) -> TorqueLaw:

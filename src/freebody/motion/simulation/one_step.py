@@ -36,36 +36,37 @@ _SLICE = 400  # of what a thread is woken for: some 20 ms
 
 
 class LaneTorque(Protocol):
-    """A torque, or forces besides, at the joints of many motions."""
+    """A torque, or additional forces, at the joints of many motions in the form that step kernels
+    take."""
 
     @property
     def law(self) -> Program | None:
-        """The law that is compiled into the step; None where that takes a line from one torque to
-        another."""
+        """The law that is compiled into the step; None for kernels that take a straight line
+        between two torques."""
         ...
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """Inputs of the step kernel for some lanes and a step from one time to another, floats or
-        one for each lane, between which no edge lies."""
+        """The inputs of the step kernel for some lanes and a step between two times (numbers, or
+        one for each lane) with no edge in between."""
         ...
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """Inputs of the step kernel for steps that follow one another, from times to others
-        (k,)."""
+        """The inputs of the step kernel for consecutive steps with the start and end times (k,)."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class TableTorque:
-    """Straight lines between the rows at the times t (T,), of torques or of a wrench; rows (T, nv),
-    or (lanes, T, nv), or one row for all times."""
+    """Torques or a wrench in straight lines between rows at the times t (T,); rows (T, nv), or
+    (lanes, T, nv), or one row for all times."""
 
     t: Array
     rows: Array
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """Rows between which the times are, and where between them."""
+        """The inputs of the step kernel from the table: the two rows around a step, and where
+        between them the step begins and ends."""
         rows = some_of(self.rows, 2, lanes)
         if self.rows.shape[-2] == 1:
             return steady(rows[..., 0, :])
@@ -76,7 +77,7 @@ class TableTorque:
         return rows[..., k, :], rows[..., k + 1, :], parts
 
     def in_turn(self, lanes: slice, start: Array, end: Array) -> tuple[Array | Placed, ...]:
-        """Rows of the table for steps that follow one another, see `LaneTorque`."""
+        """The inputs of the step kernel from the table for consecutive steps; see `LaneTorque`."""
         if self.rows.shape[-2] == 1:
             return self.inputs(lanes, 0.0, 0.0)
         k, parts = self._between(start, end)
@@ -85,15 +86,15 @@ class TableTorque:
         return Placed(by_time, first, k), Placed(by_time, first, k + 1), parts[:, None]
 
     def _between(self, start: Array | float, end: Array | float) -> tuple[NDArray[np.intp], Array]:
-        """The row before each of some steps, and which parts of the way to the next they begin and
-        end at (..., 2)."""
+        """The index of the row before each step, and the fractions (..., 2) of the way to the next
+        row at which the step begins and ends."""
         middle = 0.5 * (start + end)
         k = np.clip(np.searchsorted(self.t, middle, side="right") - 1, 0, len(self.t) - 2)
         begun, whole = self.t[k], self.t[k + 1] - self.t[k]
         return k, np.stack([(start - begun) / whole, (end - begun) / whole], axis=-1)
 
     def given(self, t: Array) -> Array:
-        """The row (lanes, nv) or (nv,) at a time of the table."""
+        """The row (lanes, nv) or (nv,) at one of the table's times."""
         if self.rows.shape[-2] == 1:
             return self.rows[..., 0, :]
         return self.rows[..., int(np.searchsorted(self.t, t)), :]
@@ -101,13 +102,13 @@ class TableTorque:
 
 @dataclass(eq=False)
 class HeldTorque:
-    """The torque that a controller gave at its last instant (lanes, nv)."""
+    """The torque (lanes, nv) that a controller returned at its last call."""
 
     tau: Array
     law: None = None
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """The torque that is held, for some lanes."""
+        """The inputs of the step kernel for some lanes from the torque that is held."""
         return steady(self.tau[lanes])
 
     in_turn = inputs
@@ -115,7 +116,8 @@ class HeldTorque:
 
 @dataclass(frozen=True, eq=False)
 class LawTorque:
-    """A compiled law, and what it takes besides time and state: (lanes, *core), or one for all."""
+    """A compiled torque law, with its inputs besides time and state: (lanes, *core), or one for
+    all."""
 
     law: Program
     more: tuple[Array, ...]
@@ -125,12 +127,12 @@ class LawTorque:
     def of(
         law: Program, lanes: MotionLanes, more: tuple[Array, ...], cores: tuple[int, ...]
     ) -> LawTorque:
-        """The law with inputs of any batch shape."""
+        """The compiled law for a batch of motions, from inputs of any batch shape."""
         each = tuple(lanes.each(x, core) for x, core in zip(more, cores, strict=True))
         return LawTorque(law, each, cores)
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """Inputs of the law besides time and state, for some lanes."""
+        """The inputs of the law besides time and state, for some lanes."""
         return tuple(some_of(x, core, lanes) for x, core in zip(self.more, self.cores, strict=True))
 
     in_turn = inputs
@@ -138,19 +140,19 @@ class LawTorque:
 
 @dataclass(frozen=True, eq=False)
 class SteadyWrench:
-    """A wrench that does not change (lanes, six), or (six,) for all."""
+    """A constant wrench (lanes, six), or (six,) for all lanes."""
 
     value: Array
 
     def inputs(self, lanes: Some, start: Array | float, end: Array | float) -> tuple[Array, ...]:
-        """The wrench of some lanes."""
+        """The inputs of the step kernel for some lanes from the constant wrench."""
         return (some_of(self.value, 1, lanes),)
 
     in_turn = inputs
 
 
 def steady(tau: Array) -> tuple[Array, Array, Array]:
-    """A torque that does not change, as the step kernel takes it."""
+    """A constant torque in the form of a table's inputs to the step kernel."""
     return tau, tau, np.zeros(2)
 
 
@@ -159,7 +161,7 @@ LaneWrench = TableTorque | SteadyWrench
 
 @dataclass(frozen=True, eq=False)
 class LaneKernel:
-    """A kernel of `step_kernels` with what a batch gives it: wrenches, and the model's numbers
+    """A kernel of `step_kernels` with the inputs of a batch: wrenches, and the model's numbers
     (lanes, k) or (k,)."""
 
     kernel: Kernel
@@ -171,7 +173,7 @@ class LaneKernel:
     def of(
         kernel: Bound, width: float, lanes: MotionLanes, wrenches: Sequence[LaneWrench]
     ) -> LaneKernel:
-        """The kernel with the model's numbers of a batch."""
+        """The kernel with the wrenches and the model's numbers of a batch."""
         (numbers,) = kernel.numbers
         numbers = lanes.each(numbers, 1)
         assert isinstance(kernel.kernel, Kernel)
@@ -180,8 +182,8 @@ class LaneKernel:
 
     @property
     def at_once(self) -> int:
-        """Steps, each of one lane, of which a call may take so many that an interrupt need not wait
-        for long."""
+        """The number of steps (of one lane each) in one call of the kernel that keeps an interrupt
+        from waiting long."""
         return _SLICE * self.kernel.samples_of_a_thread if self.kernel.loop else 1
 
     def __call__(
@@ -192,7 +194,8 @@ class LaneKernel:
         start: Array | float,
         given: tuple[Array, ...],
     ) -> Any:
-        """Evaluate the kernel for some lanes; given: the torque, and what is held."""
+        """The kernel's outputs for some lanes; given: the inputs for the torque, and for what is
+        held."""
         loads = [x for w in self.wrenches for x in w.inputs(lanes, start, start + h)]
         p = some_of(self.numbers, 1, lanes)
         # what comes is checked, and blocks are short: a call as plain as there is
@@ -206,8 +209,8 @@ class LaneKernel:
         h: Array,
         given: Sequence[Array | Placed],
     ) -> None:
-        """Steps that follow one another, h (k,) after `start` (k,); places: of q and q̇ before each,
-        and of those after it."""
+        """Run consecutive steps of lengths h (k,) from the times `start` (k,); places: of q and q̇
+        before and after each step."""
         before, after, times = places[:2], places[2:], (h[:, None], self.width, start[:, None])
         loads = (x for w in self.wrenches for x in w.in_turn(lanes, start, start + h))
         arrays = (*before, *times, *given, *loads, some_of(self.numbers, 1, lanes), *after)
@@ -216,9 +219,9 @@ class LaneKernel:
 
 @dataclass(frozen=True, eq=False)
 class KernelStepper:
-    """Steps by a step kernel. added: forces besides the torque. holding: the signs that stand for
-    those of the rates in friction, and flags of what is held (lanes, nv), arrays that change
-    between steps."""
+    """A stepper that runs a step kernel. added: forces besides the torque. holding: the senses that
+    replace the signs of rates in friction, and flags of held coordinates, arrays (lanes, nv) that
+    change between steps."""
 
     kernel: LaneKernel
     torque: LaneTorque
@@ -229,7 +232,8 @@ class KernelStepper:
     def step(
         self, lanes: Some, state: LaneState, start: Array | float, h: Array | float
     ) -> LaneState:
-        """The states of some lanes a step h (s) after `start`, floats or one for each lane."""
+        """The states of some lanes a step h (s) after `start`; both are numbers, or one for each
+        lane."""
         given = self.torque.inputs(lanes, start, start + h)
         if self.added is not None:
             given = (*given, *self.added.inputs(lanes, start, start + h))
@@ -238,7 +242,7 @@ class KernelStepper:
         return self.kernel(lanes, state, h, start, given)
 
     def in_turn(self, lanes: slice, places: Sequence[Placed], start: Array, h: Array) -> None:
-        """Make steps that follow one another, see `LaneKernel`; nothing is held."""
+        """Run consecutive steps, see `LaneKernel`; no coordinate is held."""
         given = self.torque.in_turn(lanes, start, start + h)
         if self.added is not None:
             given = (*given, *self.added.in_turn(lanes, start, start + h))
@@ -247,8 +251,8 @@ class KernelStepper:
 
 @dataclass(frozen=True, eq=False)
 class FunctionStepper:
-    """Steps under a Python function of all motions at once, which therefore take the same steps:
-    one row.
+    """A stepper for a Python function of all motions at once, which therefore all take the same
+    steps as a single row.
 
     The stages of the classical Runge-Kutta method over q and q̇, or semi-implicit Euler; quaternions
     are brought back to unit length.
@@ -263,7 +267,7 @@ class FunctionStepper:
     def step(
         self, lanes: Some, state: LaneState, start: Array | float, h: Array | float
     ) -> LaneState:
-        """The states a step h after `start`, which are the same for all motions."""
+        """The states a step h (s) after `start`, both the same for all motions."""
         now, length = float(np.max(start)), float(np.max(h))
         y = np.concatenate([x.reshape(*self.shape, -1) for x in state], axis=-1)
         nq = self.system.layout.nq
@@ -291,7 +295,7 @@ Stepper = KernelStepper | FunctionStepper
 
 @dataclass(frozen=True, eq=False)
 class KernelRates:
-    """Accelerations, what holds, and M, by a kernel of `driven_rates`."""
+    """Accelerations, holding torques and the mass matrix by a kernel of `driven_rates`."""
 
     kernel: LaneKernel
     torque: LaneTorque
@@ -300,8 +304,8 @@ class KernelRates:
     def __call__(
         self, lanes: Some, state: LaneState, t: Array | float, senses: Array, held: Array
     ) -> tuple[Array, Array, Array, Array]:
-        """(q̈, reaction, M, drag) of some lanes, friction acting in some senses and some coordinates
-        being held."""
+        """(q̈, reaction, M, drag) of some lanes, with given senses of friction and held
+        coordinates."""
         more = () if self.added is None else self.added.inputs(lanes, t, t)
         given = (*self.torque.inputs(lanes, t, t), *more, senses, held)
         return self.kernel(lanes, state, 0.0, t, given)
@@ -309,7 +313,7 @@ class KernelRates:
 
 @dataclass(frozen=True, eq=False)
 class FunctionRates:
-    """Accelerations, what holds, and M of one motion under a Python function."""
+    """Accelerations, holding torques and the mass matrix of one motion under a Python function."""
 
     kernel: LaneKernel
     drive: TorqueLaw
@@ -317,7 +321,7 @@ class FunctionRates:
     def __call__(
         self, lanes: Some, state: LaneState, t: Array | float, senses: Array, held: Array
     ) -> tuple[Array, Array, Array, Array]:
-        """Accelerations, what holds, M, and the size of dry friction in some states."""
+        """Accelerations, holding torques, mass matrix and size of dry friction in some states."""
         pairs = zip(np.broadcast_to(t, len(state[0])), *state, strict=True)
         tau = np.stack([self.drive(*now) for now in pairs])
         return self.kernel(lanes, state, 0.0, t, (*steady(tau), senses, held))
@@ -328,8 +332,8 @@ Rates = KernelRates | FunctionRates
 
 @dataclass(frozen=True, eq=False)
 class Driving:
-    """The torque of all motions at a time of a row of the result, the forces besides at any time,
-    and the sum of both as steps in Python take it.
+    """Everything that drives the motions of a batch: their torque at the times of the result,
+    additional forces at any time, and the sum of both as steps in Python take it.
 
     torque, added: as step kernels take them, None where a Python function acts within the steps, or
     nothing is added. held: what a controller gave, where there is one.
@@ -344,12 +348,12 @@ class Driving:
 
     @property
     def adds(self) -> bool:
-        """Whether step kernels take more than the torque."""
+        """Whether step kernels take forces besides the torque."""
         return self.added is not None
 
 
 def driving_of(run: Simulation) -> Driving:
-    """The torques and forces of a simulation, as its steps take them."""
+    """The torques and forces of a simulation in the forms that its steps take."""
     drive, torque = _torque(run)
     held = torque if isinstance(torque, HeldTorque) else None
     if run.forces is None:
@@ -376,8 +380,8 @@ def driving_of(run: Simulation) -> Driving:
 
 
 def _torque(run: Simulation) -> tuple[TorqueLaw, LaneTorque | None]:
-    """The torque of all motions at a time, and as steps take it: None for a Python function that
-    acts within them."""
+    """The torque of all motions as a function of time and state, and in the form that step kernels
+    take; None for the latter with a Python function that acts within steps."""
     torque, lanes, nv = run.torque, run.lanes, run.model.nv
     if isinstance(torque, np.ndarray):
         table = TableTorque(run.t, lanes.each(torque, 2))
@@ -392,5 +396,5 @@ def _torque(run: Simulation) -> tuple[TorqueLaw, LaneTorque | None]:
 
 
 def _shaped(tau: Array, whole: tuple[int, ...]) -> Array:
-    """Torques as they are where all motions have one row, else in the shape of the batch."""
+    """Torques as a single row where all motions share one, else in the batch's shape."""
     return tau if tau.ndim == 1 else tau.reshape(whole)

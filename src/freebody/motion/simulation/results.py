@@ -1,5 +1,5 @@
-"""The results of a simulation: the states that are found, how a run that ends early hands over
-those that there are, and the dataset, with a table of its quantities."""
+"""The results of a simulation: the states found, what an interrupted run hands over, and the
+dataset with a table of its quantities."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ _EACH = ("coordinate",)
 
 @dataclass(eq=False)
 class Simulated:
-    """States at the times t (R,), NaN where there are none yet: q (..., R, nq), qd (..., R, nv);
-    what was used, for the result's attributes.
+    """The states at the times t (R,), NaN where not yet computed: q (..., R, nq), qd (..., R, nv);
+    and the settings used, for the result's attributes.
 
     It is filled while the simulation runs, so that it holds what there is when that ends early.
     tau (..., R, nv): the torques, where they are found on the way. given: else, of t, q (..., nq)
@@ -63,7 +63,7 @@ class Simulated:
         return found
 
     def until_now(self) -> Simulated:
-        """The states without the times that no motion has reached."""
+        """The states reduced to the times that some motion has reached."""
         reached = np.isfinite(self.qd).all(axis=-1).reshape(-1, len(self.t)).any(axis=0)
         last = int(np.flatnonzero(reached)[-1]) + 1 if reached.any() else 1
         tau = None if self.tau is None else self.tau[..., :last, :]
@@ -72,14 +72,14 @@ class Simulated:
 
 
 class SimulationStopped(FreebodyError):
-    """A motion of `simulate` that cannot go on, or would not end; `result` is the dataset of what
-    there was, up to the last of the times t that was reached."""
+    """Raised by `simulate` where a motion cannot go on or would never end; `result` is the dataset
+    up to the last of the times t that was reached."""
 
     result: xr.Dataset | None = None
 
 
 class SimulationInterrupted(KeyboardInterrupt):
-    """Ctrl-C during `simulate`; `result` is the dataset of what there was."""
+    """Raised by Ctrl-C during `simulate`; `result` is the dataset of what was computed."""
 
     def __init__(self, result: xr.Dataset):
         last = float(result["time"].values[-1])
@@ -92,7 +92,8 @@ class SimulationInterrupted(KeyboardInterrupt):
 
 @dataclass(frozen=True)
 class States:
-    """Times first, t (R,), so that a family comes last: q (R, ..., nq), qd and tau (R, ..., nv)."""
+    """The states with times t (R,) as the first axis, so that a family comes last: q (R, ..., nq),
+    qd and tau (R, ..., nv)."""
 
     run: Simulation
     t: Array
@@ -102,12 +103,12 @@ class States:
 
     @property
     def model(self) -> Model:
-        """The robot whose states they are."""
+        """The model whose states these are."""
         return self.run.model
 
     @cached_property
     def qdd(self) -> Array:
-        """Accelerations (R, ..., nv) under all that acts."""
+        """Accelerations (R, ..., nv) under all torques, forces and wrenches."""
         run = self.run
         axes = len(run.lanes.shape) + 2  # all: times come first, what is common to motions last
         loads = {n: np.expand_dims(w, [*range(axes - w.ndim)]) for n, w in run.wrenches.items()}
@@ -119,7 +120,7 @@ class States:
         return self._under_contact(whole, run.contacts, acting)
 
     def _forces(self, given: TorqueInput, axes: int) -> Array:
-        """Forces besides the torques (R, ..., nv)."""
+        """Forces (R, ..., nv) that act in addition to the torques."""
         if isinstance(given, np.ndarray):
             table = np.expand_dims(given, [*range(axes - given.ndim)])
             return row_at(self.t, self.run.t, table)
@@ -143,8 +144,8 @@ class States:
 
 
 class RecordedQuantity(NamedTuple):
-    """A quantity that `simulate` can record: its dimensions, unit, words, and its function of the
-    states."""
+    """A quantity that `simulate` can record: its dimensions, unit and description, and the function
+    that computes it from the states."""
 
     dims: tuple[str, ...]
     unit: str
@@ -155,7 +156,7 @@ class RecordedQuantity(NamedTuple):
 
 
 def _kernel(model: Model, name: str) -> Bound:
-    """The kernel of a formula, which lets NaN through."""
+    """The kernel of a formula, for inputs that may hold NaN."""
     return fetch(model, (name,), Option())
 
 

@@ -1,5 +1,5 @@
-"""A simulation as data: its arguments of the right shapes, its motions one a lane, its torques and
-times as what integrates them asks for them, and its progress."""
+"""A simulation as data: its checked arguments, its motions as lanes, the torques and times in the
+forms that integrators take, and its progress."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True)
 class MotionLanes:
-    """The shape of a batch, and its members one after another."""
+    """The motions of a batch, numbered as lanes; shape: that of the batch."""
 
     shape: tuple[int, ...]
 
@@ -49,20 +49,20 @@ class MotionLanes:
         return prod(self.shape)
 
     def each(self, array: Array, core: int) -> Array:
-        """(count, *core) of an array (..., *core); one without leading axes, which is the same for
-        all lanes, as it is. core: number of its axes."""
+        """An array (..., *core) as (count, *core), one row for each lane; without leading axes, and
+        so the same for all lanes, it is returned as it is. core: the number of core axes."""
         if array.ndim == core:
             return array
         own = array.shape[array.ndim - core :]
         return np.broadcast_to(array, (*self.shape, *own)).reshape(self.count, *own)
 
     def all(self, array: Array, core: int) -> Array:
-        """A copy (count, *core) of an array for all lanes."""
+        """An array (..., *core) copied to (count, *core), one row for each lane."""
         own = array.shape[array.ndim - core :]
         return np.array(np.broadcast_to(array, (*self.shape, *own))).reshape(self.count, *own)
 
     def index(self, lane: int) -> tuple[int, ...]:
-        """The index of a lane in the batch."""
+        """The index in the batch of a lane."""
         return tuple(map(int, np.unravel_index(lane, self.shape))) if self.shape else ()
 
 
@@ -71,13 +71,13 @@ Some = int | slice | NDArray[np.intp]
 
 
 def some_of(array: Array, core: int, lanes: Some) -> Array:
-    """The rows of some lanes of an array that `MotionLanes.each` returned."""
+    """The rows of some lanes of an array returned by `MotionLanes.each`."""
     return array if array.ndim == core else array[lanes]
 
 
 @dataclass(frozen=True, eq=False)
 class CompiledTorque:
-    """A law's program, and what it takes besides time and state, (..., *core) each, in its
+    """A compiled law with its inputs besides time and state, (..., *core) each, in the law's
     order."""
 
     model: Model
@@ -86,12 +86,12 @@ class CompiledTorque:
 
     @property
     def cores(self) -> tuple[int, ...]:
-        """The number of axes of each further input's core."""
+        """The number of core axes of each further input."""
         return tuple(len(x.shape) for x in self.law.inputs if x.name not in STATE)
 
     @property
     def batches(self) -> dict[str, tuple[int, ...]]:
-        """The leading shapes of the further inputs."""
+        """The batch shapes of the further inputs, by name."""
         own = [x.name for x in self.law.inputs if x.name not in STATE]
         pairs = zip(self.more, self.cores, strict=True)
         shapes = [x.shape[: x.ndim - core] for x, core in pairs]
@@ -102,7 +102,7 @@ class CompiledTorque:
         return compile_program(self.law)
 
     def __call__(self, t: Array, q: Array, qd: Array) -> Array:
-        """The torque tau (..., nv) at a time, in a state."""
+        """The torque tau (..., nv) at a time in given states."""
         state = {"t": t, "q": q, "qd": qd}
         found = self._kernel(*law_inputs(self.law, state, self.more))
         if self.model.passive and np.isfinite(found).all():
@@ -117,7 +117,7 @@ counts at all times, a function, or one that was compiled."""
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """The arguments of `simulate`, as arrays of the right shapes.
+    """The arguments of `simulate` as arrays of the right shapes.
 
     q (..., nq), qd (..., nv), wrenches by frame (..., T or 1, six), contacts (..., nv): their
     leading axes and the model's family broadcast to `lanes`. torque, and forces besides: tables
@@ -159,7 +159,8 @@ def simulation_of(
     wrenches: Mapping[str, tuple[str, Array]],
     **others: Any,
 ) -> Simulation:
-    """The simulation of checked arguments; t (T,), and wrenches by frame with their names."""
+    """The simulation that checked arguments describe; t (T,), and wrenches by frame with their
+    names."""
     q, qd = (
         vector("simulate", model, name, value)
         for name, value in zip(("q", "qd"), state, strict=True)
@@ -188,7 +189,8 @@ def simulation_of(
 
 
 def warn_of_tables(t: Array, wrenches: Mapping[str, tuple[str, Array]], state: Array) -> None:
-    """Say where wrenches of many motions from one state may have been meant as a table."""
+    """Warn where constant wrenches for many motions from one state may have been meant as a table
+    over time."""
     for name, w in wrenches.values():
         if w.shape[:-1] == (len(t), 1) and state.ndim == 1:
             warn(
@@ -199,7 +201,7 @@ def warn_of_tables(t: Array, wrenches: Mapping[str, tuple[str, Array]], state: A
 
 
 def _warn_of_shared_table(name: str, table: Array) -> None:
-    """Say that a table (T, nv) for T motions is one over time, the same for all of them."""
+    """Warn that a table (T, nv) for T motions is taken as one table over time for all of them."""
     times, nv = table.shape
     one = "one torque" if name == "torque" else "one row"
     warn(
@@ -210,7 +212,7 @@ def _warn_of_shared_table(name: str, table: Array) -> None:
 
 
 def _shape(batches: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
-    """The batch shape of all arguments together, by their names."""
+    """The common batch shape of all arguments, from their shapes by name."""
     try:
         return np.broadcast_shapes(*batches.values())
     except ValueError:
@@ -223,8 +225,8 @@ def _shape(batches: Mapping[str, tuple[int, ...]]) -> tuple[int, ...]:
 def drive_of(
     model: Model, t: Array, given: TorqueInput, batch: tuple[int, ...], name: str = "torque"
 ) -> TorqueLaw:
-    """The torque or force of all motions of a batch at once: at any time from the first of t to the
-    last, linear between them where it is a table. name: of the argument."""
+    """The torque or force of all motions of a batch as a function of time and state; a table is
+    interpolated linearly. name: of the argument."""
     if isinstance(given, np.ndarray):
         whole = (*batch, model.nv)
         return lambda now, q, qd: np.broadcast_to(row_at(now, t, given), whole)
@@ -237,9 +239,9 @@ def function_of(
     batch: tuple[int, ...],
     name: str = "torque",
 ) -> TorqueLaw:
-    """A torque or force of all motions of a batch at once, or of one motion, whose states then come
-    one by one; what a Python function returns is looked at and broadcasts to (*batch, nv). name: of
-    the argument."""
+    """The torque or force of all motions of a batch, or of one motion whose states come one by one;
+    results of a Python function are checked and broadcast to (*batch, nv). name: of the
+    argument."""
     if isinstance(given, CompiledTorque):
         return given
     whole, returned = (*batch, model.nv), f"what {name}(t, q, qd) returns"
@@ -262,7 +264,7 @@ def function_of(
 
 
 def one_lane(torque: CompiledTorque, lanes: MotionLanes, k: int) -> CompiledTorque:
-    """The compiled torque with the further inputs of one motion."""
+    """The compiled torque reduced to the inputs of one motion."""
     pairs = zip(torque.more, torque.cores, strict=True)
     more = tuple(some_of(lanes.each(x, core), core, k) for x, core in pairs)
     return replace(torque, model=member_at(torque.model, lanes.index(k)), more=more)
@@ -281,8 +283,8 @@ def instants(start: float, end: float, sample_time: float) -> Array:
 
 
 def merged(times: Array, others: Array, near: float) -> Array:
-    """Times in order: `times`, and the entries of `others` between them, except those closer than
-    `near` to one of `times`."""
+    """The times and the entries of `others` among them, sorted, without entries closer than `near`
+    to one of `times`."""
     inside = others[(others > times[0]) & (others < times[-1])]
     k = np.searchsorted(times, inside)
     apart = np.minimum(inside - times[k - 1], times[k] - inside)
@@ -290,7 +292,8 @@ def merged(times: Array, others: Array, near: float) -> Array:
 
 
 def paced(progress: Progress | None, text: str) -> Callable[[float], None]:
-    """A function of the part that is done, quick to call often; of None one that does nothing."""
+    """A function that reports the fraction done under the given text, quick to call often; for None
+    one that does nothing."""
     if progress is None:
         return lambda done: None
     last = -float("inf")

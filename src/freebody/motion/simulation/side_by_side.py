@@ -1,5 +1,5 @@
-"""Many motions by steps, all at once: of equal steps, or of steps that each motion chooses. Blocks
-of lanes that stay in the processor's caches are shared among threads."""
+"""Many motions at once by steps: equal ones, or steps that each motion chooses. Blocks of lanes
+that fit the processor's caches are shared among threads."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ _Blocks = deque[tuple[int, slice]]
 
 
 def side_by_side(run: Simulation, method: str, result: Simulated) -> None:
-    """Fill in the motions; method: one of equal steps, or "auto"."""
+    """Fill in all motions by steps; method: one with equal steps, or "auto"."""
     model, lanes = run.model, run.lanes
     if model.loops:
         require_closed("simulate", model, run.q, run.qd)
@@ -132,7 +132,8 @@ def side_by_side(run: Simulation, method: str, result: Simulated) -> None:
 
 
 def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
-    """The events of dry friction and stops; qd (lanes, nv): the rates at the start."""
+    """The events of dry friction and stops in all motions; qd (lanes, nv): the rates at the start;
+    None without contacts."""
     assert run.contacts is not None
     torque = driving.torque
     if torque is None and run.lanes.shape:
@@ -152,7 +153,7 @@ def _events(run: Simulation, driving: Driving, qd: Array) -> ContactEvents:
 
 
 def _remedy(run: Simulation) -> str:
-    """Advice for a Python function within steps."""
+    """Advice on replacing a Python function that is called within steps."""
     if callable(run.forces) and not isinstance(run.forces, CompiledTorque):
         return "compile the forces with fb.compile"
     return "compile the torque with fb.compile, or give sample_time="
@@ -167,7 +168,7 @@ def _lane_kernel(run: Simulation, kernel: Bound) -> LaneKernel:
 
 
 def _frames(run: Simulation) -> tuple[tuple[str, ...], tuple[bool, ...]]:
-    """Frames of the wrenches, and whether each wrench changes."""
+    """The frames of the wrenches, and for each whether its wrench changes over time."""
     return tuple(run.wrenches), tuple(w.shape[-2] > 1 for w in run.wrenches.values())
 
 
@@ -201,7 +202,7 @@ def _stepper(
 
 
 def _holding(run: Simulation, whole: System, holding: tuple[Array, Array]) -> System:
-    """The system of one motion some of whose coordinates are held."""
+    """The first-order system of one motion with some coordinates held."""
     assert run.contacts is not None
     frames, _ = _frames(run)
     dry = run.contacts.dry
@@ -255,13 +256,13 @@ def _advance(
 
 
 def _longest(run: Simulation, times: StepTimes) -> float:
-    """The longest of equal steps (s)."""
+    """The length (s) of the longest of a run's equal steps."""
     gaps = np.diff(times.edges)
     return float((gaps / step_counts(gaps, run.step)).max())
 
 
 def _warn_unstable(run: Simulation, method: str, times: StepTimes, driving: Driving) -> None:
-    """Say where equal steps of an explicit method are too long for the motion at its start."""
+    """Warn where equal steps of an explicit method are too long for the motion at its start."""
     model, lanes, reach = run.model, run.lanes, STEP_METHODS[method].reach
     function = any(
         callable(x) and not isinstance(x, CompiledTorque) for x in (run.torque, run.forces)
@@ -290,8 +291,8 @@ def _tell_stopped(
     given_up: dict[int, GivenUp],
     alike: bool,
 ) -> None:
-    """Refuse the one motion that could not go on, warn of some among many; alike: whether all take
-    the same steps."""
+    """Raise an error for a single motion that could not go on, warn about some of many; alike:
+    whether all take the same steps."""
     # what has stopped is NaN to the end
     stopped = np.argwhere(~_going(result, (..., -1)))
     if not len(stopped):
@@ -317,14 +318,14 @@ def _tell_stopped(
 
 
 def _going(result: Simulated, at: tuple[Any, ...]) -> NDArray[np.bool_]:
-    """Flags of motions whose positions and rates there are numbers."""
+    """Flags of the motions whose positions and rates at an index of the result are finite."""
     q, qd = (np.isfinite(x[at]).all(axis=-1) for x in (result.q, result.qd))
     return np.asarray(np.logical_and(q, qd))
 
 
 @dataclass(eq=False)
 class _LaneRun:
-    """A run of all lanes, in blocks, through the times at which steps end.
+    """The run of all lanes, in blocks, through the times at which steps end.
 
     controller: of (t, q, qd) of all lanes, what the torque holds from each call to the next.
     growth: looks at the rates there; motions without hope are NaN from there.
@@ -372,7 +373,7 @@ class _LaneRun:
         last: int,
         reached: Array,
     ) -> None:
-        """A section of all blocks by several threads; an interrupt ends them soon."""
+        """Move all blocks through a section by several threads; an interrupt ends them soon."""
 
         def run() -> None:
             for _ in self._section(todo, first, last, reached):
@@ -390,8 +391,8 @@ class _LaneRun:
             future.result()
 
     def _section(self, todo: _Blocks, first: int, last: int, reached: Array) -> Iterator[None]:
-        """Blocks that nobody has taken, from one edge to another; stops now and then. reached: the
-        part of the whole time that each has behind it."""
+        """Move blocks that no thread has taken from one edge to another, with pauses in between;
+        reached: the fraction of the whole time that each block has behind it."""
         begin, end = self.motions.times.edges[[0, -1]]
         while not self.stop.is_set():
             try:
@@ -403,8 +404,8 @@ class _LaneRun:
                 yield
 
     def _call(self, controller: TorqueLaw, first: int, last: int) -> None:
-        """The controller, at an edge; its torque is recorded until the next call, the one before at
-        the end of all."""
+        """Call the controller at an edge; its torque is recorded until the next call, at the very
+        end that of the call before."""
         assert isinstance(self.torque, HeldTorque)
         if self.growth is not None and self.motions.rows == self.lanes.count:
             lost = self.growth.hopeless(self.motions.state[1])

@@ -1,4 +1,4 @@
-"""`simulate`: the motion that torques cause."""
+"""`simulate`: the motions that torques cause."""
 
 from __future__ import annotations
 
@@ -225,8 +225,8 @@ def simulate(
 
 
 def _method(model: Model, method: str, tolerance: float | None, run: Simulation) -> str:
-    """The method's name, "rk4" for "auto" with a step; refused where it is unknown, or where an
-    argument belongs to another method."""
+    """The name of the method, "rk4" for "auto" with a step; refuses unknown methods, and arguments
+    that belong to another method."""
     known, of = (EXPLICIT, "simulate of a closed chain") if model.loops else (METHODS, "simulate")
     if method != "auto" and method not in (*known, *STEP_METHODS):
         raise UnknownNameError("method", method, of, ("auto", *known, *STEP_METHODS))
@@ -256,7 +256,7 @@ def _method(model: Model, method: str, tolerance: float | None, run: Simulation)
 
 
 def _refuse_endless(run: Simulation, chosen: str) -> None:
-    """Refuse steps of which there would be too many, whether they are equal or at most so long."""
+    """Refuse a step or a longest step so short that there would be too many steps."""
     equal = chosen in STEP_METHODS
     name, size = ("step", run.step) if equal else ("max_step", run.max_step)
     if size is None:
@@ -291,7 +291,7 @@ def _used(model: Model, run: Simulation, chosen: str, friction: str) -> dict[str
 
 
 def _empty_result(run: Simulation, used: dict[str, Any]) -> Simulated:
-    """Arrays for the motions: the start, and NaN for all that is not known yet."""
+    """Arrays for the result, filled with the start and NaN for everything else."""
     kept = run.t[:: run.every]
     q, qd = (
         result_memory.empty((*run.lanes.shape, len(kept), n)) for n in (run.model.nq, run.model.nv)

@@ -42,7 +42,7 @@ STATE = ("t", "q", "qd")
 
 @dataclass(frozen=True)
 class StepMethod:
-    """A method of fixed steps.
+    """A method with fixed steps.
 
     formula: the kernel whose method it is. order: of its error. implicit: whether it is stable
     however stiff the drives are. reach: of an explicit method, step times decay rate up to which it
@@ -78,7 +78,7 @@ def driven_step(
     holds: bool = False,
     dry: bool = False,
 ) -> Bound:
-    """A kernel (q, qd, h, width, t, …) -> (q1, qd1): a step of h from time t on.
+    """The kernel (q, qd, h, width, t, …) -> (q1, qd1) of a step of length h from time t on.
 
     Then follow, without a law, two torques (nv,) and which parts of the way from the one to the
     other the step begins and ends at (2,), else the law's inputs besides `STATE` in its order;
@@ -111,9 +111,8 @@ def driven_rates(
     adds: bool = False,
     dry: bool = False,
 ) -> Bound:
-    """The kernel of the accelerations in a state of a step that holds coordinates: of the same
-    inputs as the step's -> (q̈ (nv,), the torque that holds them (nv,), M (nv, nv), the size of dry
-    friction (nv,))."""
+    """The kernel of accelerations at a state with held coordinates: inputs of a step -> (q̈ (nv,),
+    holding torques (nv,), M (nv, nv), size of dry friction (nv,))."""
     takes = _StepInputs(model, law, adds, True, dry, tuple(varying))
     option, nv = _option(model, "rk4_step", wrench_frames), model.nv
     found = (Argument("qdd", (nv,)), Argument("reaction", (nv,)), Argument("M", (nv, nv)))
@@ -129,9 +128,8 @@ def driven_rates(
 
 
 def smooth_kernel(model: Model, name: str, wrench_frames: Sequence[str] = ()) -> Bound:
-    """The kernel (q, qd, tau or q̈, width, wrenches…) of forward or inverse dynamics with smooth
-    signs of rates, for robots whose joints lose a part of what they transmit: of others friction
-    may as well be added outside."""
+    """The kernel (q, qd, tau or q̈, width, wrenches…) of forward or inverse dynamics with smoothed
+    signs of rates, for robots with lossy joints; for others friction can be added outside."""
     evaluated_by, last, found = {
         "forward_dynamics": (forward, "tau", "qdd"),
         "inverse_dynamics": (FORMULAS["inverse_dynamics"].evaluate, "qdd", "tau"),
@@ -160,7 +158,7 @@ def _option(model: Model, formula: str, wrench_frames: Sequence[str]) -> Option:
 
 @dataclass(frozen=True)
 class _StepInputs:
-    """The inputs that a kernel of a step takes besides the model's numbers."""
+    """The inputs of a step's kernel other than the model's numbers."""
 
     model: Model
     law: Program | None
@@ -171,22 +169,22 @@ class _StepInputs:
 
     @property
     def key(self) -> tuple[str, ...]:
-        """The words by which kernels of steps are told apart."""
+        """The part of a kernel's key that depends on these inputs."""
         law = self.law.digest if self.law else ""
         flags = self.adds, self.holds, self.dry, *self.varying
         return law, str(flags)
 
     @property
     def own(self) -> tuple[Argument, ...]:
-        """The inputs that determine the torque: the ends of a line, or those of the law besides
-        `STATE`."""
+        """The inputs that determine the torque: the ends of a straight line, or those of a law
+        other than `STATE`."""
         if self.law is None:
             return _line_of("", self.model.nv)
         return tuple(x for x in self.law.inputs if x.name not in STATE)
 
     @property
     def inputs(self) -> tuple[Argument, ...]:
-        """All inputs of a step, in their order."""
+        """All inputs of a step's kernel, in order."""
         nv, size = self.model.nv, 6 if self.model.dim == 3 else 3
         return (
             Argument("q", (self.model.nq,)),
@@ -209,8 +207,8 @@ class _StepInputs:
     def split(
         self, scalars: Sequence[Any]
     ) -> tuple[StepTorque, Sequence[Vector], Callable[[float], FrameWrenches]]:
-        """The torque, the senses of friction and the coordinates that are held, and the wrenches,
-        from the scalars of all inputs."""
+        """The torque, the senses of friction with the held coordinates, and the wrenches, from the
+        scalars of all inputs."""
         _, _, h, _, t, *rest = scalars
         more = iter(rest)
         own = [*islice(more, len(self.own))]
@@ -229,7 +227,7 @@ def _fetched(
     taken: tuple[Argument, ...],
     found: tuple[Argument, ...],
 ) -> Bound:
-    """The kernel of a function of the tree and of further inputs."""
+    """The kernel of a function of the tree and of further inputs, compiled on first use."""
 
     def made(p: Argument, over: Over) -> Program:
         def whole(*scalars: Any) -> tuple[Any, ...]:
@@ -247,14 +245,15 @@ def _fetched(
 
 
 def _line_of(name: str, size: int) -> tuple[Argument, ...]:
-    """The inputs of a line: its two ends, and the parts of the way at which a step begins and
+    """The inputs of a straight line: its two ends, and the fractions at which a step begins and
     ends."""
     ends = (Argument(f"{name}{end}", (size,)) for end in ("first", "last"))
     return *ends, Argument(f"{name}parts", (2,))
 
 
 def _line(first: Vector, last: Vector, parts: Vector) -> Callable[[float], Vector]:
-    """A line between two vectors, over the part of the step that has passed."""
+    """The straight line between two vectors as a function of the fraction of the step; parts: the
+    fractions of the line at the step's ends."""
     begin, end = parts
 
     def at(part: float) -> Vector:
@@ -274,7 +273,8 @@ def _sum(one: StepTorque, other: StepTorque) -> StepTorque:
 
 
 def _loads(varying: Sequence[bool], given: Sequence[Vector]) -> Callable[[float], FrameWrenches]:
-    """Wrenches on frames, over the part of the step that has passed."""
+    """The wrenches on frames as a function of the fraction of the step; varying: which of them are
+    straight lines."""
     rest = iter(given)
     lines = [_line(*islice(rest, 3)) if varies else next(rest) for varies in varying]
     return lambda part: tuple(x(part) if callable(x) else x for x in lines)
@@ -290,7 +290,7 @@ def _of_law(law: Program, t: Scalar, h: Scalar, own: Sequence[Any]) -> StepTorqu
 
 
 def both_laws(law: Program, other: Program) -> Program:
-    """The sum of two laws, the second of which takes nothing but `STATE`."""
+    """The program of the sum of two laws, the second of which has no inputs but `STATE`."""
     taken = {x.name: x for x in (*law.inputs, *other.inputs)}
 
     def tau(*scalars: Any) -> tuple[Vector]:
@@ -302,15 +302,15 @@ def both_laws(law: Program, other: Program) -> Program:
 
 
 def law_inputs(law: Program, state: Mapping[str, Any], own: Sequence[Any]) -> list[Any]:
-    """The inputs of a law in its order: t, q and qd by name, all others as they come."""
+    """The inputs of a law in its order: t, q and qd by name, the others in the order given."""
     rest = iter(own)
     return [state[x.name] if x.name in state else next(rest) for x in law.inputs]
 
 
 @dataclass(frozen=True)
 class _DrivenStep:
-    """A step with its drive: the width of smooth friction, the torque, and the wrenches; whether
-    friction is dry, its senses, and which coordinates are held, where there are any."""
+    """A step with everything that drives it: width of smooth friction, torque and wrenches; and
+    where friction is dry, its senses and the held coordinates."""
 
     tree: Tree
     option: Option
@@ -324,7 +324,7 @@ class _DrivenStep:
 
     @property
     def rubbing(self) -> Tree:
-        """The tree with what stands for the signs of its rates."""
+        """The tree in which smooth or given signs replace those of its rates."""
         if self.dry:
             return with_senses(self.tree, self.senses, self._smooth)
         return with_signs(self.tree, self._smooth)
@@ -345,7 +345,7 @@ class _DrivenStep:
         return simulation_steps.implicit(self.tree, q, qd, h, on_bodies, law, counting, self.width)
 
     def rates(self, q: Vector, qd: Vector, part: float = 0.0) -> HeldMotion:
-        """Accelerations and reactions in a state."""
+        """Accelerations and reactions in a state, at a fraction of the step."""
         loads = external(self.tree, self.option, q, self.loads(part))
         forces = sub(self.torque(part, q, qd), bias(self.rubbing, q, qd, loads))
         return held_motion(self.tree, q, forces, self.held)
@@ -359,8 +359,8 @@ class _DrivenStep:
 
 
 def _linearised(tree: Tree, torque: StepTorque) -> Law:
-    """The torque at the end of a stage, linear in the state of its beginning: of the slopes those
-    of each joint's torque by its own motion, where they resist it."""
+    """The torque at the end of a stage, linearised about the state at its beginning: with the
+    slopes of each joint's torque by its own position and rate, as far as they resist motion."""
     nv = tree.nv
 
     def at(start: float, end: float, q: Vector, qd: Vector) -> Linearised:

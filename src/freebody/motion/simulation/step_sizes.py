@@ -1,5 +1,5 @@
-"""Steps from one time to the next: the times at which steps of many motions end, equal steps, made
-one by one or many in a call of compiled code, and steps that each motion chooses by its error."""
+"""Steps from one time to the next: the times at which steps of many motions end; equal steps, made
+one by one or many in a compiled call; and steps that each motion chooses by its error."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _MOST_AT_ONCE = 4096
 
 @dataclass(frozen=True, eq=False)
 class StepTimes:
-    """The times at which steps end (k,), and for each of them which row of the result it is, -1
-    where it is none; at `calls`, some of the edges, a controller is called.
+    """The times at which steps end (k,), with the result's row for each (-1: none); at `calls`,
+    some of these edges, a controller is called.
 
     begins, ends (k - 1,): between which times the steps from an edge to the next go: these, but for
     rounding on the inner side of a jump of the torque.
@@ -47,8 +47,8 @@ class StepTimes:
 
 
 def step_times(t: Array, every: int, others: Array, calls: Array) -> StepTimes:
-    """The times at which steps end: the times t, of which every so many are kept, further times,
-    and those of a controller's calls; those within rounding of each other are one."""
+    """The times at which steps end: the times t, every `every`-th of which is kept, further times,
+    and those of a controller's calls; times that differ by rounding only are merged."""
     near = 1e-9 * min(np.diff(t).min(), np.diff(calls).min() if len(calls) > 1 else np.inf)
     jumps = np.unique(others)
     apart = jumps[np.diff(jumps, prepend=-np.inf) > near]
@@ -65,14 +65,14 @@ def step_times(t: Array, every: int, others: Array, calls: Array) -> StepTimes:
 
 
 def _nearest(edges: Array, times: Array) -> NDArray[np.intp]:
-    """Index of the increasing edge that is nearest to each time."""
+    """The index of the increasing edge nearest to each time."""
     after = np.clip(np.searchsorted(edges, times), 1, len(edges) - 1)
     return after - (times - edges[after - 1] < edges[after] - times)
 
 
 @dataclass(eq=False)
 class LaneMotions:
-    """The states of all lanes, q (rows, n) and q̇ (rows, n): now, and in the result.
+    """The states of all lanes, q (rows, n) and q̇ (rows, n), now and in the result.
 
     Each row is moved on by itself: a lane, or all that are moved together.
     """
@@ -83,17 +83,17 @@ class LaneMotions:
 
     @property
     def rows(self) -> int:
-        """Number of rows of states."""
+        """The number of rows of states."""
         return len(self.state[0])
 
     def kept(self, block: slice) -> list[Array]:
-        """The parts of the result for q and q̇ of some rows, (rows, lanes of each, R, …), to be
+        """The views of the result for q and q̇ of some rows, (rows, lanes of each, R, …), to be
         filled in."""
         all_of = ((x, x.shape[-2:]) for x in (self.result.q, self.result.qd))
         return [x.reshape(self.rows, -1, *core)[block] for x, core in all_of]
 
     def record(self, block: slice, edge: int, state: LaneState) -> None:
-        """Put states at an edge where they belong, if anywhere."""
+        """Put the states at an edge into the result, if it has a row for them."""
         row = self.times.rows[edge]
         if row >= 0:
             for kept, x in zip(self.kept(block), state, strict=True):
@@ -101,22 +101,23 @@ class LaneMotions:
 
 
 class Advance(Protocol):
-    """Moves rows on. block: how many had best be moved side by side."""
+    """A way to move rows of states from edge to edge. block: the best number of rows to move
+    together."""
 
     block: int
 
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """Move from one edge to another: the states there, and those of the result on the way; NaN
-        where a motion cannot go on. Stops at times between them."""
+        """Move the states from one edge to another and record those of the result; NaN where a
+        motion cannot go on. Yields times in between."""
         ...
 
 
 @dataclass(eq=False)
 class SpanBySpan:
-    """An advance by Python from edge to edge. through: of rows, their states, and two times -> the
-    states at the second one."""
+    """A way to move rows from edge to edge in Python. through: (rows, their states, two times) ->
+    the states at the second time."""
 
     through: Callable[[slice, LaneState, float, float], LaneState]
     stop: threading.Event
@@ -127,7 +128,7 @@ class SpanBySpan:
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """Move rows on from edge to edge, see `Advance`."""
+        """Move rows from edge to edge; see `Advance`."""
         times, (q, qd) = motions.times, motions.state
         state = q[block], qd[block]
         for k in range(first, last):
@@ -141,7 +142,8 @@ class SpanBySpan:
 
 @dataclass(eq=False)
 class FixedSteps:
-    """Equal steps of at most `step` (s; None: one), between which Python has to do."""
+    """Equal steps of at most `step` (s; None: one from edge to edge) that Python makes one by
+    one."""
 
     stepper: Stepper
     step: float | None
@@ -149,7 +151,7 @@ class FixedSteps:
     events: ContactEvents | None = None
 
     def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
-        """The states at the end of a span, see `SpanBySpan`."""
+        """The states at the end of a span; see `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
         count = int(step_counts(np.asarray(end - start), self.step))
@@ -165,7 +167,7 @@ class FixedSteps:
 
 
 def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
-    """The number of equal steps of at most `step` (s; None: one) in intervals."""
+    """The number of equal steps of at most `step` (s; None: one) in each interval."""
     if step is None:
         return np.ones(lengths.shape, dtype=np.intp)
     return np.maximum(1, np.ceil(lengths / step - _ROUND).astype(np.intp))
@@ -173,8 +175,8 @@ def step_counts(lengths: Array, step: float | None) -> NDArray[np.intp]:
 
 @dataclass(eq=False)
 class ControlledSteps:
-    """Each step is made twice, whole and in halves, whose difference tells the error (Hairer,
-    Norsett and Wanner 1993, II.4); each lane has its own steps.
+    """Steps whose length each lane chooses by its error: each step is made twice, whole and in
+    halves, and the difference tells the error (Hairer, Norsett and Wanner 1993, II.4).
 
     tolerance: relative error of a step of order 4, a hundredth of it absolute. end: of the run, to
     which a motion that takes too many short steps does not come. extrapolated:
@@ -206,7 +208,7 @@ class ControlledSteps:
         self.growth = Growth(len(self.sizes), self.end)
 
     def __call__(self, lanes: slice, state: LaneState, start: float, end: float) -> LaneState:
-        """The states at the end of a span, see `SpanBySpan`."""
+        """The states at the end of a span; see `SpanBySpan`."""
         if self.events is not None:
             state = self.events.begin(lanes, state, start)
         q, qd = (x.copy() for x in state)
@@ -266,8 +268,8 @@ class ControlledSteps:
     def _tried(
         self, lanes: Some, state: LaneState, start: Array, h: Array
     ) -> tuple[LaneState, Array, LaneState]:
-        """The states after a step, their error over what is allowed (lanes,), NaN where one is not
-        finite, and the states halfway."""
+        """The states after a step, their error relative to what is allowed (lanes,), NaN where a
+        state is not finite, and the states halfway."""
         half, step = 0.5 * h, self.stepper.step
         rough = step(lanes, state, start, h)
         middle = step(lanes, state, start, half)
@@ -290,7 +292,8 @@ def _of(state: LaneState, which: NDArray[np.bool_]) -> LaneState:
 
 @dataclass(eq=False)
 class CompiledSteps:
-    """Equal steps of at most `step` (s; None: one from edge to edge). See `Advance`."""
+    """Equal steps of at most `step` (s; None: one from edge to edge), many in one call of compiled
+    code; see `Advance`."""
 
     stepper: KernelStepper
     step: float | None
@@ -300,8 +303,8 @@ class CompiledSteps:
     def __call__(
         self, motions: LaneMotions, block: slice, first: int, last: int
     ) -> Iterator[float]:
-        """Move rows on, see `Advance`; between two rows of the result the states move on where they
-        are, and to and from these rows without a copy."""
+        """Move rows from edge to edge, see `Advance`; between two rows of the result the states are
+        updated in place, and to and from these rows they go without a copy."""
         times = motions.times
         begins, ends = times.begins[first:last], times.ends[first:last]
         counts = step_counts(ends - begins, self.step)
@@ -334,6 +337,6 @@ class CompiledSteps:
 
 
 def _place(rows: NDArray[np.intp]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Places of the states at the ends of steps: whether a step ends at a row of the result (-1: at
-    none), and at which."""
+    """The places of the states at the ends of steps: 1 where a step ends at a row of the result,
+    else 0; and the index of that row."""
     return (rows >= 0).astype(np.intp), np.maximum(rows, 0)

@@ -1,4 +1,4 @@
-"""Looks now and then at whether stiffness, not accuracy, keeps steps short."""
+"""Occasional checks whether stiffness, not accuracy, keeps steps short."""
 
 from __future__ import annotations
 
@@ -44,8 +44,8 @@ _SEEN, _LOOKS = 10, 500
 
 @dataclass
 class StiffnessWatch:
-    """Looks now and then whether the steps of an explicit method are as short as they are for
-    stability alone (Hairer and Wanner 1996, IV.2)."""
+    """An occasional check whether the steps of an explicit method are kept short by stability alone
+    (Hairer and Wanner 1996, IV.2)."""
 
     system: System
     duration: float
@@ -59,14 +59,14 @@ class StiffnessWatch:
     done: bool = False
 
     def steps(self, method: str) -> bool:
-        """Whether stiffness is looked for now, after one more step of a method."""
+        """Whether stiffness is to be checked now, after one more step of a method."""
         if self.done or method not in EXPLICIT:
             return False
         self.count += 1
         return self.count % _EVERY == 0
 
     def look(self, drive: TorqueLaw, before: float, now: float, y: Array) -> None:
-        """Look at the step from one time to the other, to the state y."""
+        """Check the step between two times that ended at the state y."""
         decay = self.system.fastest_decay(np.asarray(now), y, drive)
         step = now - before
         if decay * step < _BOUND:
@@ -85,7 +85,7 @@ class StiffnessWatch:
 
 @dataclass(eq=False)
 class ShortSteps:
-    """Looks now and then at the motion that makes the shortest step of a block."""
+    """An occasional check of the motion that makes the shortest step of a block."""
 
     run: Simulation
     driving: Driving
@@ -96,7 +96,7 @@ class ShortSteps:
     seen: int = 0
 
     def look(self, lane: int, t: float, state: LaneState, step: float) -> None:
-        """Look at a motion at time t, q (nq,) and qd (nv,), after a step (s)."""
+        """Check a motion at time t with q (nq,) and qd (nv,), after a step (s)."""
         if self.text or step > _SHORT * self.run.duration or self.looks >= _LOOKS:
             return
         self.looks += 1
@@ -123,13 +123,14 @@ class ShortSteps:
         )
 
     def tell(self) -> None:
-        """Warn, once, of what was found."""
+        """Warn of the findings, once."""
         if self.text and not self.warned:
             self.warned = True
             warn(self.text)
 
     def while_telling(self, tell: Callable[[float], None]) -> Callable[[float], None]:
-        """A function that tells the part that is done, and warns as soon as there is reason to."""
+        """A function that reports the fraction done, and warns as soon as there is something to
+        warn of."""
 
         def both(done: float) -> None:
             self.tell()
@@ -139,7 +140,7 @@ class ShortSteps:
 
 
 def lane_system(run: Simulation, k: int, model: Model | None = None) -> System:
-    """The system of one motion of a batch, perhaps of another model."""
+    """The first-order system of one motion of a batch, perhaps of another model."""
     lanes, chosen = run.lanes, run.model if model is None else model
     loads = {n: some_of(lanes.each(w, 2), 2, k) for n, w in run.wrenches.items()}
     member = member_at(chosen, lanes.index(k))
@@ -147,8 +148,8 @@ def lane_system(run: Simulation, k: int, model: Model | None = None) -> System:
 
 
 def lane_drive(run: Simulation, k: int, driving: Driving) -> TorqueLaw:
-    """Torque and forces of one motion, of a batch of its states; of what does not depend on them,
-    0."""
+    """The torque and forces on one motion for a batch of its states; 0 for those that do not depend
+    on the state."""
     sampled = run.sample_time is not None
     pairs = (None if sampled else run.torque, driving.drive), (run.forces, driving.forces)
     acting = [
@@ -163,7 +164,8 @@ def lane_drive(run: Simulation, k: int, driving: Driving) -> TorqueLaw:
 
 
 def _one_by_one(drive: TorqueLaw, lanes: MotionLanes) -> TorqueLaw:
-    """A Python function's torque of the only motion of a batch as one of many of its states."""
+    """A Python function for a batch of a single motion, as a function of many states of that
+    motion."""
 
     def each(now: Array, q: Array, qd: Array) -> Array:
         states = zip(*(x.reshape(-1, *lanes.shape, x.shape[-1]) for x in (q, qd)), strict=True)

@@ -1,5 +1,5 @@
-"""Runs that end never or too late: so many steps that they would take years, and rates that grow
-without hope; each found, and explained in words."""
+"""Runs that would never end or end too late: so many steps that they would take years, or rates
+that grow without bound; how they are found and explained."""
 
 from __future__ import annotations
 
@@ -38,19 +38,19 @@ _SHIFT = 1e-6  # of differences of the torque, relative to 1 + |y|
 
 @dataclass(eq=False)
 class RunPace:
-    """The steps of one run so far, as far as they are too short ever to reach its end."""
+    """A count of steps in a row that are too short ever to reach a run's end."""
 
     end: float
     slow: int = 0
 
     def endless(self, before: float, now: float) -> bool:
-        """Whether, with one more step, there are too many of them."""
+        """Whether, after one more step, too many steps in a row have been too short."""
         self.slow = self.slow + 1 if (now - before) * MOST < self.end - now else 0
         return self.slow >= IN_A_ROW
 
 
 class Growth:
-    """How long motions take to double their rates, as far as they are fast."""
+    """How long motions take to double their rates, watched while they are fast."""
 
     def __init__(self, lanes: int, end: float):
         self.end = end
@@ -58,8 +58,8 @@ class Growth:
         self.times = np.full((lanes, 4), np.nan)
 
     def hopeless(self, lanes: NDArray[np.intp], now: Array, qd: Array) -> Array:
-        """(k,): of motions that had the rates qd (k, n) at times now (k,), how long one that grows
-        without hope took to double them (s), NaN of all others.
+        """The time (s) in which each of some motions (k,) last doubled its rates, if it grows
+        without bound, NaN for others; qd (k, n): the rates at times now (k,).
 
         Rates that grow with a power of time take ever longer; of those that do not, the rest of the
         run is so many more doublings.
@@ -83,14 +83,14 @@ class Growth:
 
 @dataclass(eq=False)
 class SampledGrowth:
-    """How the rates of motions grow from one call of a controller to the next."""
+    """How the rates of motions grow from one controller call to the next."""
 
     calls: int
     sizes: list[Array] = field(default_factory=list)
 
     def hopeless(self, qd: Array) -> NDArray[np.bool_]:
-        """(lanes,): whether, with one more call at rates qd (lanes, nv), they grow so that no step
-        leads on to the end."""
+        """Flags (lanes,) of the motions whose rates qd (lanes, nv), after one more call, grow so
+        that no step can reach the end."""
         with np.errstate(all="ignore"):
             self.sizes.append(np.abs(qd).max(axis=-1, initial=0.0))
             if len(self.sizes) < _LOOKED_BACK:
@@ -103,8 +103,8 @@ class SampledGrowth:
 
 
 class GivenUp(NamedTuple):
-    """The last step of a motion of which too many would follow: its times, and the rates (nv,)
-    behind it; how long they took to double (s), where it is because they grow."""
+    """The last step of a motion that was given up: its times, the rates (nv,) after it, and, where
+    rates grow without bound, the time they took to double (s)."""
 
     before: float
     now: float
@@ -113,7 +113,7 @@ class GivenUp(NamedTuple):
 
 
 def endless(run: Simulation, last: GivenUp, lane: int = 0) -> str:
-    """The reason for giving up a motion, as sentences."""
+    """The reason for giving up a motion, in sentences."""
     step = last.now - last.before
     if not step:
         return too_late(run.t)
@@ -132,7 +132,7 @@ def endless(run: Simulation, last: GivenUp, lane: int = 0) -> str:
 
 
 def too_late(t: Array) -> str:
-    """A sentence on times so large that steps do not count beside them; "" where they are not."""
+    """A sentence on times so large that steps are lost in their rounding; "" for others."""
     apart = float(np.spacing(np.abs(t).max()))
     if apart <= _COARSE * (t[-1] - t[0]):
         return ""
@@ -140,7 +140,8 @@ def too_late(t: Array) -> str:
 
 
 def hopeless(run: Simulation, now: float, qd: Array) -> str:
-    """The reason for giving up a motion whose rates, qd (nv,) by now, grow from call to call."""
+    """The reason for giving up a motion whose rates qd (nv,) grow from one controller call to the
+    next."""
     why = why_sampled(run) or "The loop that the torque closes is unstable."
     return (
         f"simulate: the motion grows from one call of the torque to the next: at t = {now:.6g} s "
@@ -149,7 +150,7 @@ def hopeless(run: Simulation, now: float, qd: Array) -> str:
 
 
 def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
-    """The reason for the short steps of one motion, or for their number, as sentences."""
+    """The reason for the short steps of one motion, or for their number, in sentences."""
     reason = why_sampled(run, lane) or too_late(run.t)
     if reason:
         return reason
@@ -168,7 +169,7 @@ def _why_short(run: Simulation, qd: Array, step: float, lane: int) -> str:
 
 
 def _moving(run: Simulation, qd: Array) -> str:
-    """Words for the fastest coordinate and its rate."""
+    """A phrase on the fastest coordinate and its rate."""
     k = int(np.argmax(np.abs(qd)))
     own = k % run.model.nv  # qd may be those of motions that step alike
     unit = "rad/s" if angular(run.model)[own] else "m/s"
@@ -176,8 +177,9 @@ def _moving(run: Simulation, qd: Array) -> str:
 
 
 def why_sampled(run: Simulation, lane: int = 0) -> str:
-    """Sentences on a motion that grows because its torque is sampled too seldom, with the sampling
-    time up to which it would not; "" where it does not, or where that cannot be found."""
+    """Sentences on a motion that grows because its torque is sampled too rarely, with the longest
+    sampling time at which it would not; "" where it does not grow, or where that cannot be
+    found."""
     if run.sample_time is None or run.model.loops or run.model.nq != run.model.nv:
         return ""
     try:
@@ -205,7 +207,8 @@ def why_sampled(run: Simulation, lane: int = 0) -> str:
 
 @dataclass(frozen=True, eq=False)
 class _SampledLoop:
-    """ẏ = A y + B u, u = K y, u being held from one instant to the next."""
+    """A linear closed loop with sampled feedback: ẏ = A y + B u, u = K y, with u held between
+    instants."""
 
     A: Array
     B: Array
@@ -213,7 +216,7 @@ class _SampledLoop:
 
     @staticmethod
     def at_start(run: Simulation, lane: int) -> _SampledLoop:
-        """The loop of one motion, linearised at its start."""
+        """The sampled loop of one motion, linearised at its start."""
         model, lanes = run.model, run.lanes
         whole, now = lane_system(run, lane), np.asarray(run.t[0])
         index, shape = lanes.index(lane), lanes.shape
@@ -240,7 +243,8 @@ class _SampledLoop:
         )
 
     def largest(self, sample_time: float) -> tuple[float, Array]:
-        """The largest factor of growth from one instant to the next, and what grows."""
+        """The largest factor by which the loop grows between instants, and the growing combination
+        of states."""
         n, m = self.B.shape
         whole = np.zeros((n + m, n + m))
         whole[:n, :n], whole[:n, n:] = self.A, self.B
@@ -250,20 +254,20 @@ class _SampledLoop:
         return float(np.abs(factors[k])), np.abs(motions[:, k])
 
     def stable(self, sample_time: float) -> bool:
-        """Whether nothing grows but what would without sampling."""
+        """Whether the sampled loop grows no faster than it would with continuous feedback."""
         rate = float(np.linalg.eigvals(self.A + self.B @ self.K).real.max())
         most = (1.0 + _MARGIN) * np.exp(max(0.0, rate) * sample_time)
         return self.largest(sample_time)[0] <= most
 
     def longest(self, sample_time: float) -> float | None:
-        """The longest stable sampling time (s) below one that is not; None where there is none."""
+        """The longest stable sampling time (s) below an unstable one; None where there is none."""
         shorter = sample_time / _FINER ** np.arange(1, round(_OCTAVES * np.log(2) / np.log(_FINER)))
         return next((float(x) for x in shorter if self.stable(float(x))), None)
 
 
 def stopping_endless(run: Simulation, whole: System) -> Callable[[float, float, Array], None]:
-    """A function of the two times of a step and the state behind it, which raises where the run
-    would not end."""
+    """A function of a step's two times and the state after it that raises an error where the run
+    would never end."""
     end = float(run.t[-1])
     pace, growth, only = RunPace(end), Growth(1, end), np.zeros(1, dtype=int)
 
@@ -280,8 +284,8 @@ def stopping_endless(run: Simulation, whole: System) -> Callable[[float, float, 
 def unless_hopeless(
     run: Simulation, edges: Array, begin: Callable[[int, Array, Array], TorqueLaw]
 ) -> Callable[[int, Array, Array], TorqueLaw]:
-    """The torque on piece k of a schedule, sampled at its edges (k,), from the state at its start;
-    it raises where the motion grows without hope."""
+    """The function `begin` of a schedule with edges (k,) that also raises an error where the motion
+    grows without bound between the controller's calls."""
     growth = SampledGrowth(len(edges) - 1)
 
     def begin_or_stop(k: int, q: Array, qd: Array) -> TorqueLaw:
