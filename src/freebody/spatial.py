@@ -320,5 +320,6 @@ def compose(Rp: tuple[Matrix, Vector], Sr: tuple[Matrix, Vector]) -> tuple[Matri
 
 
 def _square(x: float, c: Scalar) -> Scalar:
-    """x² + (1 - x²) cos: the diagonal of a rotation, exact for coordinate axes."""
+    """The diagonal entry x² + (1 - x²) cos of a rotation about an axis with component x, exact for
+    coordinate axes."""
     return 1.0 if x in (1.0, -1.0) else c if x == 0.0 else x * x + (1.0 - x * x) * c

@@ -1,1 +1,2 @@
-"""Sweeps: one function over the grid of many parameters and states, reduced on the way."""
+"""Sweeps: one function over the grid of many parameters and states, with results reduced on the
+way."""

@@ -1,4 +1,5 @@
-"""The axes of a sweep: what varies along each, and the numbers of any part of their grid."""
+"""The axes of a sweep: the quantities that vary along each, and their values in any part of the
+grid."""
 
 from __future__ import annotations
 
@@ -20,7 +21,7 @@ Read = Callable[[str, Any], tuple[str, Array]]
 
 @dataclass(frozen=True)
 class SweepAxis:
-    """An axis of a sweep's grid: its name, and all that varies together along it, each (n,
+    """An axis of a sweep's grid: its name, and all quantities that vary together along it, each (n,
     *core)."""
 
     name: str
@@ -36,14 +37,14 @@ class SweepAxis:
         return len(next(iter(self.given.values())))
 
     def at(self, places: slice | np.ndarray) -> dict[str, Array]:
-        """The values at some places, (*places, *core), by name."""
+        """The values at the given places of the axis, (*places, *core), by name."""
         if isinstance(self.given, Samples):
             return self.given.at(places)
         return {name: array[places] for name, array in self.given.items()}
 
 
 def read_axes(over: Any, read: Read, inputs: Sequence[str] | None) -> tuple[SweepAxis, ...]:
-    """The axes that `over` names, in its order.
+    """The axes named in `over`, in its order.
 
     inputs: those of the function, of which a motion gives positions, rates and accelerations; None
     where any may be given.
@@ -91,7 +92,7 @@ def _axis(name: Any, value: Any, read: Read, inputs: Sequence[str] | None) -> Sw
 
 
 def _states(name: str, motion: Motion, inputs: Sequence[str] | None) -> dict[str, Array]:
-    """Positions, rates and accelerations of a motion, those of them that the function takes."""
+    """The positions, rates and accelerations of a motion that the function takes, by name."""
     found = {
         key: getattr(motion, key) for key in ("q", "qd", "qdd") if inputs is None or key in inputs
     }
@@ -104,8 +105,8 @@ def _states(name: str, motion: Motion, inputs: Sequence[str] | None) -> dict[str
 
 @dataclass(frozen=True)
 class SweepGrid:
-    """The grid as a table: rows and columns are each the product of some axes, the last of them
-    quickest; along the columns results are reduced."""
+    """The grid of a sweep as a table: rows and columns are products of some axes, the last of which
+    runs quickest; results are reduced along the columns."""
 
     rows: tuple[SweepAxis, ...]
     columns: tuple[SweepAxis, ...]
@@ -118,7 +119,7 @@ class SweepGrid:
         return prod(axis.size for axis in self.rows), prod(axis.size for axis in self.columns)
 
     def part(self, rows: range, columns: range) -> dict[str, Array]:
-        """The values in a part of the table, by name (R or 1, C or 1, *core)."""
+        """The values in a part of the table by name, (R or 1, C or 1, *core)."""
         found = {name: value[None, None] for name, value in self.constants.items()}
         for axis, index in zip(self.rows, _places(self.rows, rows), strict=True):
             found |= {name: array[:, None] for name, array in axis.at(index).items()}
@@ -127,7 +128,7 @@ class SweepGrid:
         return found
 
     def row_points(self) -> dict[str, Array]:
-        """The values at each row, (R, ...), by name."""
+        """The values at each row by name, (R, ...)."""
         rows = range(self.shape[0])
         return {
             name: array
@@ -136,8 +137,8 @@ class SweepGrid:
         }
 
     def column(self, index: np.ndarray) -> dict[str, tuple[np.ndarray, dict[str, Array]]]:
-        """The place on each axis of columns by number, -1 for none, and the values there, NaN for
-        none."""
+        """For each axis of the columns the places (-1: none) and the values (NaN: none) that belong
+        to given column numbers."""
         none = index < 0
         sizes = [axis.size for axis in self.columns]
         places = np.unravel_index(np.where(none, 0, index), sizes)
@@ -150,7 +151,7 @@ class SweepGrid:
         return found
 
     def point(self, row: int, column: int) -> dict[str, int]:
-        """The place on each axis of one point."""
+        """The place on each axis of the point in a row and column."""
         found = {}
         for axes, at in ((self.rows, row), (self.columns, column)):
             places = _places(axes, range(at, at + 1))
@@ -160,8 +161,8 @@ class SweepGrid:
 
 
 def _places(axes: Sequence[SweepAxis], among: range) -> list[Any]:
-    """Along each axis the places of consecutive points of their product; of one axis a slice, which
-    copies nothing."""
+    """The places on each axis of consecutive points of the axes' product; for a single axis a
+    slice, which copies nothing."""
     if len(axes) == 1:
         return [slice(among.start, among.stop)]
     if not axes:

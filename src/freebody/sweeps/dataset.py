@@ -1,4 +1,4 @@
-"""The result of a sweep as a dataset: results are joined block by block, and named."""
+"""The result of a sweep as a dataset: arrays joined block by block, and labelled."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _SHOWN = 10
 
 
 class SweepArrays:
-    """The arrays of a result, filled as blocks come in."""
+    """The arrays of a sweep's result, filled as blocks arrive."""
 
     def __init__(self, task: SweepTask, held: bool = True):
-        """held: whether values are to be kept here; else only what failed."""
+        """Allocate the arrays; held: whether values are kept here, or only what failed."""
         self.grid, self.reductions = grid, reductions = task.grid, task.reductions
         self.outputs = task.outputs if held else ()
         self._whole_rows = task.whole_rows
@@ -49,7 +49,7 @@ class SweepArrays:
             ) from None
 
     def add(self, block: SweepBlock, result: BlockResult) -> None:
-        """Put the next block in its place."""
+        """Put the next block's results in their place."""
         rows = slice(block.rows.start, block.rows.stop)
         self.failed[rows] += result.failed
         self.reasons = with_more(self.reasons, result.reasons, _SHOWN)
@@ -62,7 +62,7 @@ class SweepArrays:
                 self._finish(rows)
 
     def _finish(self, rows: slice) -> None:
-        """Reduce rows all blocks of which are in."""
+        """Compute the reductions of rows whose blocks have all arrived."""
         for (output, _), found in zip(self.outputs, self._open or (), strict=True):
             done = found if self._whole_rows else finished(self.reductions, found)
             for name, values in done.items():
@@ -71,7 +71,7 @@ class SweepArrays:
 
 
 def _about(model: Model, function: SweptFunction, arrays: SweepArrays) -> dict[str, Any]:
-    """The attributes of a result; warns where points failed, raises where all did."""
+    """The attributes of a result; warns where some points failed, raises an error where all did."""
     grid, points = arrays.grid, arrays.grid.shape[0] * arrays.grid.shape[1]
     failed = int(arrays.failed.sum())
     reasons = [_sentence(grid, point) for point in arrays.reasons]
@@ -92,7 +92,8 @@ def lazy_dataset(
     arrays: SweepArrays,
     stored: xr.Dataset,
 ) -> xr.Dataset:
-    """All values as they lie in a store, over `point`, the rows of the table, and the columns."""
+    """All values as a dataset read from a store on access, over `point` (the rows of the table) and
+    the columns."""
     about, grid = _about(model, function, arrays), arrays.grid
     coordinates: dict[str, Any] = {}
     for axis in grid.columns:
@@ -109,7 +110,7 @@ def lazy_dataset(
 
 
 def dataset(model: Model, function: SweptFunction, arrays: SweepArrays) -> xr.Dataset:
-    """The result as a dataset over the axes that stay in front."""
+    """The result as a dataset over the axes that are not reduced."""
     import xarray as xr
 
     about, grid = _about(model, function, arrays), arrays.grid
@@ -145,7 +146,7 @@ def _sentence(grid: SweepGrid, point: FailedPoint) -> str:
 
 
 def _coordinates(axis: SweepAxis) -> dict[str, Any]:
-    """Along the axis: its times, and each thing that varies."""
+    """Coordinates along an axis: its times, and every quantity that varies."""
     found: dict[str, Any] = {} if axis.times is None else {"t": ((axis.name,), axis.times)}
     for name, array in axis.given.items():
         inner = tuple(f"{name}_{k}" for k in range(array.ndim - 1))
@@ -164,7 +165,7 @@ def _dimensions(
     coordinates: dict[str, Any],
     front: tuple[str, ...],
 ) -> tuple[str, ...]:
-    """Names of the dimensions of an output's core; joints are called by their names, other places
+    """Names of the dimensions of an output's core, with joints labelled by name and other entries
     by number."""
     labels = function.dimensions(output) or ("",) * len(core)
     found: list[str] = []
@@ -186,7 +187,8 @@ def _places(
     front: tuple[tuple[str, ...], tuple[int, ...]],
     inner: tuple[str, ...],
 ) -> dict[str, Any]:
-    """Variables for the place on each reduced axis, -1 for none, and for the values there."""
+    """Variables for the place of a reduction's result on each reduced axis (-1: none), and for the
+    values there."""
     (dims, sizes), found = front, {}
     core = values.shape[1:]
     for axis, (place, given) in grid.column(values.astype(np.int64)).items():

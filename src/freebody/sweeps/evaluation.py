@@ -1,4 +1,5 @@
-"""A part of a sweep's table: its values, and the points that have none, with the reason."""
+"""The evaluation of a part of a sweep's table: its values, and the points without one, with the
+reason."""
 
 from __future__ import annotations
 
@@ -37,7 +38,7 @@ ByOutput = Mapping[str, Array]
 
 
 class FailedPoint(NamedTuple):
-    """A point of the table, and why it has no value."""
+    """A point of the table without a value, and the reason."""
 
     row: int
     column: int
@@ -53,9 +54,9 @@ class SweepBlock(NamedTuple):
 
 @dataclass
 class BlockResult:
-    """The results of a block: of each output its reductions or, where rows go on in further
-    blocks, the numbers that these need, or all values; how many points of each row failed; some
-    of these."""
+    """The results of a block: for each output its reductions (or, where rows go on in further
+    blocks, the numbers these need) or all values; the number of failed points of each row; some of
+    those points."""
 
     gathered: list[Gathered]
     values: list[Array]
@@ -71,7 +72,7 @@ Keep = Callable[[SweepBlock, BlockResult], object]
 
 @dataclass(frozen=True)
 class SweepTask:
-    """A sweep as a function of a block, which can be sent to another process."""
+    """A sweep as a function of a block that can be sent to another process."""
 
     model: Model
     grid: SweepGrid
@@ -89,7 +90,7 @@ class SweepTask:
     """Points that are evaluated at once."""
 
     def __call__(self, block: SweepBlock, side_by_side: InOrder = map) -> BlockResult:
-        """Evaluate a block in tiles, whose results are joined in order.
+        """The results of a block, evaluated in tiles that are joined in order.
 
         side_by_side: a `map`, which may be one that evaluates several tiles at a time.
         """
@@ -130,7 +131,7 @@ class SweepTask:
         return [finished(self.reductions, x) for x in found] if self.whole_rows else found
 
     def empty(self) -> list[Gathered]:
-        """The results of a block of one row, of values that are not there."""
+        """The results of a block of one row without any values."""
         return self._reduced(self._nothing())
 
     def _nothing(self) -> list[Gathered]:
@@ -139,14 +140,14 @@ class SweepTask:
 
     @cached_property
     def _row_bytes(self) -> int:
-        """Bytes that are gathered for a row, before it is reduced."""
+        """The number of bytes gathered for one row before it is reduced."""
         return max(1, sum(array.nbytes for x in self._nothing() for array in x.values()))
 
     def _tile(
         self, tile: SweepBlock, block: SweepBlock, refused: dict[int, str], places: list[Array]
     ) -> BlockResult:
-        """The results of a tile, reduced where it has all that the block has of its rows; its
-        values, where all are wanted, are put into the block's."""
+        """The results of a tile, reduced where the tile has all of the block's columns; where all
+        values are wanted, they are put into the block's arrays."""
         rows, columns = tile
         reasons: Reasons = {}
         named = self._values(rows, columns, refused, reasons)
@@ -167,8 +168,8 @@ class SweepTask:
     def _values(
         self, rows: range, columns: range, refused: dict[int, str], reasons: Reasons
     ) -> ByOutput:
-        """Values (R, C, *core) by output. A part that is refused is halved, until it is one point,
-        or one robot."""
+        """The values (R, C, *core) by output; a part that is refused is halved until it is a single
+        point or robot."""
         shape = len(rows), len(columns)
         reason = refused.get(rows.start) if len(rows) == 1 else None
         if reason is None:
@@ -192,8 +193,8 @@ class SweepTask:
         }
 
     def _all_values(self, rows: range, columns: range, refused: dict[int, str]) -> ByOutput:
-        """Values (R, C, *core) by output, of a part in which every point has one; raises
-        elsewhere."""
+        """The values (R, C, *core) by output of a part in which every point has one; raises an
+        error otherwise."""
         if any(r in refused for r in rows):
             raise FreebodyError("some robots of the part are refused")
         given, shape = self.grid.part(rows, columns), (len(rows), len(columns))
@@ -204,7 +205,7 @@ class SweepTask:
         return {name: np.broadcast_to(found[name], (*shape, *core)) for name, core in self.outputs}
 
     def _refused(self, rows: range) -> dict[int, str]:
-        """Rows whose numbers no robot has, and why, where rows are robots."""
+        """The rows whose numbers no robot has, with the reason, where rows are robots."""
         if not self.rows_are_robots:
             return {}
         given = self.grid.part(rows, range(1))
@@ -220,7 +221,7 @@ class SweepTask:
 
 
 def _failed_points(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> list[FailedPoint]:
-    """Failed points of each row that has some, each reason once, at the first of them."""
+    """The failed points of each row that has some, each reason once, at its first point."""
     rows = np.flatnonzero(failed.any(axis=1))
     first = failed.argmax(axis=1)
     places = {(tile.rows.start + r, tile.columns.start + int(first[r])) for r in rows.tolist()}
@@ -231,7 +232,8 @@ def _failed_points(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> li
 def with_more(
     reasons: list[FailedPoint], more: list[FailedPoint], most: int | None = None
 ) -> list[FailedPoint]:
-    """Failed points and further ones, of each row each reason once, where it first occurs."""
+    """Failed points together with further ones, of each row each reason once, where it first
+    occurs."""
     if not more:
         return reasons
     found: dict[tuple[int, str], FailedPoint] = {}
@@ -241,7 +243,8 @@ def with_more(
 
 
 def _of_one(numbers: ByOutput) -> dict[str, float]:
-    """Numbers of one robot, so that an error speaks of no member."""
+    """The numbers of a single robot as floats, so that an error does not mention a family's
+    member."""
     return {name: float(x.flat[0]) for name, x in numbers.items()}
 
 
@@ -260,21 +263,21 @@ def _halved(whole: range) -> tuple[range, range]:
 
 @dataclass(frozen=True)
 class SweepBlocks:
-    """The table of a shape as blocks of at most so many points, in order: rows together,
-    block after block along the columns. Known by the shape alone, so that it is the same wherever
-    it runs."""
+    """The table of a given shape cut into blocks of at most so many points, in order: rows
+    together, then block after block along the columns. The cut depends on the shape alone, and so
+    is the same wherever it runs."""
 
     shape: tuple[int, int]
     points: int
 
     @property
     def wide(self) -> int:
-        """The number of columns of a block."""
+        """The number of columns in a block."""
         return min(self.shape[1], self.points)
 
     @property
     def high(self) -> int:
-        """The number of rows of a block: one, where it does not have all columns."""
+        """The number of rows in a block: one, where a block does not have all columns."""
         return max(1, self.points // self.wide) if self.wide == self.shape[1] else 1
 
     @property
@@ -283,7 +286,7 @@ class SweepBlocks:
         return -(-self.shape[0] // self.high), -(-self.shape[1] // self.wide)
 
     def place(self, block: SweepBlock) -> tuple[int, int]:
-        """The place of a block, counted in blocks."""
+        """The position of a block in the table, counted in blocks."""
         return block.rows.start // self.high, block.columns.start // self.wide
 
     def __iter__(self) -> Iterator[SweepBlock]:

@@ -31,7 +31,7 @@ FAULTS = (ShapeError, KindError, UnknownNameError)
 
 
 class SweptFunction(Protocol):
-    """A function that is evaluated at the points of a grid."""
+    """A function that a sweep evaluates at the points of its grid."""
 
     @property
     def numbers(self) -> tuple[str, ...]:
@@ -40,7 +40,8 @@ class SweptFunction(Protocol):
 
     @property
     def touches(self) -> tuple[str, ...]:
-        """Aspects of the model on which its values depend, among those that a doubt may be on."""
+        """The aspects of the model, among those that may be doubted, that the function's values
+        depend on."""
         ...
 
     @property
@@ -49,7 +50,7 @@ class SweptFunction(Protocol):
         ...
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """Values (R, C, *core) by output, of the inputs given (R or 1, C or 1, *core).
+        """The function's values (R, C, *core) by output, for inputs (R or 1, C or 1, *core).
 
         hoisted: whether a robot's own arithmetic is done once a row, where its numbers are the same
         along the columns.
@@ -57,13 +58,13 @@ class SweptFunction(Protocol):
         ...
 
     def dimensions(self, output: str) -> tuple[str, ...] | None:
-        """Names of the dimensions of the output's core, such as "nv", where they have names."""
+        """Names of the dimensions of an output's core, such as "nv"; None where they have none."""
         ...
 
 
 @dataclass(frozen=True)
 class SweptKernel:
-    """A kernel, whose last input holds the model's numbers where some vary."""
+    """A kernel as a swept function; where numbers of the model vary, its last input holds them."""
 
     kernel: Kernel | InputKernel
     numbers: tuple[str, ...]
@@ -72,17 +73,18 @@ class SweptKernel:
 
     @property
     def touches(self) -> tuple[str, ...]:
-        """Aspects of the model, see `SweptFunction`; a function of one's own has no model."""
+        """The aspects of the model that the kernel's values depend on, see `SweptFunction`; none
+        for a function of the user's own."""
         return tuple({x: None for name in self.formulas for x in FORMULAS[name].touches})
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names of what it takes besides numbers of the model."""
+        """Names of the kernel's inputs other than numbers of the model."""
         names = tuple(x.name for x in self.kernel.program.inputs)
         return names[:-1] if self.numbers else names
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """Values by output, see `SweptFunction`."""
+        """The kernel's values by output; see `SweptFunction`."""
         names = [x.name for x in self.kernel.program.outputs]
         arrays = [given[name] for name in self.inputs]
         if self.numbers:
@@ -109,7 +111,7 @@ class SweptKernel:
         return dict(zip(names, made, strict=True))
 
     def dimensions(self, output: str) -> tuple[str, ...] | None:
-        """Names of dimensions, see `SweptFunction`."""
+        """Names of the dimensions of a kernel's output; see `SweptFunction`."""
         for name in self.formulas:
             label = output if len(self.formulas) == 1 else output.removeprefix(f"{name}_")
             found = FORMULAS[name].outputs.get(label)
@@ -124,8 +126,8 @@ def _tuple(result: Any) -> tuple[Array, ...]:
 
 @dataclass(frozen=True)
 class SweptCallable:
-    """A function of Python: of the model, a family where its numbers vary, and of batches by
-    name."""
+    """A Python function as a swept function: of the model (a family where its numbers vary) and of
+    batches by name."""
 
     function: Callable[..., Any]
     model: Model
@@ -135,7 +137,7 @@ class SweptCallable:
     """All aspects of the model: the function may ask for any."""
 
     def __call__(self, given: Mapping[str, Array], hoisted: bool) -> dict[str, Array]:
-        """Values by output, see `SweptFunction`."""
+        """The Python function's values by output; see `SweptFunction`."""
         batch = np.broadcast_shapes(*(x.shape[:2] for x in given.values()))
         model = self.model
         if self.numbers:
@@ -151,7 +153,7 @@ class SweptCallable:
         return {key: _of_batch(key, value, batch) for key, value in named.items()}
 
     def dimensions(self, output: str) -> None:
-        """Names of dimensions of the results: None, as Python's have none."""
+        """None: the results of Python functions have no named dimensions."""
 
 
 def _of_batch(name: str, value: Any, batch: tuple[int, ...]) -> Array:
@@ -177,7 +179,7 @@ def named_formulas(
     numbers: Sequence[str],
     target: str | None,
 ) -> SweptKernel:
-    """The kernel of formulas, to which numbers of the model are given."""
+    """The kernel of one or several formulas, with numbers of the model as inputs."""
     if model.loops:
         raise FreebodyError(
             f"sweep: {model.name!r} is a closed chain, whose loops must close at each state. Give "
@@ -198,7 +200,7 @@ def named_formulas(
 
 
 def reader(model: Model, inputs: Mapping[str, tuple[int, ...]] | None) -> Callable[..., Any]:
-    """How the values of what is given are read, see `axes.Read`.
+    """A function that reads and checks the values given for an axis or a constant, see `axes.Read`.
 
     inputs: what the function takes and its core shape; None: whatever is no number of the model.
     """
@@ -247,7 +249,7 @@ def _check(name: str, array: Array, core: tuple[int, ...], axes: int) -> None:
 def input_shapes(
     function: Any, model: Model, frame: str | None, reference: str
 ) -> dict[str, tuple[int, ...]] | None:
-    """Core shapes of a function's inputs by name; None of a function of Python, which may take
+    """Core shapes of a function's inputs by name; None for a Python function, which may take
     anything."""
     if isinstance(function, Kernel):
         return {x.name: x.shape for x in function.program.inputs}
@@ -266,7 +268,7 @@ def input_shapes(
 
 
 def names_of(function: Any) -> tuple[str, ...]:
-    """Names of formulas, one or several."""
+    """The names of formulas, given as one or several."""
     names = (function,) if isinstance(function, str) else function
     if not isinstance(names, Sequence) or not all(isinstance(x, str) for x in names) or not names:
         raise KindError(

@@ -1,5 +1,5 @@
-"""The identity of a sweep, a hash of all that its results depend on: its function, its grid, and
-what it is computed with. By it a store knows the sweep again that it was begun with."""
+"""The identity of a sweep: a hash of everything its results depend on (function, grid, libraries),
+by which a store recognises the sweep that it was begun with."""
 
 from __future__ import annotations
 
@@ -28,16 +28,15 @@ from freebody.targets.target import chosen_target
 
 
 class SweepNeeds(NamedTuple):
-    """The target and libraries that compute a sweep. target: of its kernel; None of a function of
-    Python, which may call kernels of the process's own target and whatever NumPy has. scipy:
-    whether it makes samples."""
+    """What computes a sweep. target: that of its kernel; None for a Python function, which may call
+    kernels of the process's own target. scipy: whether SciPy makes its samples."""
 
     target: str | None
     scipy: bool
 
 
 def needs_of(task: SweepTask) -> SweepNeeds:
-    """The target and libraries that compute a task."""
+    """The target and libraries that compute a sweep's task."""
     kernel = _kernel(task.function)
     every = [axis.given for axis in (*task.grid.rows, *task.grid.columns)]
     scipy = any(isinstance(x, Samples) and SAMPLERS[x.method].scipy for x in every)
@@ -45,8 +44,8 @@ def needs_of(task: SweepTask) -> SweepNeeds:
 
 
 def computed_with(needs: SweepNeeds) -> dict[str, str]:
-    """Names and versions on which last digits depend besides the arguments, and the processor that
-    code is made for, which for a level (`cpu=`) is the same everywhere."""
+    """Names and versions of everything besides the arguments that last digits depend on, with the
+    processor that code is made for, which for a level (`cpu=`) is the same everywhere."""
     target, _, level = (needs.target or chosen_target(None)).partition(":")
     found = {"freebody": compiler_version(), "NumPy": np.__version__}
     if target == "cpu":
@@ -62,13 +61,13 @@ def computed_with(needs: SweepNeeds) -> dict[str, str]:
 
 
 def differing(here: Mapping[str, str], there: Mapping[str, str]) -> list[str]:
-    """Names of the entries that are not the same."""
+    """Names of the entries that differ."""
     return [key for key in {**here, **there} if here.get(key) != there.get(key)]
 
 
 def identity(task: SweepTask, points: int) -> str:
-    """SHA-256 in hexadecimal, of the function, the robot, the grid, what is gathered, how the table
-    is cut into blocks of so many points, and what it is computed with."""
+    """The SHA-256, in hexadecimal, of the function, the robot, the grid, the reductions, the cut
+    into blocks of so many points, and the libraries."""
     digest = hashlib.sha256()
 
     def add(*parts: Any) -> None:
@@ -110,7 +109,7 @@ def _kernel(function: SweptFunction) -> Kernel | None:
 
 
 def fingerprint(value: Any, known: tuple[Any, ...] = ()) -> list[Any]:
-    """A value as parts whose `repr` is the same where it is.
+    """A value as a list of parts whose `repr` is equal exactly where the value is.
 
     A function is its code, and what that reads: what it holds, and the globals that it names, other
     functions of the user's among them; what is installed counts by its name. known: functions that
@@ -147,7 +146,7 @@ def fingerprint(value: Any, known: tuple[Any, ...] = ()) -> list[Any]:
 
 
 def _named(value: Any) -> list[Any]:
-    """Modules, and what is installed, by name; nothing for others."""
+    """A module or an installed function as its kind and name; empty for other values."""
     if inspect.ismodule(value):
         return ["module", value.__name__]
     module = getattr(value, "__module__", None) or ("numpy" if isinstance(value, np.ufunc) else "")
@@ -158,7 +157,7 @@ def _named(value: Any) -> list[Any]:
 
 
 def _is_installed(module: str) -> bool:
-    """Whether a module is Python's, or a package's; those are told by their versions."""
+    """Whether a module is Python's own or a package's, which versions identify."""
     top = module.partition(".")[0]
     if top in sys.stdlib_module_names or top == "freebody":
         return top != "__main__"
@@ -180,7 +179,7 @@ def _python_function(function: Any, known: tuple[Any, ...]) -> list[Any]:
 
 
 def _globals_read(code: Any) -> set[str]:
-    """Names of globals that the code and what is defined in it read."""
+    """Names of the globals that a code object, and functions defined in it, read."""
     names = {x.argval for x in dis.get_instructions(code) if x.opname == "LOAD_GLOBAL"}
     return names.union(*(_globals_read(x) for x in code.co_consts if inspect.iscode(x)))
 

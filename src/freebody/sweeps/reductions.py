@@ -1,4 +1,4 @@
-"""Reductions of many values: numbers that are gathered tile by tile, and joined in order.
+"""Reductions of many values: numbers gathered tile by tile and joined in order.
 
 A value that is NaN counts in none of them.
 """
@@ -21,8 +21,9 @@ Gathered = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Accumulator:
-    """Gathers values (R, *core, C), whose first column has a number, into (R, *core, ...); joins
-    two such, the earlier columns first."""
+    """A pair of functions for a reduction: to gather values (R, *core, C), given the number of
+    their first column, into (R, *core, ...); and to join two such results, earlier columns
+    first."""
 
     gather: Callable[[Array, int], np.ndarray]
     join: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -35,8 +36,8 @@ QUANTILE_ERROR = 0.5 / (1 << _STEPS)
 
 
 def _bins(x: Array) -> np.ndarray:
-    """The bin of each value: as many of each sign as there are 64ths of each doubling from 2**-30
-    to 2**40, and one between for what is smaller; the bits of a float are in that order."""
+    """The index of each value's bin: for each sign 64 bins in each doubling from 2**-30 to 2**40,
+    and one for all smaller values; bins are in the order of a float's bits."""
     level = np.abs(x).view(np.int64)  # and what follows in place: this is most of a quantile's time
     level >>= 52 - _STEPS
     level -= ((1023 + _LEAST) << _STEPS) - 1
@@ -61,7 +62,7 @@ def _histogram(x: Array, first: int) -> np.ndarray:
 
 
 def _quantile(counts: Array, share: float) -> Array:
-    """The middle of the bin in which the value of that rank lies."""
+    """The middle of the bin that holds the value of a given rank, such as 0.99."""
     total = np.cumsum(counts, axis=-1)
     rank = np.maximum(np.ceil(share * total[..., -1:]), 1)
     bins = np.argmax(total >= rank, axis=-1) - (_BINS + 1)
@@ -75,7 +76,8 @@ def _quantile(counts: Array, share: float) -> Array:
 
 
 def _place(key: Callable[[Array], Array]) -> Accumulator:
-    """The largest key and the column where it first occurs, -1 for none: (..., 2)."""
+    """The accumulator of the largest key and the column where it first occurs, -1 for none: (...,
+    2)."""
 
     def gather(x: Array, first: int) -> Array:
         keys, lacking = key(x), np.isnan(x)
@@ -94,14 +96,14 @@ def _place(key: Callable[[Array], Array]) -> Accumulator:
 
 
 def _total(x: Array) -> Array:
-    """The sum of the values that are numbers."""
+    """The sum of the values that are not NaN."""
     lacking = np.isnan(x)
     return np.add.reduce(np.where(lacking, 0.0, x) if lacking.any() else x, axis=-1)
 
 
 def _end(extreme: np.ufunc, key: Callable[[Array], Array]) -> Accumulator:
-    """The largest or smallest key. Of zeros of both signs, and of NaNs, a processor may take any:
-    told are 0 and the plain NaN."""
+    """The accumulator of the largest or smallest key; since processors may pick any of equal zeros
+    and NaNs, these become 0 and the plain NaN."""
 
     def plain(x: Array) -> Array:
         return np.where(np.isnan(x), np.nan, x + 0.0)
@@ -127,8 +129,8 @@ _ACCUMULATORS = {
 
 @dataclass(frozen=True)
 class SweepReduction:
-    """A reduction: its name, the numbers to be gathered for it, and its value of these: (R,
-    *core)."""
+    """A reduction: its name, the numbers to gather for it, and the function from these to its value
+    (R, *core)."""
 
     name: str
     needs: tuple[str, ...]
@@ -208,12 +210,13 @@ def needed(reductions: Sequence[SweepReduction]) -> tuple[str, ...]:
 
 
 def finished(reductions: Sequence[SweepReduction], found: Gathered) -> Gathered:
-    """The values of all reductions of the numbers gathered of some rows."""
+    """The values of all reductions, from the numbers gathered for some rows."""
     return {x.name: x.finish(found) for x in reductions}
 
 
 def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list[Gathered]:
-    """The numbers that the reductions need of each output's values in a tile, (R, C, *core)."""
+    """The numbers that reductions need, gathered from each output's values in a tile, (R, C,
+    *core)."""
     if not wanted:
         return []
     # columns side by side: NumPy reduces them ten times as fast
@@ -222,7 +225,7 @@ def gathered(values: Sequence[Array], wanted: Sequence[str], first: int) -> list
 
 
 def joined(a: list[Gathered], b: list[Gathered]) -> list[Gathered]:
-    """The numbers gathered of the same rows, the columns of a before those of b."""
+    """The numbers gathered for the same rows from two ranges of columns, a before b, joined."""
     return [
         {key: _ACCUMULATORS[key].join(x[key], y[key]) for key in x}
         for x, y in zip(a, b, strict=True)

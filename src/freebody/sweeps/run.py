@@ -1,5 +1,5 @@
-"""All blocks of a sweep: one after the other in this process, or on a cluster of Dask; results come
-in the order of the blocks.
+"""The evaluation of all blocks of a sweep, one after the other in this process or on a Dask
+cluster; results come in the order of the blocks.
 
 Here a block is shared among the processors, and is kept before the next one is begun: what stops
 the process costs at most the one block that was under way. On a cluster the same code evaluates the
@@ -39,7 +39,7 @@ _AHEAD = 2
 def evaluated(
     task: SweepTask, blocks: Iterable[SweepBlock], keep: Keep | None = None, client: Any = None
 ) -> Iterator[BlockResult]:
-    """The result of each block, in order; few are held at a time."""
+    """The result of each block in order; few are held in memory at a time."""
     if client is not None:
         yield from _on_cluster(task, blocks, keep, client)
     elif not task.function.threads or cpus() == 1:
@@ -65,7 +65,7 @@ def _one_by_one(
 def _on_cluster(
     task: SweepTask, blocks: Iterable[SweepBlock], keep: Keep | None, client: Any
 ) -> Iterator[BlockResult]:
-    """The result of each block, in order; few are held at a time.
+    """The result of each block, computed on a cluster, in order; few are held in memory at a time.
 
     keep: is given each block as soon as its result is here, in whatever order they come.
     client: a `distributed.Client`, or the address of a scheduler. What a lost worker had under way
@@ -103,9 +103,9 @@ def _in_order(
     client: Any,
     as_completed: Callable[..., Any],
 ) -> Iterator[BlockResult]:
-    """Results are fetched when they are there, and wait here for those before them. A thread has
-    one piece at a time, the next when its result is here: a worker that is lost takes no more.
-    """
+    """Results from a cluster in the order of the blocks: those that arrive early wait. Each thread
+    has one piece at a time and gets the next when its result is here, so that a lost worker holds
+    up no more."""
     # as bytes: what a worker cannot read would break its connection instead of being said
     packed = imported("cloudpickle").dumps(task)
     needs = needs_of(task)
@@ -145,7 +145,7 @@ def _in_order(
 
 
 class _SentBlocks(NamedTuple):
-    """Blocks that are sent together, and the place of this piece among all."""
+    """Blocks that are sent to a worker together, with their number in the order of all pieces."""
 
     number: int
     blocks: list[SweepBlock]
@@ -154,7 +154,8 @@ class _SentBlocks(NamedTuple):
 def _done(
     packed: bytes, blocks: list[SweepBlock], needs: SweepNeeds, wanted: Mapping[str, str]
 ) -> tuple[list[BlockResult], float]:
-    """The results of blocks on a worker, and the seconds that they took."""
+    """The results of blocks on a worker, and the seconds they took; refuses a worker with other
+    libraries."""
     others = differing(wanted, computed_with(needs))
     if others:
         advice = "Run the sweep on machines of one kind, with the same packages"
@@ -173,7 +174,7 @@ def _done(
 
 @lru_cache(maxsize=1)
 def _unpickled(packed: bytes) -> SweepTask:
-    """The task, read once for all blocks: its kernel is compiled, or found in the cache."""
+    """The task, unpickled once for all blocks; its kernel is compiled, or found in the cache."""
     task: SweepTask = pickle.loads(packed)
     return task
 
@@ -184,15 +185,15 @@ def points_of(block: SweepBlock) -> int:
 
 
 class Watched:
-    """Tells how far a sweep is, block by block, and how quick."""
+    """A reporter of a sweep's progress, block by block, and of its speed."""
 
     def __init__(self, grid: SweepGrid, progress: Progress | None, found: int = 0):
-        """found: points that were done before."""
+        """Begin a report; found: the number of points that were done before."""
         self._found, self._here, self._whole = found, 0, grid.shape[0] * grid.shape[1]
         self._progress, self._begun = progress, time.monotonic()
 
     def __call__(self, block: SweepBlock, result: BlockResult) -> BlockResult:
-        """Tell the caller how far the sweep is with one more block; its result."""
+        """The block's result, after reporting progress with it."""
         self._here += points_of(block)
         if self._progress is not None:
             done = self._found + self._here

@@ -51,8 +51,8 @@ def _random(count: int, dimensions: int, rng: np.random.Generator) -> Array:
 
 @dataclass(frozen=True)
 class Sampler:
-    """A way to spread points. runs: whether each run of points can be made without the others.
-    scipy: whether its points are SciPy's, and may change with it."""
+    """A method to spread points. runs: whether any run of points can be made without the others.
+    scipy: whether its points come from SciPy, and may change with it."""
 
     unit: UnitPoints
     runs: bool
@@ -68,7 +68,7 @@ SAMPLERS = {
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Samples(Titled, Mapping[str, Array]):
-    """Points by name, made when they are asked for: `found["m2"]` has all of them, (count, ...).
+    """Sampled points by name, made on access: `found["m2"]` has all of them, (count, ...).
 
     bounds: by name (low, high), arrays of one shape.
     """
@@ -100,7 +100,7 @@ class Samples(Titled, Mapping[str, Array]):
         return len(self.bounds)
 
     def at(self, places: slice | np.ndarray) -> dict[str, Array]:
-        """The samples at some places by name, (*places, ...)."""
+        """The samples with the given indices by name, (*places, ...)."""
         points = self._points(places)
         found, first = {}, 0
         for name, (low, high) in self.bounds.items():
@@ -110,7 +110,7 @@ class Samples(Titled, Mapping[str, Array]):
         return found
 
     def renamed(self, names: Mapping[str, str]) -> Samples:
-        """The points by other names."""
+        """The samples under other names."""
         bounds = {names[name]: pair for name, pair in self.bounds.items()}
         return Samples(self.count, self.method, self.seed, bounds)
 
@@ -122,7 +122,7 @@ class Samples(Titled, Mapping[str, Array]):
         return sum(low.size for low, _ in self.bounds.values())
 
     def _points(self, places: slice | np.ndarray) -> Array:
-        """Points of the unit cube, (*places, dimensions)."""
+        """The points of the unit cube with the given indices, (*places, dimensions)."""
         if not SAMPLERS[self.method].runs or self.count * self._dimensions <= _HELD:
             return self._all[places]
         if isinstance(places, slice):
@@ -173,7 +173,7 @@ _kept = lru_cache(maxsize=4)(_made)
 def samples(
     count: int, ranges: Mapping[str, Any], *, method: str = "sobol", seed: int = 0
 ) -> Samples:
-    """Points spread over ranges, as one axis of `fb.sweep`: by name arrays (count, ...).
+    """Points spread over ranges, as one axis of `fb.sweep`: arrays (count, ...) by name.
 
     ranges: by name (low, high), numbers or arrays of one shape, such as {"link2.mass": (1, 3),
     "q": (-np.ones(6), np.ones(6))}. method: "sobol" (scrambled Sobol points; most even for a power

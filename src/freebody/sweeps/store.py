@@ -1,4 +1,5 @@
-"""Sweeps in Zarr stores: each block is a region, and a sweep that was stopped goes on where it was.
+"""Sweeps in Zarr stores: each block is a region of the arrays, and a sweep that was stopped
+continues where it was.
 
 A block's numbers are written first and how many of its points failed last, so that a block counts
 as done when it is whole on the disk.
@@ -37,7 +38,7 @@ PARTS = "parts"
 
 
 class SweepStore:
-    """The arrays of a sweep on the disk: the rows of its table by its blocks."""
+    """The arrays of a sweep on disk: the rows of its table by its blocks."""
 
     def __init__(
         self,
@@ -59,7 +60,7 @@ class SweepStore:
             self.done = ~np.isnan(self._failed[:])
 
     def _open(self, identity: str) -> None:
-        """The store as it was left, or a new one."""
+        """Open the store as it was left, or begin a new one; refuses the store of another sweep."""
         root = self._group()
         held = root.attrs.get(_HASH)
         if held is None:
@@ -78,7 +79,7 @@ class SweepStore:
         self._arrays = {key: parts[key] for key in self._shapes()}
 
     def _group(self) -> Any:
-        """The folder as a group of Zarr's: what is in it, or a new one."""
+        """The folder as a Zarr group: the existing one, or a new one."""
         if self.path.exists() and not self.path.is_dir():
             raise self._of_others()
         mode = "r+" if self._files() else "a"
@@ -99,11 +100,11 @@ class SweepStore:
         )
 
     def _is_bare(self) -> bool:
-        """Whether there are at most arrays without a number, as a sweep begins."""
+        """Whether the folder holds at most arrays without data, as at the start of a sweep."""
         return all(x.name == "zarr.json" and x.parts[0] in (x.name, PARTS) for x in self._files())
 
     def _files(self) -> list[Path]:
-        """Files in the folder, but those that a killed process was writing."""
+        """The files in the folder, except those that a killed process was writing."""
         every = self.path.rglob("*")
         return [x.relative_to(self.path) for x in every if not (x.is_dir() or _LEFT.search(x.name))]
 
@@ -113,8 +114,8 @@ class SweepStore:
         )
 
     def _shapes(self) -> dict[str, tuple[tuple[int, ...], np.dtype]]:
-        """Shape and type of the entries of each array, by its name, for a point of a block's
-        rows."""
+        """Shape and type of each array's entry for one point (or one row of a block), by the
+        array's name."""
         task = self._task
         if not task.reductions:
             return {name: (core, np.dtype(float)) for name, core in task.outputs}
@@ -144,11 +145,11 @@ class SweepStore:
         create("failed", (every, count), (high, 1), "f8", "row", "part")
 
     def holds(self, block: SweepBlock) -> bool:
-        """Whether the block is whole on the disk."""
+        """Whether a block is complete on disk."""
         return bool(self.done[block.rows.start, self._blocks.place(block)[1]])
 
     def write(self, block: SweepBlock, result: BlockResult) -> None:
-        """Put a block in its place."""
+        """Write a block's results to their region."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
         with self._disk_errors():
             if self._task.reductions:
@@ -176,7 +177,8 @@ class SweepStore:
         return BlockResult(gathered, [], failed, failures)
 
     def finish(self, found: xr.Dataset) -> xr.Dataset:
-        """Put the result beside its parts, names in the attributes; the same dataset."""
+        """The dataset itself, after it is stored beside the blocks, with text coordinates as
+        attributes."""
         texts = [name for name, x in found.coords.items() if x.dtype.kind not in "fiu"]
         plain = found.drop_vars(texts)
         names = {str(name): [str(x) for x in found[name].values] for name in texts}
@@ -198,7 +200,7 @@ class SweepStore:
         return self._zarr.open_group(str(self.path), mode="r+")
 
     def values(self) -> xr.Dataset:
-        """All values of each output, (rows, columns, *core), read when they are looked at."""
+        """All values of each output, (rows, columns, *core), read from disk on access."""
         import xarray as xr
 
         path, names = str(self.path), [name for name, _ in self._task.outputs]
@@ -207,8 +209,8 @@ class SweepStore:
 
     @contextmanager
     def _disk_errors(self) -> Iterator[None]:
-        """A context that refuses a disk that is full or cannot be written to; what is done stays,
-        and a later run goes on with it."""
+        """Context that refuses a disk that is full or cannot be written to; finished blocks stay,
+        and a later run continues with them."""
         try:
             yield
         except OSError as failure:
@@ -221,7 +223,7 @@ class SweepStore:
 
 
 def _packed(reasons: Sequence[FailedPoint]) -> np.ndarray:
-    """Places and words as bytes of one length; of more than fit, the first."""
+    """Failed points and their reasons as bytes of one length; where not all fit, the first ones."""
     for count in range(len(reasons), -1, -1):
         short = [(r.row, r.column, r.reason[:1000]) for r in reasons[:count]]
         text = json.dumps(short).encode()

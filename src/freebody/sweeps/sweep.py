@@ -1,4 +1,4 @@
-"""`sweep`: a function over the grid of many parameters and states."""
+"""`sweep`: a function evaluated over the grid of many parameters and states."""
 
 from __future__ import annotations
 
@@ -65,7 +65,8 @@ def sweep(
     cpu: str | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """A function at every point of the grid of many parameters and states, reduced on the way.
+    """The values of a function at every point of a grid of many parameters and states, reduced on
+    the way.
 
     Parameters
     ----------
@@ -146,7 +147,7 @@ def sweep(
 def _joined(
     arrays: SweepArrays, blocks: SweepBlocks, results: Iterator[BlockResult]
 ) -> SweepArrays:
-    """The arrays with the results of all blocks, in order."""
+    """The arrays filled with the results of all blocks, in order."""
     for each, result in zip(blocks, results, strict=True):
         arrays.add(each, result)
     return arrays
@@ -162,7 +163,7 @@ def _read(
     split: tuple[bool, str | Sequence[str] | None],
     target: str | None,
 ) -> tuple[SweepGrid, SweptFunction]:
-    """The grid and what is evaluated on it.
+    """The grid, and the function that is evaluated on it, from checked arguments.
 
     split: whether values are reduced, and along which axes.
     """
@@ -192,7 +193,7 @@ def _read(
 
 
 def _constants(at: Any, axes: Sequence[SweepAxis], read: Callable[..., Any]) -> dict[str, Array]:
-    """Inputs and numbers that are the same at all points, read; none of them varies as well."""
+    """Inputs and numbers that are the same at all points, by name; refuses any that also vary."""
     if at is not None and not isinstance(at, Mapping):
         raise KindError("sweep", "at", at, "a dict of what is the same at all points, by name")
     constants = dict(read(name, value, 0) for name, value in (at or {}).items())
@@ -204,7 +205,7 @@ def _constants(at: Any, axes: Sequence[SweepAxis], read: Callable[..., Any]) -> 
 
 
 def _require_inputs(shapes: Mapping[str, Any] | None, names: Sequence[str]) -> None:
-    """Refuse a function that lacks an input."""
+    """Refuse a function some of whose inputs are given neither as axes nor as constants."""
     missing = [name for name in shapes or () if name not in names]
     if missing:
         raise FreebodyError(
@@ -236,7 +237,7 @@ def _for(target: str | None, kernel: Kernel) -> Kernel:
 
 
 def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -> tuple[str, ...]:
-    """Names among those given that are numbers of the model."""
+    """The given names that are numbers of the model and not inputs of the function."""
     from freebody.model.named_numbers import known
 
     rows = known(model).rows
@@ -246,7 +247,8 @@ def _numbers(model: Model, names: list[str], shapes: Mapping[str, Any] | None) -
 def _split(
     axes: tuple[SweepAxis, ...], reduced: bool, along: str | Sequence[str] | None
 ) -> tuple[tuple[SweepAxis, ...], tuple[SweepAxis, ...]]:
-    """Axes that stay, and those that are reduced; where nothing is, the last is the columns'."""
+    """The axes that stay, and those that are reduced; without a reduction the last axis is that of
+    the columns."""
     if not reduced:
         if along is not None:
             raise FreebodyError("sweep: along= names axes that are reduced; give reduce= too.")
@@ -267,8 +269,8 @@ def _split(
 
 
 def _outputs(swept: SweptFunction, grid: SweepGrid) -> tuple[tuple[str, tuple[int, ...]], ...]:
-    """Names and core shapes of what comes out: a kernel's are known, those of Python's functions
-    are seen at the first point, or another one where that has no value."""
+    """Names and core shapes of the outputs: known for a kernel; for a Python function found at the
+    first point, or another one where that fails."""
     if isinstance(swept, SweptKernel):
         return tuple((x.name, x.shape) for x in swept.kernel.program.outputs)
     rows, columns = grid.shape
@@ -295,7 +297,7 @@ def _task(
     chosen: tuple[SweepReduction, ...],
     points: int,
 ) -> SweepTask:
-    """The task of all blocks, with whatever is decided by the grid as a whole."""
+    """The sweep's task for all blocks, with everything that is decided by the whole grid."""
     moved = {name for axis in grid.columns for name in axis.given}
     by_row = bool(swept.numbers) and not moved & set(swept.numbers)
     largest = max(int(np.prod(core)) for _, core in outputs)
@@ -318,7 +320,7 @@ def _block(
     chosen: tuple[SweepReduction, ...],
     grid: SweepGrid,
 ) -> int:
-    """The number of points of a block."""
+    """The number of points in a block, as given or chosen by the size of the grid."""
     if block is None:
         rows, columns = grid.shape
         block = min(max(_BLOCK, 1 << (rows * columns // _BLOCKS).bit_length()), _LARGEST_BLOCK)

@@ -1,5 +1,5 @@
-"""The table of targets, on which programs run: this CPU through LLVM, NumPy node by node, NVIDIA's
-GPUs; beside it ways into JAX and PyTorch, and text in other languages.
+"""The table of targets on which programs run: this CPU through LLVM, NumPy node by node, NVIDIA's
+GPUs; besides, ways into JAX and PyTorch, and text in other languages.
 
 A target's module is imported when its first kernel is compiled, and LLVM with the CPU's.
 """

@@ -1,4 +1,4 @@
-"""Errors of a kernel's call: they name the argument that is to blame where NumPy has refused it."""
+"""Errors of a kernel's call that name the argument to blame, where NumPy has refused it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from freebody.targets.target import KernelError
 
 
 class BatchError(FreebodyError, ValueError):
-    """Leading dimensions that do not broadcast."""
+    """Leading dimensions of arguments that do not broadcast."""
 
     def __init__(self, function: str, shapes: Mapping[str, Any], what: str = "batch shapes"):
         listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
@@ -58,7 +58,7 @@ def common_batch(
 def explained(
     program: Program, dtype: np.dtype[Any], arrays: tuple[Any, ...], out: Any, problem: Exception
 ) -> Exception:
-    """The error that says which argument is to blame; the original one if none is."""
+    """The error that names the argument to blame; the original error if none is found."""
     if isinstance(problem, MemoryError):
         names = (argument.name for argument in program.inputs)
         return too_large(
@@ -78,7 +78,7 @@ def explained(
 def _of_out(
     program: Program, dtype: np.dtype[Any], batch: tuple[int, ...], out: Any
 ) -> Exception | None:
-    """The error of the arrays to write to."""
+    """The error in the `out` arrays of a call; None if they are right."""
     name, outputs = program.name, program.outputs
     given = out if isinstance(out, tuple) else (out,)
     if len(given) != len(outputs):

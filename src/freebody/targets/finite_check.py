@@ -1,5 +1,5 @@
-"""Whether numbers went in and came out: what a public function asks before it looks at its inputs
-one by one."""
+"""A quick check that a kernel's inputs and outputs are finite, by which public functions avoid
+looking at each input."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ UNIT = 1e-6
 
 
 class Unclear(Exception):
-    """Holds a kernel's results that are not all sound, for who looks closer at some of them."""
+    """Raised with a kernel's results where not all are sound, for callers that compute some again
+    more closely."""
 
     def __init__(self, result: Any):
         super().__init__()
@@ -37,8 +38,8 @@ def sound(
     every: bool = False,
     kept: bool = False,
 ) -> Any:
-    """The kernel's results for the arrays; None where one is no plain array or list, or an entry
-    may have overflowed.
+    """The kernel's results for the arrays; None where an input is no plain array or list, or an
+    entry may have overflowed.
 
     Outputs are looked at, or inputs where those are fewer: of inputs below `HUGE` no output
     overflows, and one that is not finite all the same is the answer (at a singular position, say).
@@ -76,8 +77,8 @@ def _finite(outputs: tuple[Any, ...], arrays: tuple[Any, ...]) -> bool:
 
 
 def plainly(value: Any) -> Any:
-    """Lists of numbers, and arrays of other real numbers or with gaps, as an array of float64 as
-    the quickest calls take it; anything else, and what is long, as it is."""
+    """Lists of numbers, and arrays of other real types or with gaps, as a float64 array that the
+    quickest calls take; anything else, and long arrays, unchanged."""
     if type(value) is np.ndarray:
         kind = value.dtype
         if (
@@ -93,7 +94,7 @@ def plainly(value: Any) -> Any:
 
 
 def _plain(value: Any) -> bool:
-    """Whether a value is an array, or lists of numbers, and nothing that carries names."""
+    """Whether a value is an array or nested lists of numbers, without labels."""
     kind = type(value)
     return kind in _PLAIN or (kind in (list, tuple) and all(map(_plain, value)))
 

@@ -1,4 +1,4 @@
-"""Programs on PyTorch's tensors: an autograd function and a custom operator, both over the compiled
+"""Programs on PyTorch's tensors: an autograd function and a custom operator, both over compiled
 kernels.
 
 PyTorch calls the autograd function, which knows gradients, directions, `vmap` and whatever is
@@ -44,7 +44,8 @@ class TensorProgram:
 
     @classmethod
     def of(cls, program: Program, target: str, dtype: Any) -> TensorProgram:
-        """The one of that program: a graph finds it by its key as long as anybody has it."""
+        """The tensor program of a program, one object for each; graphs find it by its key while it
+        is in use."""
         made = cls(program, target, dtype)
         return _KNOWN.setdefault(made.key, made)
 
@@ -54,11 +55,13 @@ class TensorProgram:
         return compile_program(self.program, target=self.target, dtype=DTYPES[self.dtype])
 
     def gradient(self, by: ArgumentNumbers, of: ArgumentNumbers) -> TensorProgram:
-        """Inputs and weights of the outputs `of` to the gradient by the inputs `by`."""
+        """The program from the inputs and weights of the outputs `of` to the gradient by the inputs
+        `by`."""
         return self._derivative((by, of), gradient)
 
     def along(self, by: ArgumentNumbers) -> TensorProgram:
-        """Inputs and directions of those `by` to the change of the outputs."""
+        """The program from the inputs and directions of the inputs `by` to the change of the
+        outputs."""
         return self._derivative((by,), directional)
 
     def _derivative(
@@ -70,7 +73,7 @@ class TensorProgram:
         return self._derivatives[which]
 
     def batch(self, tensors: Sequence[Tensor]) -> tuple[int, ...]:
-        """The common shape in front, checked."""
+        """The common batch shape of the tensors; refuses wrong core shapes."""
         program = self.program
         return common_batch(program.name, program.inputs, tensors, torch.broadcast_shapes)
 
@@ -83,7 +86,7 @@ _IN_GRAPHS: dict[str, TensorProgram] = {}
 
 
 def evaluate(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
-    """The outputs, with their place in whatever PyTorch does: gradients, transforms, graphs.
+    """The outputs as tensors that take part in PyTorch's gradients, transforms and graphs.
 
     tensors: on the CPU, of the function's type, one for each input.
     """
@@ -102,8 +105,8 @@ _PLAIN = (torch.Tensor, torch.nn.Parameter)
 
 
 def _watched() -> bool:
-    """Whether a transform (`vmap`, `jvp`, …) may be under way, which sees what is done through
-    PyTorch alone."""
+    """Whether a transform (`vmap`, `jvp`, …) may be active, which sees only operations of
+    PyTorch."""
     try:
         nested = torch._C._functorch.peek_interpreter_stack()  # pyright: ignore[reportAttributeAccessIssue]
         return nested is not None or forward_ad._current_level >= 0
@@ -112,8 +115,8 @@ def _watched() -> bool:
 
 
 def _graphed() -> bool:
-    """Whether tensors may stand for others, so that their memory tells nothing; the operator is
-    then called."""
+    """Whether tensors may be placeholders without usable memory, so that the custom operator must
+    be called."""
     try:
         return torch._C._len_torch_dispatch_stack() > 0 or torch._C._get_tracing_state() is not None
     except AttributeError:
@@ -121,14 +124,14 @@ def _graphed() -> bool:
 
 
 def _computed(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
-    """The outputs, by the kernel where the tensors have memory of their own."""
+    """The outputs, computed by the kernel where the tensors have memory of their own."""
     if _graphed() or any(type(x) not in _PLAIN or x.is_meta for x in tensors):
         return tuple(_operator(function.key, list(tensors)))
     return _run(function, tensors)
 
 
 def _run(function: TensorProgram, tensors: Sequence[Tensor]) -> tuple[Tensor, ...]:
-    """The outputs, by the kernel from the tensors' memory."""
+    """The outputs, computed by the kernel from the tensors' memory."""
     try:
         arrays = [
             x.numpy(force=True) if x.requires_grad or x.is_neg() else x.numpy() for x in tensors
@@ -150,7 +153,7 @@ def _gradients(
     needed: Sequence[bool],
     weights: Sequence[Tensor | None],
 ) -> list[Tensor | None]:
-    """The gradient by each input that needs one, of the input's shape."""
+    """The gradient by each input that needs one, in the input's shape."""
     found: list[Tensor | None] = [None] * len(tensors)
     of = tuple([k for k, weight in enumerate(weights) if weight is not None])
     by = tuple([k for k, wanted in enumerate(needed) if wanted])
@@ -162,7 +165,7 @@ def _gradients(
 
 
 class _Evaluate(torch.autograd.Function):
-    """A program between other operations of PyTorch."""
+    """A program as an autograd function of PyTorch."""
 
     @staticmethod
     def forward(function: TensorProgram, *tensors: Tensor) -> Any:
@@ -192,14 +195,14 @@ class _Evaluate(torch.autograd.Function):
     def vmap(
         info: Any, in_dims: Sequence[int | None], function: TensorProgram, *tensors: Tensor
     ) -> Any:
-        """Rule of `vmap`: the program on tensors with one more axis in front."""
+        """The rule of `vmap`: the program applied to tensors with one more axis in front."""
         made = evaluate(function, _in_front(function.program, tensors, in_dims[1:]))
         return (made[0], 0) if len(made) == 1 else (made, (0,) * len(made))
 
 
 class _Recorded(torch.autograd.Function):
-    """The evaluation of a program where no transform is under way: PyTorch then calls it in half
-    the time."""
+    """A program as an autograd function for use where no transform is active, which PyTorch calls
+    in half the time."""
 
     @staticmethod
     def forward(ctx: Any, function: TensorProgram, *tensors: Tensor) -> Any:
@@ -215,8 +218,8 @@ class _Recorded(torch.autograd.Function):
 def _in_front(
     program: Program, tensors: Sequence[Tensor], dims: Sequence[int | None]
 ) -> list[Tensor]:
-    """Tensors with the mapped axis in front of all axes of batches, however many of these each
-    has."""
+    """Tensors with the mapped axis in front of all batch axes, padded to an equal number of
+    these."""
     moved = [x if d is None else x.movedim(d, 0) for x, d in zip(tensors, dims, strict=True)]
     axes = [
         x.ndim - len(argument.shape) - (d is not None)

@@ -1,5 +1,5 @@
-"""Many calls of a kernel, one after the other, in compiled code: an output of one may be an input
-of the next; the samples of each are computed side by side."""
+"""Many calls of a kernel one after the other in compiled code: an output of one may be an input of
+the next; the samples of each call are computed side by side."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from freebody.targets.threads import cpus, run_split
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """An argument that lies elsewhere at each step: at step k in row `row[k]` of
+    """An argument with another place at each step: at step k it is row `row[k]` of
     `arrays[which[k]]`, (R, N, *core) each."""
 
     arrays: tuple[Array, ...]
@@ -25,8 +25,8 @@ class Placed:
 
 
 def in_turn(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int, samples: int) -> None:
-    """Call a kernel step after step; an output of one step may be an input of the next, and lie
-    where an input of its own step does.
+    """Call a kernel step after step; an output of one step may be an input of the next, and may
+    overwrite an input of its own step.
 
     arguments: the kernel's inputs, then its outputs, of its own numbers: (*core), (N, *core) or
     (T, N, *core), where N and T may be 1 for what is the same everywhere; or `Placed`.
@@ -62,8 +62,8 @@ def in_turn(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int, sam
 
 
 def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, tuple[int, ...]]:
-    """Strides of an argument from step to step, from sample to sample, and of the core; 0 where it
-    is the same."""
+    """Strides of an argument from step to step, from sample to sample, and along the core; 0 where
+    it stays the same."""
     batch, shape, own = x.ndim - core, x.shape, x.strides
     rows, lanes = shape[0] if batch == 2 else 1, shape[batch - 1] if batch else 1
     assert rows in (1, steps), (rows, steps)
@@ -72,7 +72,7 @@ def _strides(x: Array, core: int, steps: int, samples: int) -> tuple[int, int, t
 
 
 def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int) -> None:
-    """The calls one after the other without compiled code."""
+    """Make the calls one after the other in Python."""
     cores = [len(x.shape) for x in kernel.program.inputs + kernel.program.outputs]
     count = len(kernel.program.inputs)
     for k in range(steps):
@@ -81,7 +81,7 @@ def _one_by_one(kernel: Kernel, arguments: Sequence[Array | Placed], steps: int)
 
 
 def _at(x: Array | Placed, core: int, k: int) -> Array:
-    """Value of an argument at step k."""
+    """The value of an argument at step k."""
     if isinstance(x, Placed):
         return x.arrays[x.which[k]][x.row[k]]
     return x[k if len(x) > 1 else 0] if x.ndim == core + 2 else x
@@ -94,8 +94,8 @@ _FEWEST = 16
 
 
 def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
-    """A kernel applied again and again: states (T + 1, N, s) from the first one (N, s), and inputs
-    (T, N, …) of T steps.
+    """The states (T + 1, N, s) of a kernel applied repeatedly, from the first state (N, s) and the
+    inputs (T, N, …) of T steps.
 
     Arrays of float64 with any strides; a sequence whose axis runs backwards takes the steps from
     its end. Nothing is broadcast.
@@ -128,7 +128,8 @@ def recurrence(kernel: Kernel, first: Array, *sequences: Array) -> Array:
 
 
 def _alone(kernel: Kernel, arrays: Sequence[Array]) -> None:
-    """Sample by sample: states, then sequences, whose entries are to lie in one piece each."""
+    """Run a recurrence sample by sample; arrays: states, then input sequences, which are copied
+    where an entry is not contiguous."""
     from freebody.targets.llvm.scan import scan
 
     scanned = scan(kernel)

@@ -1,5 +1,5 @@
-"""NumPy as a target: a program run node by node, block by block. It is the fallback where llvmlite
-is missing, and a second opinion in tests.
+"""NumPy as a target: a program run node by node, block by block; the fallback without llvmlite, and
+a second opinion in tests.
 
 No text is made, so none is executed.
 
@@ -33,7 +33,8 @@ FUNCTION = {name: NUMERIC.get(name, record.number) for name, record in OPERATION
 
 @dataclass(frozen=True)
 class Interpreter:
-    """The steps of a program: function, register of its result, registers of its operands."""
+    """An interpreter of a program: for each step a function, the register of its result and those
+    of its operands."""
 
     steps: tuple[tuple[Callable[..., Any], int, tuple[int, ...]], ...]
     registers: tuple[float | None, ...]
@@ -83,7 +84,7 @@ class Interpreter:
 
 
 def _last_reader(program: Program) -> list[int]:
-    """The last node that reads each node; of a result one behind all."""
+    """The index of the last node that reads each node; for results the number of nodes."""
     last = list(range(len(program)))
     for index in range(len(program)):
         for operand in program.operands(index):
@@ -94,7 +95,7 @@ def _last_reader(program: Program) -> list[int]:
 
 
 class BlockedFunction:
-    """Behaves as the generalized ufunc of a program would, block by block in NumPy.
+    """A function that behaves like a program's generalized ufunc, block by block in NumPy.
 
     Called with one array for each input: core shape last, any leading shapes that broadcast.
     Returns the output, or the tuple of outputs.

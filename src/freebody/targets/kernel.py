@@ -37,8 +37,8 @@ additions."""
 
 
 class BatchLoop(NamedTuple):
-    """A function of C's `void loop(char **args, intptr_t *dimensions, intptr_t *steps, void *data)`
-    over a batch.
+    """The address of a C function `void loop(char **args, intptr_t *dimensions, intptr_t *steps,
+    void *data)` that loops over a batch.
 
     address: valid as long as `code` lives. content: a digest of all that the machine code depends
     on.
@@ -151,7 +151,7 @@ class Kernel:
 
     @cached_property
     def per_sample(self) -> Kernel:
-        """The kernel of the same program with no input uniform: what answers where one has a value
+        """The kernel of the same program without uniform inputs, for calls in which one has a value
         for every sample."""
         inputs = tuple(replace(argument, uniform=False) for argument in self.program.inputs)
         return compile_program(
@@ -162,8 +162,8 @@ class Kernel:
         )
 
     def quick(self, general: Callable[..., Any], held: Any = None) -> Callable[..., Any] | None:
-        """A function that is called as this kernel where all is plain, and else calls `general`;
-        None without one.
+        """A function called like the kernel that is quick for plain arguments and calls `general`
+        for others; None where there is none.
 
         held: the last argument of calls that do not give it.
         """
@@ -172,13 +172,13 @@ class Kernel:
     def quick_checked(
         self, general: Callable[..., Any], held: Any = None, units: Sequence[tuple[int, int]] = ()
     ) -> Callable[..., Any] | None:
-        """A function as of `quick`, where all is sound too, see `finite_check.sound`: the four
-        entries at each of `units` are of unit length."""
+        """A function as of `quick` that also requires sound numbers, see `finite_check.sound`; the
+        four entries at each of `units` must have unit length."""
         return None
 
     def _at_most(self, count: int, arrays: tuple[ArrayLike, ...]) -> bool:
-        """Whether the batch surely has at most so many samples, by a look at the arrays: a call
-        takes a microsecond."""
+        """Whether the batch certainly has at most `count` samples, by a glance at the arrays: a
+        call takes a microsecond."""
         for array, core in zip(arrays, self._cores, strict=False):
             if type(array) is float and not core:
                 continue
@@ -190,8 +190,8 @@ class Kernel:
         return True
 
     def _long(self, arrays: tuple[ArrayLike, ...], out: Any, threads: int | None) -> Any:
-        """Call part by part, so that an interrupt need not wait, the parts shared among threads
-        where it is worth it.
+        """The outputs of a long call, made part by part so that an interrupt need not wait, and
+        shared among threads where that is worthwhile.
 
         At once where there is no batch, or where NumPy has something to say about the arrays.
         """
@@ -224,8 +224,8 @@ class Kernel:
             )
 
     def _converted(self, array: np.ndarray) -> np.ndarray:
-        """The array with the kernel's own numbers, where it has those of another real type; what
-        cannot be converted is left for NumPy to refuse."""
+        """The array converted to the kernel's number type from another real type; others are left
+        for NumPy to refuse."""
         if array.dtype == self.dtype or not np.can_cast(array.dtype, self.dtype, "same_kind"):
             return array
         return array.astype(self.dtype)
@@ -233,8 +233,8 @@ class Kernel:
     def _fits(
         self, values: list[np.ndarray], outs: tuple[Any, ...], batch: tuple[int, ...]
     ) -> bool:
-        """Whether arrays have the core shapes, and those to write to the whole shape and no memory
-        in common."""
+        """Whether inputs have the core shapes, and outputs the full shapes without shared
+        memory."""
         inputs, outputs = self.program.inputs, self.program.outputs
         if len(values) != len(inputs) or len(outs) not in (0, len(outputs)):
             return False
@@ -247,17 +247,18 @@ class Kernel:
         return not any(np.may_share_memory(x, y) for x, y in combinations(outs, 2))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Another process compiles the program for itself, or finds it in the cache."""
+        """A recipe for pickling: another process compiles the program itself, or finds it in the
+        cache."""
         return _compiled_again, (self.program, self.target, self.asked_width, self.dtype.name)
 
     @property
     def samples_of_a_thread(self) -> int:
-        """Samples that a further thread is woken for."""
+        """The number of samples that justifies another thread."""
         return max(1, int(_WORTH / self._cost))
 
     @property
     def asked_width(self) -> int | None:
-        """The width to compile another program with, so that it has the same; None where the target
+        """The width to request so that another program gets the same vectors; None where the target
         has no vectors."""
         return self.width if target_named(self.target).widths[self.dtype.name] else None
 
@@ -266,13 +267,12 @@ class Kernel:
 
     @cached_property
     def source(self) -> str:
-        """The text of what runs: LLVM on the CPU; with NumPy the program's own listing, which runs
-        node by node."""
+        """The text of the code that runs: LLVM on the CPU; with NumPy the program's listing."""
         return target_named(self.target).source(self.program, self.width, self.dtype.name)
 
 
 def _apart(values: list[np.ndarray], written: tuple[Any, ...]) -> list[np.ndarray]:
-    """The arrays, of those that are written over copies: NumPy reads them so, too."""
+    """The arrays, with copies of those that an output overwrites, as NumPy does."""
     return [x.copy() if any(np.may_share_memory(x, y) for y in written) else x for x in values]
 
 
@@ -333,7 +333,7 @@ def _compiled_again(program: Program, target: str, width: int | None, dtype: str
 
 
 def _in_range(program: Program, dtype: str) -> Program:
-    """The program itself, if its constants are finite as numbers of that type."""
+    """The program itself; raises KernelError where a constant overflows in that number type."""
     with np.errstate(over="ignore"):
         rounded = np.array(program.constants, dtype=dtype)
     for value, number in zip(program.constants, rounded, strict=True):
@@ -354,6 +354,7 @@ _recent: OrderedDict[_KernelKey, Kernel] = OrderedDict()
 
 
 def _has_scalars(program: Program) -> bool:
-    """Whether NumPy can make a gufunc of it: no argument is empty, and there is an input."""
+    """Whether NumPy can make a generalized ufunc of the program: no argument is empty, and there is
+    an input."""
     arguments: tuple[Argument, ...] = program.inputs + program.outputs
     return bool(program.inputs) and all(argument.size for argument in arguments)

@@ -1,4 +1,4 @@
-"""Memory for long results: that of results which are gone is used again.
+"""Memory for long results: that of results no longer in use is used again.
 
 The system hands out memory page by page, when a page is first written, and that takes up to five
 times as long as the arithmetic that fills it. The C library keeps short pieces itself, GNU's also
@@ -19,7 +19,8 @@ from freebody.arrays import Array
 
 
 def _shortest() -> int:
-    """Bytes from which the C library gives memory back as soon as it is free.
+    """The size in bytes from which the C library returns memory to the system as soon as it is
+    freed.
 
     GNU's asks the system for 128 kB and more, until such a piece is freed: then it keeps pieces of
     that length from there on, up to 32 MB (mallopt(3), M_MMAP_THRESHOLD).
@@ -47,7 +48,7 @@ _kept: dict[int, deque[tuple[Array, int]]] = {}
 
 
 def empty(shape: tuple[int, ...], dtype: np.dtype = _FLOAT64) -> np.ndarray:
-    """An array whose values are whatever they are, C order."""
+    """An array of unspecified values in C order."""
     size = dtype.itemsize * prod(shape)
     if not SMALLEST <= size <= LARGEST:
         return np.empty(shape, dtype)
@@ -56,7 +57,7 @@ def empty(shape: tuple[int, ...], dtype: np.dtype = _FLOAT64) -> np.ndarray:
 
 
 class _KeptMemory:
-    """Memory that lives as long as an array that lies in it, and is then kept.
+    """A block of memory that lives as long as the array in it, and is then kept for reuse.
 
     No lock guards what is kept: this may happen at any moment of any thread, and each step is one
     operation.
@@ -83,7 +84,7 @@ class _KeptMemory:
 
 
 def _keep(memory: Array, address: int) -> None:
-    """Keep a piece, and let go of those that were used least lately."""
+    """Keep a block of memory for reuse, and release those that were not used for longest."""
     size = memory.nbytes
     pieces = _kept.pop(size, None) or deque()
     pieces.append((memory, address))

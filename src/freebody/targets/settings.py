@@ -1,5 +1,5 @@
-"""Environment variables of targets, read once and kept apart from their readers: no call's answer
-changes while a process runs, and tests set them in one place."""
+"""Environment variables of targets, read once and kept apart from their readers, so that no call's
+answer changes while a process runs, and tests set them in one place."""
 
 from __future__ import annotations
 

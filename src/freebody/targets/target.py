@@ -1,5 +1,5 @@
-"""A target is a record of how programs run somewhere; of the table of all one is chosen, and a
-width of its vectors."""
+"""The record of a target, which says how programs run somewhere, and the choice of a target from
+the table and of the width of its vectors."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ class KernelError(FreebodyError, TypeError):
 
 @dataclass(frozen=True)
 class Target:
-    """A target, on which programs run: it emits, compiles, loads, and makes what is called.
+    """A target on which programs run: functions that emit code, compile it, load it, and make a
+    callable.
 
     build: the kernel of a verified program, for a width (None: what suits) and a type of number.
     source: what runs, as text, for a width. widths: for each type of number that it computes with,
@@ -60,7 +61,7 @@ def target_named(name: str) -> Target:
 
 
 def chosen_target(name: str | None) -> str:
-    """The name itself; for None FREEBODY_TARGET, else "cpu", or "numpy" where LLVM is not
+    """The name itself; for None that in FREEBODY_TARGET, else "cpu", or "numpy" where LLVM is not
     installed.
 
     Raises KernelError where there is no such target.
@@ -82,8 +83,8 @@ def chosen_target(name: str | None) -> str:
 
 
 def chosen_width(target: str, width: int | None, dtype: str) -> int | None:
-    """The width itself; for None FREEBODY_WIDTH, where the target has vectors. None: what suits the
-    machine.
+    """The width itself; for None that in FREEBODY_WIDTH, where the target has vectors. None: the
+    width that suits the machine.
 
     Raises KernelError where the target has no such type of number or width.
     """

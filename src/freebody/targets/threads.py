@@ -1,4 +1,4 @@
-"""Share a batch among threads, which a process starts when first needed and a forked child anew.
+"""Sharing of a batch among threads, which a process starts on first need and a forked child anew.
 
 The batch is cut along its longest axis. Every sample is computed by the same code whatever its
 place in the batch, so the result does not depend on the cut. Parts wait in a queue from which the
@@ -31,7 +31,7 @@ _helpers = 0
 
 
 def cpus() -> int:
-    """CPUs that this process may use."""
+    """The number of CPUs that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -46,8 +46,8 @@ def run_split(
     threads: int,
     longest: int = sys.maxsize,
 ) -> None:
-    """Run `ufunc` on parts of the batch, by several threads at a time; what a part raises is raised
-    when all are done.
+    """Run `ufunc` on parts of the batch in several threads at a time; an exception in a part is
+    raised when all are done.
 
     An interrupt drops the parts that nobody has begun, and waits no longer than a part takes; what
     is being computed keeps its arrays.
@@ -110,8 +110,8 @@ def run_split(
 
 
 def _parts(batch: tuple[int, ...], threads: int, longest: int) -> Iterator[tuple[slice, ...]]:
-    """Pieces of the batch, cut along its longest axis; of what is too long there, further along the
-    others.
+    """Parts of the batch, cut along its longest axis; parts that are still too long are cut along
+    further axes.
 
     One part a thread where that is short enough: a part more costs its thread ten microseconds, as
     it asks for the GIL.
@@ -134,7 +134,7 @@ def _whole(batch: tuple[int, ...]) -> tuple[slice, ...]:
 
 
 def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
-    """The piece of an array whose first `axes` axes broadcast to the last ones of the batch."""
+    """The part of an array whose first `axes` axes broadcast to the last ones of the batch."""
     own = part[len(part) - axes :]
     return array[
         tuple(slice(None) if n == 1 else s for n, s in zip(array.shape, own, strict=False))
@@ -142,7 +142,7 @@ def _cut(array: np.ndarray, axes: int, part: tuple[slice, ...]) -> np.ndarray:
 
 
 def _start(wanted: int) -> int:
-    """Start so many helpers, or as many as the system gives; how many there are."""
+    """The number of helper threads after starting as many as wanted, or as the system allows."""
     global _helpers
     with _lock:
         try:
@@ -160,7 +160,8 @@ def _serve(jobs: _Jobs) -> None:
 
 
 def _forget() -> None:
-    """Threads do not survive a fork, and the lock may have been held."""
+    """Reset the state of threads in a forked child, where no thread survives and the lock may have
+    been held."""
     global _helpers, _jobs, _lock
     _helpers, _jobs, _lock = 0, SimpleQueue(), threading.RLock()
 

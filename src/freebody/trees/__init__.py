@@ -1,1 +1,2 @@
-"""The numeric functions of open chains, and what every public function does around its kernel."""
+"""The numeric functions of open chains, and the work that every public function does around its
+kernel."""

@@ -1,5 +1,5 @@
-"""Base parameters in numbers: the combinations of masses and inertias that a robot's motion depends
-on."""
+"""Base parameters in numbers: the combinations of masses and inertias on which a robot's motion
+depends."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ it."""
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BaseParameters(InWords, ByValue):
-    """The combinations of inertial parameters that inverse dynamics depends on: tau = Y[...,
+    """The combinations of inertial parameters on which inverse dynamics depends: tau = Y[...,
     columns] values.
 
     names: of the inertial parameter that leads each combination. columns: its place in
@@ -49,7 +49,7 @@ class BaseParameters(InWords, ByValue):
         return len(self.names)
 
     def combination(self, name: str) -> dict[str, float]:
-        """The inertial parameters that a base parameter is made of, and their weights."""
+        """The inertial parameters that make up a base parameter, with their weights."""
         row = self.matrix[self.names.index(name)]
         return {other: float(w) for other, w in zip(self.parameters, row, strict=True) if w}
 
@@ -65,8 +65,8 @@ class BaseParameters(InWords, ByValue):
 
 
 def base_parameters(model: Model) -> BaseParameters:
-    """The minimal set of combinations of inertial parameters that tau depends on: regrouped along
-    the tree, then by rank.
+    """The minimal set of combinations of inertial parameters on which tau depends: regrouped along
+    the tree, then reduced by rank.
 
     In symbols: `fb.equations(model).text("base")`. Raises MissingValueError where a parameter has
     no value.
@@ -90,7 +90,8 @@ def base_parameters(model: Model) -> BaseParameters:
 
 
 def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
-    """Columns that stay after regrouping, and the combinations (columns, p) that they multiply."""
+    """The regressor's columns that stay after regrouping, and the combinations (columns, p) of
+    parameters that they multiply."""
     space, size = tree.space, len(body_parameters(tree.space))
     bodies = len(tree.body_of)
     staying = [
@@ -116,7 +117,7 @@ def _regrouped(tree: Tree, count: int) -> tuple[list[int], Array]:
 
 
 def _composite(tree: Tree, entries: list[float]) -> Composite:
-    """(m, h, I) of parameters in the regressor's order."""
+    """The composite (m, h, I) of parameters in the regressor's order."""
     dim = tree.space.dim
     m, h, rest = entries[0], tuple(entries[1 : 1 + dim]), entries[1 + dim :]
     if dim == 2:
@@ -126,14 +127,14 @@ def _composite(tree: Tree, entries: list[float]) -> Composite:
 
 
 def _entries(tree: Tree, composite: Composite) -> list[float]:
-    """The parameters of (m, h, I), in the regressor's order."""
+    """The parameters of a composite (m, h, I) in the regressor's order."""
     m, h, inertia = composite
     I = tree.space.inertia_matrix(inertia)
     return [m, *h, *(I[a][b] for a in range(len(I)) for b in range(a, len(I)))]
 
 
 def _samples(model: Model, columns: list[int]) -> Array:
-    """The regressor's columns at random states, one below the other."""
+    """The regressor's chosen columns at random states, stacked."""
     batch = 4 + 3 * len(columns) // max(1, model.nv)
     q, qd, qdd = (np.moveaxis(x, -1, 0) for x in generic_state(model, seed=0, batch=batch))
     rows = regressor(model.tree, tuple(q), tuple(qd), tuple(qdd))
@@ -146,8 +147,8 @@ def _samples(model: Model, columns: list[int]) -> Array:
 
 
 def _independent(samples: Array) -> tuple[list[int], Array]:
-    """Columns that are no combination of those before, and the weights (chosen, all) that make all
-    of them."""
+    """The columns that are no combination of earlier ones, and the weights (chosen, all) by which
+    they make up all columns."""
     size = np.linalg.norm(samples, axis=0)
     chosen: list[int] = []
     weights = np.zeros((0, samples.shape[1]))

@@ -1,5 +1,5 @@
-"""Samples that are not clear to a kernel: it says NaN there, and these alone are looked at closer,
-in one further batch; the others are never looked at again."""
+"""Samples at which a kernel's result is not sure: it is NaN there, and these samples alone are
+computed again more closely, in one further batch."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from freebody.trees.public_calls import checked_inputs, refuse_overflow
 
 
 class Look(Protocol):
-    """Finds a quantity with care: at samples (k,) of its inputs, of a family (k, *family); at: the
-    index of each in the whole batch, for errors."""
+    """A function that computes a quantity by a closer look, at samples (k,) of its inputs, of a
+    family (k, *family); at: each sample's index in the whole batch, for errors."""
 
     def __call__(self, model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array: ...
 
@@ -33,8 +33,8 @@ Closer = Callable[..., Array | tuple[Array, ...]]
 def looking_closer(
     look: Look, called: Mapping[str, str] = MappingProxyType({})
 ) -> Callable[..., Any]:
-    """Make the function that answers instead of `public_calls.careful` for a quantity whose kernel
-    says NaN where it is not sure. called: see `public_calls.checked_inputs`."""
+    """A function that replaces `public_calls.careful` for a quantity whose kernel returns NaN where
+    it is not sure. called: see `public_calls.checked_inputs`."""
 
     def answer(
         key: Any,
@@ -68,8 +68,9 @@ def closer_where_unclear(
     look: Closer,
     result: Any = None,
 ) -> Any:
-    """Outputs of a kernel; where one is not finite, at samples of the first `lead` axes, those of a
-    closer look. named: the kernel's inputs; result: what it has given already."""
+    """The outputs of a kernel, replaced by those of a closer look at samples of the first `lead`
+    axes where one is not finite. named: the kernel's inputs; result: outputs that are already
+    known."""
     if result is None:
         result = bound(*named.values())
     outputs = result if isinstance(result, tuple) else (result,)

@@ -1,4 +1,4 @@
-"""Control laws and observers: what the drives are to do, from the state and what is wanted."""
+"""Control laws and observers: the torques of the drives from the state and its reference."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from freebody.trees.public_calls import JointVector, evaluate, labels, vector
 
 
 def default_pd_gains(model: Model, q: JointVector) -> tuple[Array, Array]:
-    """(kp, kd) (nv,) with which each coordinate alone, its inertia that at q, returns to its goal
+    """(kp, kd) (nv,) with which each coordinate alone, with its inertia m at q, returns to its goal
     at 10 rad/s, critically damped: 100 m and 20 m."""
     inertia = np.diagonal(mass_matrix(model, q))
     return _RATE**2 * inertia, 2.0 * _RATE * inertia
@@ -262,8 +262,8 @@ def momentum_observer(
     integral: JointVector,
     ko: JointVector,
 ) -> tuple[Array, Array]:
-    """(r, integral), each (..., nv): the torque that acts besides tau, by the generalized momentum,
-    and what the next call is to be given.
+    """(r, integral), each (..., nv): the torque that acts in addition to tau, by the generalized
+    momentum, and the integral to pass to the next call.
 
     Called every h seconds with the state, and the torque tau (..., nv) that acted since the last
     call; integral: at first `fb.kernel(model, "mass_product")(q, qd)`, the momentum, 0 at rest. r
@@ -295,7 +295,7 @@ def _step(function: str, h: float) -> Array:
 
 
 def _gain(function: str, model: Model, name: str, value: Any) -> Array:
-    """A gain as one number for each coordinate; none may be below 0."""
+    """A gain as one number for each coordinate; refuses negative ones."""
     given = value if is_labelled(value) else as_floats(function, name, value)
     if isinstance(given, np.ndarray) and given.ndim == 0:
         given = np.full(model.nv, given)
@@ -312,7 +312,7 @@ def _gain_of_rows(function: str, model: Model, option: Option, name: str, value:
 
 
 def not_negative(function: str, name: str, array: Array, names: Sequence[str]) -> Array:
-    """Gains (..., len(names)), none of which is below 0."""
+    """The gains (..., len(names)), checked not to be negative."""
     bad = np.argwhere(array < 0.0)
     if len(bad):
         *sample, k = map(int, bad[0])
@@ -324,7 +324,7 @@ def not_negative(function: str, name: str, array: Array, names: Sequence[str]) -
 
 
 def _of_rows(function: str, model: Model, option: Option, name: str, value: Any) -> Array:
-    """A vector of the chosen rows, put in their order."""
+    """A vector with an entry for each chosen row, in their order."""
     names = _row_names(model, option, "f" if name == "w_ext" else "v")
     given = aligned(function, name, value, names, ("component", "axis"))
     return vector(function, model, name, given, option)
@@ -341,7 +341,7 @@ def _row_names(model: Model, option: Option, letter: str = "v") -> tuple[str, ..
 
 
 def _pose(function: str, model: Model, value: ArrayLike) -> Array:
-    """Homogeneous matrices whose rotations are rotations."""
+    """Homogeneous matrices, checked to contain rotations."""
     pose, d = vector(function, model, "pose_ref", value), model.dim
     refuse_not_finite(function, "pose_ref", pose, 2)
     R, last = pose[..., :d, :d], np.eye(d + 1)[d]

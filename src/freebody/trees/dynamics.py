@@ -1,4 +1,5 @@
-"""Dynamics: forces from motion, motion from forces, and what stands between them."""
+"""Dynamics of open chains: forces from motion, motion from forces, and the matrices and energies in
+between."""
 
 from __future__ import annotations
 
@@ -39,15 +40,16 @@ def where_all_move_mass(
     _: None,
     wrenches: FrameWrenchTable,
 ) -> Any:
-    """Answer as `careful` does, where each joint moves some inertia; refuse other models."""
+    """The result of `careful` for a model in which each joint moves some inertia; refuses other
+    models."""
     require_model(function, model)
     refuse_massless(model, function)
     return careful(function, model, inputs, None, wrenches)
 
 
 def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
-    """Finite inputs and an acceleration (..., nv) that is not finite: M is singular there, or in
-    gears that lose torque the directions of power were not found."""
+    """Raise SingularError for finite inputs with an acceleration (..., nv) that is not finite: M is
+    singular there, or the directions of power in lossy gears were not found."""
     single = accelerations.ndim == 1  # plain Python is quicker there
     if math.isfinite(sum(accelerations.tolist())) if single else np.isfinite(accelerations).all():
         return
@@ -67,8 +69,8 @@ def refuse_singular(function: str, model: Model, accelerations: Array) -> None:
 def inverse_dynamics_derivatives(
     model: Model, q: JointVector, qd: JointVector, qdd: JointVector
 ) -> tuple[Array, Array, Array]:
-    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; friction (the sign of
-    what is dry being constant), springs, rotors included.
+    """(∂tau/∂q, ∂tau/∂q̇, M), each (..., nv, nv), rows tau; with friction (the sign of dry friction
+    kept constant), springs and rotors.
 
     q: (..., nq); qd, qdd: (..., nv). With free, spherical and quaternion coordinates ∂/∂q is on the
     tangent space: along `fb.integrate(model, q, v)`. Source: Singh, Russell, Wensing 2022.
@@ -158,7 +160,8 @@ def tip_wrench(model: Model, q: JointVector, tau: JointVector, frame: str | None
 
 
 def _square(model: Model, frame: str | None) -> Option:
-    """The frame, of an arm whose torques determine its wrench."""
+    """The option for a frame of an arm whose torques determine the wrench there; refuses other
+    robots."""
     if model.loops:
         raise FreebodyError(
             f"tip_wrench: {model.name!r} is a closed chain; with J = fb.input_output(model, q).J "
@@ -170,7 +173,7 @@ def _square(model: Model, frame: str | None) -> Option:
 
 
 def _tip_wrench(model: Model, option: Option, at: np.ndarray, *inputs: Array) -> Array:
-    """Tip wrenches at samples (k, …) that are not clear to a kernel; at: index of each, for
+    """The tip wrench at samples (k, …) that the kernel could not decide; at: their indices, for
     errors."""
     q, tau = inputs
     J = jacobian(model, q, option.frame)
@@ -267,7 +270,7 @@ def _centroidal_momentum_matrix(
 
 @fact
 def _moves_mass(model: Model) -> bool:
-    """Whether what moves has a centre of mass."""
+    """Whether the moving bodies together have mass, and so a centre of mass."""
     space = of_dimension(model.dim)
     total = sum(about_origin(space, body.masses)[0] for body in model.tree.bodies)
     return bool(np.all(total != 0.0))

@@ -1,4 +1,5 @@
-"""The equations of motion linearised about a state, and the linear-quadratic regulator of that."""
+"""The equations of motion linearised about a state, and the linear-quadratic regulator of the
+result."""
 
 from __future__ import annotations
 
@@ -49,7 +50,7 @@ def linearize(
 
 
 def _held(A: Array, B: Array, step: float) -> tuple[Array, Array]:
-    """Discrete A and B over a step with constant inputs: the upper rows of exp(step [A B; 0 0])
+    """The discrete A and B over a step with constant inputs: the upper rows of exp(step [A B; 0 0])
     (Van Loan 1978)."""
     from scipy.linalg import expm
 
@@ -61,7 +62,8 @@ def _held(A: Array, B: Array, step: float) -> tuple[Array, Array]:
 
 
 def discrete_lqr(A: ArrayLike, B: ArrayLike, Q: ArrayLike, R: ArrayLike) -> Array:
-    """K (m, n) of the feedback u = -K x that makes Σ xᵀ Q x + uᵀ R u least along x⁺ = A x + B u.
+    """The gain K (m, n) of the feedback u = -K x that minimises Σ xᵀ Q x + uᵀ R u along x⁺ = A x +
+    B u.
 
     A: (n, n), B: (n, m), as `fb.linearize(model, q, qd, tau, step)` returns them. Q: (n, n),
     symmetric, no eigenvalue below 0; R: (m, m), symmetric, all eigenvalues above 0. By SciPy's
@@ -101,7 +103,8 @@ def _matrix(name: str, value: ArrayLike) -> Array:
 
 
 def _require_weight(name: str, weight: Array, positive: bool) -> None:
-    """Symmetric, and no eigenvalue below 0, or all above."""
+    """Refuse a weight matrix that is not symmetric, or that has a negative eigenvalue (positive: or
+    a zero one)."""
     largest = float(np.abs(weight).max(initial=0.0))
     if np.abs(weight - weight.T).max(initial=0.0) > _SYMMETRIC * largest:
         raise FreebodyError(f"discrete_lqr: {name} is not symmetric.")

@@ -57,7 +57,8 @@ def operational_space_bias(
 def operational_option(
     model: Model, frame: str | None, rows: Sequence[str] | None, function: str
 ) -> Option:
-    """Frame and rows, which must be at most as many as there are joint coordinates."""
+    """The option of a frame and rows, of which there must be at most as many as joint coordinates;
+    refuses massless joints."""
     refuse_massless(model, function)
     option = Option(model.frame(frame).name, rows=motion_rows(model, rows))
     require_few_rows(function, model, option.rows)
@@ -65,19 +66,20 @@ def operational_option(
 
 
 def as_it_is(model: Model, option: Option) -> Option:
-    """An option that is the key's own."""
+    """The option unchanged, for functions whose key already holds the final one."""
     return option
 
 
 def refuse_dependent_rows(function: str, model: Model, q: JointVector, option: Option) -> None:
-    """Raise SingularError where the arm cannot move the frame along all rows."""
+    """Raise SingularError where the arm cannot move the frame along all chosen rows."""
     option = Option(option.frame, rows=option.rows)
     answer = looking_closer(partial(_inertia, function))
     evaluate(("operational_space_inertia", option), model, (q,), as_it_is, None, answer)
 
 
 def _inertia(function: str, model: Model, option: Option, at: np.ndarray, *state: Array) -> Array:
-    """Λ (k, …, r, r), where the arm can move the frame along all rows; at: of the samples."""
+    """The inertia Λ (k, …, r, r) where the arm can move the frame along all rows, else an error;
+    at: the samples' indices."""
     q = state[0]
     J = jacobian(model, q, option.frame)[..., option.rows, :]
     values = np.linalg.svd(J, compute_uv=False)

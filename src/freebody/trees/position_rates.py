@@ -1,4 +1,4 @@
-"""How positions move with rates: q̇ = N(q) v for joints whose q is not simply the integral of v.
+"""Rates of positions: q̇ = N(q) v for joints whose q is not simply the integral of v.
 
 Quaternions p = w, x, y, z with the angular velocity ω in body axes: ṗ = ½ p (0, ω) and p̈ = ½ p (0,
 ω̇) - ¼ |ω|² p; a free joint's position ẋ = R v, ẍ = R (v̇ + ω × v).
@@ -21,7 +21,7 @@ Index = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class CoordinateLayout:
-    """Where a model's coordinates stand: plain ones (q̇ = v), quaternions, and positions of free
+    """The places of a model's coordinates: plain ones (q̇ = v), quaternions, and positions of free
     joints.
 
     plain: (iq, iv) index arrays. turns: slices (q of the quaternion, v of ω). shifts: slices (q of
@@ -36,7 +36,7 @@ class CoordinateLayout:
 
     @property
     def flat(self) -> bool:
-        """Whether q̇ = v throughout."""
+        """Whether q̇ = v for all coordinates."""
         return not self.turns
 
 
@@ -67,7 +67,7 @@ def _layout(model: Model) -> CoordinateLayout:
 
 
 def position_rate(where: CoordinateLayout, q: Array, v: Array) -> Array:
-    """q̇ (..., nq) of v (..., nv)."""
+    """The rate q̇ (..., nq) of the positions from rates v (..., nv)."""
     if where.flat:
         return v
     rate = np.empty_like(q)
@@ -80,7 +80,8 @@ def position_rate(where: CoordinateLayout, q: Array, v: Array) -> Array:
 
 
 def position_acceleration(where: CoordinateLayout, q: Array, v: Array, a: Array) -> Array:
-    """q̈ of the position coordinates (..., nq) from rates v and their derivatives a (..., nv)."""
+    """The second rate q̈ (..., nq) of the positions from rates v and their derivatives a (...,
+    nv)."""
     if where.flat:
         return a
     second = np.empty_like(q)

@@ -1,2 +1,2 @@
-"""NVIDIA's GPUs: programs as PTX by LLVM, a sample a thread; what launches it needs the driver and
-nothing else."""
+"""NVIDIA's GPUs: programs as PTX by LLVM, with a thread for each sample; launching them needs only
+the driver."""

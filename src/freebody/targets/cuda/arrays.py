@@ -1,4 +1,4 @@
-"""Arrays on a GPU, whoever owns them, and how a batch of them is gone through."""
+"""Arrays on a GPU, of whatever library, and the launches that go through a batch of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _NAMESPACES = {"cupy": "cupy", "torch": "torch", "jax": "jax.numpy", "jaxlib": "
 
 @dataclass(frozen=True)
 class DeviceView:
-    """Numbers in a GPU's memory: the address of the first, the shape, and the strides in
+    """Numbers in a GPU's memory: the address of the first, the shape, and the strides counted in
     numbers."""
 
     address: int
@@ -32,7 +32,7 @@ class DeviceView:
 
     @property
     def extent(self) -> tuple[int, int]:
-        """The first byte, and the one behind the last."""
+        """The address of the first byte of the array, and of the byte behind its last."""
         reach = (
             [(n - 1) * s for n, s in zip(self.shape, self.strides, strict=True)]
             if prod(self.shape)
@@ -46,13 +46,13 @@ class DeviceView:
         )
 
     def overlaps(self, other: DeviceView) -> bool:
-        """Whether some bytes may belong to both arrays."""
+        """Whether two arrays may share bytes."""
         (a, b), (c, d) = self.extent, other.extent
         return a < d and c < b
 
     def step(self, core: int) -> int | None:
-        """The distance between entries of the last `core` axes in C order; None where there is no
-        one number."""
+        """The constant distance between entries of the last `core` axes in C order; None where it
+        varies."""
         axes = [
             (n, s)
             for n, s in zip(
@@ -80,7 +80,7 @@ def on_gpu(value: Any) -> bool:
 
 
 def device_of(value: Any) -> int:
-    """The number of the GPU that an array is on."""
+    """The index of the GPU that an array is on."""
     device = getattr(value, "__dlpack_device__", None)
     if device is not None:
         return int(device()[1])
@@ -88,8 +88,8 @@ def device_of(value: Any) -> int:
 
 
 def view(value: Any, stream: int) -> DeviceView:
-    """Any array on the current GPU; work on it that is under way is waited for by what comes next
-    on the stream."""
+    """A view of any library's array on the current GPU; later work on the stream waits for pending
+    work on the array."""
     from cuda.core.utils import StridedMemoryView  # pyright: ignore[reportMissingImports]
 
     found = StridedMemoryView.from_any_interface(value, stream_ptr=stream)
@@ -107,7 +107,7 @@ def row_strides(shape: Sequence[int]) -> tuple[int, ...]:
 
 
 class DeviceArray:
-    """A result in a GPU's memory, for any library that reads `__cuda_array_interface__` or
+    """A result in a GPU's memory, for every library that reads `__cuda_array_interface__` or
     DLPack."""
 
     def __init__(self, memory: driver.Memory, shape: tuple[int, ...], dtype: np.dtype):
@@ -167,8 +167,8 @@ class DeviceArray:
         return made
 
     def like(self, other: Any) -> Any:
-        """The array as one of another's library, in the same memory; itself where that library is
-        not known."""
+        """The array as one of another array's library, in the same memory; itself where that
+        library is unknown."""
         name = _NAMESPACES.get(type(other).__module__.partition(".")[0])
         library = sys.modules.get(name) if name else None
         return self if library is None else library.from_dlpack(self)
@@ -179,8 +179,8 @@ class DeviceArray:
 
 @dataclass(frozen=True)
 class Launch:
-    """Samples that one launch takes: their number, and for each array where the first is and how
-    far they are apart."""
+    """The samples of one launch: their number, and for each array the index of the first and the
+    distance between samples."""
 
     count: int
     begins: tuple[int, ...]
@@ -188,8 +188,8 @@ class Launch:
 
 
 def runs(batch: tuple[int, ...], strides: Sequence[tuple[int, ...]]) -> Iterator[Launch]:
-    """Launches that go through a batch of arrays with these strides along its axes (0: broadcast),
-    all in numbers.
+    """Launches that go through a batch of arrays with given strides along its axes (0: broadcast),
+    counted in numbers.
 
     Axes along which all arrays go on as they do along the next are one; of those that are left the
     longest is the launch's own, and there is one launch for each entry of the others.

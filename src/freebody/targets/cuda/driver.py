@@ -1,4 +1,4 @@
-"""NVIDIA's driver, through its own binding (cuda-bindings), as far as a launch needs it."""
+"""NVIDIA's driver through its own Python binding (cuda-bindings), as far as launches need it."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ stream."""
 
 
 class GpuError(FreebodyError, RuntimeError):
-    """An error that the driver of a GPU has returned."""
+    """An error returned by a GPU's driver."""
 
 
 def missing() -> str:
-    """The words for what this machine lacks to run on a GPU; empty if nothing."""
+    """Words for what this machine lacks to run on a GPU; empty if nothing."""
     for package in ("cuda.bindings", "cuda.core", "llvmlite"):
         if not _installed(package):
             return f"{package.replace('.', '-')} is not installed; pip install 'freebody[cuda]'"
@@ -47,7 +47,7 @@ def _installed(package: str) -> bool:
 
 
 def call(name: str, *arguments: Any) -> Any:
-    """A function of the driver: what it returns besides its status. Raises GpuError."""
+    """The results of a function of the driver, without its status. Raises GpuError."""
     import cuda.bindings.driver as binding  # pyright: ignore[reportMissingImports]
 
     status, *results = getattr(binding, name)(*arguments)
@@ -57,7 +57,7 @@ def call(name: str, *arguments: Any) -> Any:
 
 
 def device_of(address: int) -> int:
-    """The number of the GPU whose memory this is."""
+    """The index of the GPU whose memory holds an address."""
     import cuda.bindings.driver as binding  # pyright: ignore[reportMissingImports]
 
     kind = binding.CUpointer_attribute.CU_POINTER_ATTRIBUTE_DEVICE_ORDINAL
@@ -67,13 +67,13 @@ def device_of(address: int) -> int:
 
 @cache
 def _context(device: int) -> Any:
-    """The context that all libraries of this process share on a GPU."""
+    """A GPU's primary context, which all libraries of this process share."""
     return call("cuDevicePrimaryCtxRetain", call("cuDeviceGet", device))
 
 
 @contextlib.contextmanager
 def current(device: int) -> Iterator[None]:
-    """A context with a GPU as the calling thread's current one."""
+    """Context in which a GPU is the calling thread's current one."""
     call("cuCtxPushCurrent", _context(device))
     try:
         yield
@@ -82,7 +82,7 @@ def current(device: int) -> Iterator[None]:
 
 
 class Module:
-    """A text of entries, assembled by the driver for one GPU, which is current; it goes with the
+    """PTX entries assembled by the driver for one GPU, which must be current; unloaded with the
     object."""
 
     def __init__(self, text: str, names: Sequence[str], device: int):
@@ -91,7 +91,8 @@ class Module:
         self._entries = {name: call("cuModuleGetFunction", module, name.encode()) for name in names}
 
     def launch(self, name: str, values: Sequence[int], count: int, stream: int) -> None:
-        """Start an entry for `count` samples with its 64-bit values, of which n is the last."""
+        """Launch an entry for `count` samples with 64-bit arguments, the last of which is the
+        number of samples."""
         blocks = -(-count // THREADS)
         given = (*values, count), (ctypes.c_int64,) * (len(values) + 1)
         call(
@@ -105,8 +106,7 @@ def _unload(module: Any, device: int) -> None:
 
 
 class Memory:
-    """Bytes on a GPU, which is current; they are given back, in the order of the stream, when the
-    object goes.
+    """Memory on the current GPU, freed in the order of its stream when the object is deleted.
 
     stream: its handle. owner: whatever keeps the stream.
     """
@@ -123,7 +123,7 @@ def _free(address: int, device: int, stream: int, owner: Any) -> None:
 
 
 def wait(waiting: int, working: int) -> None:
-    """Let later work on one stream begin when the work on another has ended."""
+    """Make later work on one stream wait for the work already on another."""
     if waiting == working:
         return
     event = call("cuEventCreate", 2)  # without a clock
@@ -135,7 +135,7 @@ def wait(waiting: int, working: int) -> None:
 
 
 def handle_of(stream: Any) -> int:
-    """The driver's handle of a stream: of PyTorch's, CuPy's, cuda.core's, or the handle itself.
+    """The driver's handle of a stream of PyTorch, CuPy or cuda.core, or of a handle itself.
 
     Raises GpuError for what is none.
     """

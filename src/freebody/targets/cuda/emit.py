@@ -1,4 +1,4 @@
-"""Program to LLVM text of entries that a GPU starts for every sample, one thread each.
+"""LLVM text of a program as entries that a GPU starts for every sample, with one thread each.
 
 An entry is straight-line code: it reads the sample's inputs, computes, and writes each result when
 it is there, so that few values are alive. It takes for each argument of the program an address and
@@ -62,8 +62,8 @@ declare i32 @llvm.nvvm.read.ptx.sreg.ctaid.x()
 
 
 def emit(entries: Mapping[str, ProgramPart], dtype: str) -> str:
-    """LLVM text of a module with these entries, by name: `void name(ptr a0, i64 step0, i64 core0,
-    …, i64 n)`.
+    """The LLVM text of a module with entries by name: `void name(ptr a0, i64 step0, i64 core0, …,
+    i64 n)`.
 
     The arguments are the inputs, then the outputs of the part's program, which are the same for all
     parts of one program; n is the number of samples. Of a uniform input, which has no steps, only
@@ -84,7 +84,7 @@ def emit(entries: Mapping[str, ProgramPart], dtype: str) -> str:
 
 
 class _Entry:
-    """The lines of one entry, and what its values are called."""
+    """The LLVM text of one entry in the making, with the names of its values."""
 
     def __init__(self, piece: ProgramPart, lanes: Lanes):
         self.part, self.program, self.lanes = piece, piece.program, lanes
@@ -95,7 +95,7 @@ class _Entry:
         self.table = instructions(lanes)
 
     def text(self, name: str) -> str:
-        """Definition of the entry as text."""
+        """The definition of the entry as LLVM text."""
         inputs, outputs = self.program.inputs, self.program.outputs
         parameters = [_parameters(k, a, "readonly ") for k, a in enumerate(inputs)]
         parameters += [_parameters(k, a) for k, a in enumerate(outputs, len(inputs))]
@@ -113,8 +113,8 @@ class _Entry:
         )
 
     def _loads(self) -> list[str]:
-        """The names of all scalars of the inputs; those of uniform inputs that nothing reads are
-        not loaded."""
+        """Names of all scalars of the inputs, which are loaded; scalars of uniform inputs that
+        nothing reads are left out."""
         v, size = self.lanes.v, self.lanes.real.size
         read = {self.program.a[i] for i in self.part.nodes if self.program.op[i] == "input"}
         scalars: list[str] = []
@@ -131,8 +131,8 @@ class _Entry:
         return scalars
 
     def _check(self, scalars: Sequence[str]) -> None:
-        """%bad: whether an input is not finite. 0 x is NaN then, and the sum of such products
-        tells.
+        """Emit %bad, whether an input is not finite: 0 x is NaN then, and so is the sum of such
+        products.
 
         Uniform numbers are NaN all together, so that the first tells of all.
         """
@@ -150,7 +150,7 @@ class _Entry:
         self.lines.append(f"  %bad = fcmp uno {v} {total}, {self.lanes.constant(0.0)}")
 
     def _places(self) -> dict[int, list[tuple[int, int]]]:
-        """For each node that is a result the outputs and positions in them."""
+        """For each node that is a result the outputs and their entries that it fills."""
         found: dict[int, list[tuple[int, int]]] = {}
         positions = [(k, j) for k, a in enumerate(self.program.outputs) for j in range(a.size)]
         for k in sorted({positions[at][0] for at in self.part.results}):
@@ -161,13 +161,13 @@ class _Entry:
         return found
 
     def _row(self, k: int, argument: Argument) -> None:
-        """%row: where the sample's entries of argument k begin."""
+        """Emit %row, the address where the sample's entries of argument k begin."""
         if not argument.uniform:
             self.lines.append(f"  %skip{k} = mul i64 %i, %step{k}")
             self.lines.append(f"  %row{k} = getelementptr {self.lanes.v}, ptr %a{k}, i64 %skip{k}")
 
     def _place(self, k: int, j: int, uniform: bool = False) -> str:
-        """The address of entry j of argument k."""
+        """The address of entry j of argument k, which is emitted where it is new."""
         if uniform:
             self.lines.append(f"  %p{k}.{j} = getelementptr {self.lanes.v}, ptr %a{k}, i64 {j}")
         else:
@@ -180,8 +180,8 @@ class _Entry:
         return f"%p{k}.{j}"
 
     def _run(self, k: int, run: int) -> tuple[str, str]:
-        """The address where a run of `TOGETHER` entries of argument k begins, and a step that LLVM
-        takes for a number of its own.
+        """The address of a run of `TOGETHER` entries of argument k, and a stride that LLVM treats
+        as a separate number.
 
         With the same step the runs would share their offsets, all of them alive for as long as the
         thread writes.
@@ -197,7 +197,7 @@ class _Entry:
         return names
 
     def _node(self, index: int, scalars: Sequence[str]) -> None:
-        """The instruction of a node; sine and cosine of one argument come together."""
+        """Emit the instruction of a node; sine and cosine of one argument are emitted together."""
         program, lanes, op = self.program, self.lanes, self.program.op[index]
         if op == "input":
             self.names[index] = scalars[program.a[index]]
@@ -215,7 +215,7 @@ class _Entry:
             self.lines.append("  " + self.table[op].format(f"%v{index}", *operands))
 
     def _sines(self, x: int) -> None:
-        """The sine and cosine of a node, once."""
+        """Emit sine and cosine of a node, once."""
         if x in self.turned:
             return
         self.turned.add(x)
@@ -228,8 +228,8 @@ class _Entry:
         )
 
     def _constants(self, name: str, written: dict[int, list[tuple[int, int]]]) -> str:
-        """Loops that write the constants, and nothing left in `written`; the tables of their
-        places."""
+        """The tables of places for constant results, whose loops are emitted; `written` is emptied
+        of them."""
         tables: list[str] = []
         for index, places in sorted(written.items()):
             number = self.program.constants[self.program.a[index]]
@@ -249,7 +249,7 @@ class _Entry:
         self.lines.append(f"  store {v} {made}, ptr {place}, align {self.lanes.real.size}")
 
     def _valid(self, name: str, value: str) -> str:
-        """The value under that name, NaN where an input is not finite."""
+        """The name of a value, replaced by NaN where an input is not finite."""
         v = self.lanes.v
         self.lines.append(f"  {name} = select i1 %bad, {v} {self.lanes.constant(nan)}, {v} {value}")
         return name
@@ -287,7 +287,7 @@ after{s}:"""
 
 
 def _runs(places: Iterable[int]) -> list[tuple[int, int]]:
-    """First place and the one after the last of each run of neighbours."""
+    """The first place of each run of consecutive places, and the one behind its last."""
     found: list[tuple[int, int]] = []
     for place in sorted(places):
         if found and found[-1][1] == place:
@@ -300,10 +300,8 @@ def _runs(places: Iterable[int]) -> list[tuple[int, int]]:
 def _constants_loop(
     name: str, s: int, lanes: Lanes, k: int, value: str, places: Sequence[int]
 ) -> tuple[str, str]:
-    """A loop that writes constants among many results, such as the zeros of a tree's derivatives,
-    over runs of equal ones: (a table of the runs' places, lines) that write a value to these
-    entries of argument k; s: the loop's number in the entry of that name, in which they follow each
-    other."""
+    """(table of runs, lines) of a loop that writes one constant, such as the zeros of a tree's
+    derivatives, to many entries of argument k; s: the loop's number in the entry."""
     found, table = _runs(places), f"@{name}.runs{s}"
     rows = ", ".join(f"{{ i32, i32 }} {{ i32 {a}, i32 {b} }}" for a, b in found)
     declared = f"{table} = internal constant [{len(found)} x {{ i32, i32 }}] [{rows}], align 4\n"
@@ -316,7 +314,7 @@ def _constants_loop(
 
 def _sincos(lanes: Lanes) -> str:
     """LLVM text of `{ double, double } @sincos.f64(double x)` for a machine whose threads branch
-    each for itself: both, as on the CPU; a large argument goes through `@reduce`.
+    separately; large arguments go through `@reduce`.
 
     lanes: of single numbers.
     """

@@ -1,5 +1,5 @@
-"""NVIDIA's GPUs as a target: programs as PTX that the driver assembles for the GPU that is there,
-called as the kernels of the CPU are, with arrays of either."""
+"""NVIDIA's GPUs as a target: programs as PTX, which the driver assembles for the GPU at hand,
+called like kernels of the CPU with arrays of either."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ from freebody.targets.target import KernelError, Target
 
 
 class GpuKernel(Kernel):
-    """Called with NumPy arrays, which are copied there and back, or with arrays of CuPy, PyTorch,
-    JAX or Numba.
+    """A kernel on a GPU, called with NumPy arrays, which are copied to it and back, or with arrays
+    of CuPy, PyTorch, JAX or Numba.
 
     Given one array on a GPU, results stay there: arrays of the same library, new ones or `out`.
     Small things beside it may be NumPy's. What the driver assembled for a GPU is kept with the
@@ -94,20 +94,20 @@ class GpuKernel(Kernel):
         return done[0] if len(done) == 1 else done
 
     def _varies(self, given: Sequence[np.ndarray | DeviceView]) -> bool:
-        """Whether a uniform input has a value for every sample."""
+        """Whether some uniform input is given with one value for each sample."""
         return any(
             argument.uniform and len(x.shape) > len(argument.shape)
             for argument, x in zip(self.program.inputs, given, strict=True)
         )
 
     def _hosted(self, argument: Argument, value: Any) -> np.ndarray:
-        """An array of the host, of the kernel's numbers and in C order."""
+        """An array of the host in the kernel's number type and C order."""
         array = np.asarray(value)
         require_real(self.program.name, argument, array.dtype, self.dtype)
         return np.ascontiguousarray(array, self.dtype).reshape(array.shape)
 
     def _batch(self, given: Sequence[np.ndarray | DeviceView]) -> tuple[int, ...]:
-        """The batch shape of arrays with the right core shapes and numbers."""
+        """The batch shape of the arrays; refuses wrong core shapes and number types."""
         name, inputs = self.program.name, self.program.inputs
         for argument, x in zip(inputs, given, strict=True):
             if x.dtype != self.dtype:
@@ -118,7 +118,8 @@ class GpuKernel(Kernel):
         return common_batch(name, inputs, given)
 
     def _device(self, arrays: Sequence[Any]) -> int:
-        """The GPU that all arrays are on; the first one where they are the host's."""
+        """The index of the GPU that all arrays are on; that of the first GPU for arrays of the
+        host."""
         devices = {device_of(x) for x in arrays if on_gpu(x)}
         if len(devices) > 1:
             raise KernelError(
@@ -128,20 +129,20 @@ class GpuKernel(Kernel):
         return devices.pop() if devices else 0
 
     def module(self, device: int) -> driver.Module:
-        """The entries on a GPU, which is current."""
+        """The kernel's entries loaded on a GPU, which must be current."""
         if device not in self._modules:
             self._modules[device] = driver.Module(self.source, self._plan.names, device)
         return self._modules[device]
 
     @property
     def plan(self) -> Plan:
-        """The entries, and what they take."""
+        """The PTX entries of the kernel, and their arguments."""
         return self._plan
 
 
 class _Call:
-    """A call of a kernel: where its arrays are, and its launches in their order on a stream of the
-    current GPU."""
+    """One call of a kernel on the current GPU: where its arrays are, and its launches on a stream,
+    in order."""
 
     def __init__(
         self, kernel: GpuKernel, batch: tuple[int, ...], device: int, handle: int, stream: Any
@@ -151,7 +152,7 @@ class _Call:
         self.kept: list[Any] = []
 
     def outputs(self, given: Sequence[Any], there: bool) -> list[DeviceArray | DeviceView]:
-        """New arrays, or views of those that are given where these are on the GPU."""
+        """New arrays for the outputs, or views of the given ones where these are on the GPU."""
         name, outputs = self.program.name, self.program.outputs
         if given and len(given) != len(outputs):
             raise KernelError(f"{name}: out has {len(given)} arrays, expected {len(outputs)}.")
@@ -195,7 +196,8 @@ class _Call:
         return given
 
     def launch(self, given: Sequence[np.ndarray | DeviceView], outs: Sequence[DeviceView]) -> None:
-        """Start the whole call: copies, what is computed once, and each part for all samples."""
+        """Start all work of the call on the stream: copies, numbers computed once, and each part
+        for all samples."""
         self._require_apart(outs)
         views = [
             self._readable(a, x, outs) for a, x in zip(self.program.inputs, given, strict=True)
@@ -223,8 +225,8 @@ class _Call:
     def finished(
         self, made: Sequence[DeviceArray], given: Sequence[Any], there: Any
     ) -> tuple[Any, ...]:
-        """New arrays as the caller has them: of the library of `there`, else in the host's memory,
-        copied into those that were given."""
+        """The outputs as the caller expects them: arrays of the library of `there`, else in the
+        host's memory, copied into given ones."""
         if there is None:
             found = tuple(x.numpy() for x in made)
             for target, result in zip(given, found, strict=False):
@@ -236,13 +238,13 @@ class _Call:
         return tuple(x.like(there) for x in made)
 
     def _require_apart(self, outs: Sequence[DeviceView]) -> None:
-        """Refuse arrays to write to that share memory."""
+        """Refuse output arrays that share memory."""
         for k, x in enumerate(outs):
             if any(x.overlaps(y) for y in outs[:k]):
                 raise KernelError(f"{self.program.name}: two arrays of out share memory.")
 
     def _launch_once(self, uniform: Sequence[DeviceView]) -> list[int]:
-        """Start what is computed once a call; the address of the numbers that it writes."""
+        """The address of the numbers computed once a call, whose launch is started."""
         plan, module = self.kernel.plan, self.kernel.module(self.device)
         memory = self._memory(plan.shared * self.kernel.dtype.itemsize)
         values = [v for x in uniform for v in (x.address, 0, x.step(len(x.shape)) or 1)]
@@ -252,7 +254,7 @@ class _Call:
     def _readable(
         self, argument: Argument, given: np.ndarray | DeviceView, outs: Sequence[DeviceView]
     ) -> DeviceView:
-        """An input on the GPU, apart from what is written; a copy where it has to be."""
+        """A view of an input on the GPU that no output overlaps; a copy where necessary."""
         if isinstance(given, DeviceView):
             if given.step(len(argument.shape)) is None:
                 raise KernelError(
@@ -277,7 +279,7 @@ class _Call:
         )
 
     def _memory(self, size: int) -> driver.Memory:
-        """Room that stays until the call ends, or longer where a result has it."""
+        """Memory that stays until the call ends, or longer where a result uses it."""
         memory = driver.Memory(size, self.device, self.handle, self.stream)
         self.kept.append(memory)
         return memory

@@ -1,5 +1,5 @@
-"""Parts of a program, each computed by one thread: all of it, or where that does not fit a thread's
-registers some of the outputs.
+"""Parts of a program, each computed by one thread: the whole program, or, where that does not fit a
+thread's registers, some of its outputs.
 
 A thread has 255 registers of 32 bits; what does not fit goes to memory and comes back (it is
 spilled). Outputs computed apart repeat what they share, so a program is divided only where all
@@ -24,8 +24,7 @@ from freebody.scalars.operations import ARITY
 
 @dataclass(frozen=True)
 class ProgramPart:
-    """Some of the results of a program, and the nodes that they need, in an order in which operands
-    precede."""
+    """Some results of a program with the nodes that they need, operands before their readers."""
 
     program: Program
     results: tuple[int, ...]
@@ -44,8 +43,8 @@ class ProgramPart:
 
     @cached_property
     def alive(self) -> int:
-        """The most values that are alive at a time, inputs included; a result is written when it is
-        there."""
+        """The largest number of values that are alive at once, inputs included; results are written
+        as soon as they are computed."""
         program = self.program
         last = {
             operand: index
@@ -63,7 +62,7 @@ class ProgramPart:
 
 
 def part(program: Program, results: Collection[int]) -> ProgramPart:
-    """The part for these results: the nodes that they need, in the program's order."""
+    """The part for given results: the nodes they need, in the program's order."""
     live = bytearray(len(program))
     for position in results:
         live[program.results[position]] = 1
@@ -77,8 +76,8 @@ def part(program: Program, results: Collection[int]) -> ProgramPart:
 
 
 def _one_by_one(piece: ProgramPart, results: Sequence[int]) -> ProgramPart:
-    """The part in another order: all that its first result needs, then what the second needs
-    besides, and so on.
+    """The part reordered: all nodes that its first result needs, then those that the second needs
+    in addition, and so on.
 
     A recursion over a tree with many branches does one branch after the other then, where as
     traced it does all of them outward and then all inward.
@@ -127,7 +126,7 @@ quicker; `benchmarks/on_cuda.py --whole` tells."""
 
 
 def prepared(program: Program) -> Program:
-    """The program in the order in which it was traced: recursions keep few values alive.
+    """The program in the order in which it was traced, in which recursions keep few values alive.
 
     The order that suits a loop on the CPU (`schedule`) begins with all sines; it takes 134
     registers where this one takes 94 (inverse dynamics of a UR5e), 180 where this one takes 128
@@ -137,8 +136,9 @@ def prepared(program: Program) -> Program:
 
 
 def parts(program: Program, dtype: str) -> list[ProgramPart]:
-    """Parts that write every result once: constants apart where they are many; then runs that fit,
-    or the whole where none do; and none that would take an assembler minutes."""
+    """Parts that together write every result once: constants apart where there are many, then runs
+    of results that fit a thread, or the whole where none do; parts that would take an assembler
+    minutes are split."""
     every = range(len(program.results))
     constant = [i for i in every if program.op[program.results[i]] == "const"]
     if len(constant) <= FEW:
@@ -152,8 +152,8 @@ def parts(program: Program, dtype: str) -> list[ProgramPart]:
 
 
 def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[ProgramPart]:
-    """Runs of results, output by output and column by column, that fit; the whole where none do, or
-    too many."""
+    """Runs of results, output by output and column by column, that fit a thread; the whole where
+    none fit, or too many runs would be needed."""
     order, room = sorted(results, key=_by_columns(program)), ROOM[dtype]
     whole = part(program, order)
     if whole.alive > _MOST * room:
@@ -181,8 +181,8 @@ def _fitting(program: Program, results: Sequence[int], dtype: str) -> list[Progr
 
 
 def _assembled(piece: ProgramPart) -> list[ProgramPart]:
-    """The part, or its halves where they are quicker to assemble, direction by direction, all
-    outputs of one together: these share most of their work."""
+    """The part, or its halves where these are quicker to assemble: split by directions of
+    derivatives, with all outputs of one direction together, since they share most of their work."""
     program = piece.program
     order = sorted(piece.results, key=_by_directions(program))
     if len(order) <= OUTPUTS and (piece.alive <= ALIVE or len(order) < FEWEST):
@@ -193,14 +193,14 @@ def _assembled(piece: ProgramPart) -> list[ProgramPart]:
 
 
 def _quiet(piece: ProgramPart, results: Sequence[int], most: float = 1.0) -> ProgramPart:
-    """The part as it was traced, or one result after the other, where fewer values are alive: at
-    most this share of them."""
+    """The part as it was traced, or reordered result by result where that keeps at most the given
+    fraction of its values alive."""
     other = _one_by_one(piece, results)
     return other if other.alive <= most * piece.alive else piece
 
 
 def _entries(program: Program) -> list[tuple[int, tuple[int, ...]]]:
-    """Output, and index in it, of each result."""
+    """For each result its output, and its index in that output."""
     return [(k, index) for k, a in enumerate(program.outputs) for index in a.indices()]
 
 
@@ -211,7 +211,7 @@ def _by_columns(program: Program) -> Callable[[int], Any]:
 
 
 def _by_directions(program: Program) -> Callable[[int], Any]:
-    """Sort key of results: by the last axis, then the axes before it from behind, then by
-    output."""
+    """A sort key of results: by the last axis, then by the axes before it from the last to the
+    first, then by output."""
     entries = _entries(program)
     return lambda i: (entries[i][1][::-1], entries[i][0])

@@ -1,5 +1,5 @@
-"""A program as entries of PTX, the assembly that NVIDIA's driver makes machine code of: what is
-computed once a call, and for every sample."""
+"""A program as PTX entries, from which NVIDIA's driver makes machine code: one for values computed
+once a call, others for every sample."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from freebody.targets.llvm.machine import CompileError, library, to_compile
 
 @dataclass(frozen=True)
 class Plan:
-    """Entries by name.
+    """A program's PTX entries by name.
 
     once: the entry that one thread runs before, on uniform inputs; empty where there are none. It
     writes `shared` numbers, these inputs and what follows from them, which the others take in the
@@ -48,7 +48,7 @@ class Plan:
 
 
 def plan(program: Program, dtype: str) -> Plan:
-    """The entries of a program."""
+    """The plan of PTX entries for a program."""
     every, entries, shared = prepared(program), {}, 0
     if any(argument.uniform for argument in program.inputs):
         before, every = hoist(every)
@@ -60,7 +60,7 @@ def plan(program: Program, dtype: str) -> Plan:
 
 
 def _with_inputs(before: Program) -> Program:
-    """The program whose one output begins with its inputs."""
+    """The program with a single output that begins with its inputs."""
     count, size = len(before), before.input_size
     return replace(
         before,
@@ -81,7 +81,7 @@ _TRIPLE = "nvptx64-nvidia-cuda"
 
 
 def ptx(text: str) -> str:
-    """PTX of LLVM text.
+    """The PTX that LLVM generates from its text.
 
     Raises FreebodyError where llvmlite is not installed or was built without this target.
     """
@@ -107,7 +107,7 @@ def ptx(text: str) -> str:
 
 
 def _machine() -> Any:
-    """LLVM's code generator for these GPUs."""
+    """LLVM's code generator for NVIDIA's GPUs."""
     return _target().create_target_machine(cpu=_PROCESSOR, opt=2)
 
 

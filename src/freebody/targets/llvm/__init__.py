@@ -1,2 +1,2 @@
-"""Machine code for this CPU: programs as LLVM vector code, compiled, kept on disk, loaded and
+"""Machine code for this CPU: programs as LLVM vector code, compiled, cached on disk, loaded and
 called."""

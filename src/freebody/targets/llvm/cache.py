@@ -1,4 +1,4 @@
-"""Compiled objects on disk, by content.
+"""Compiled objects on disk, addressed by content.
 
 An entry is code that will run, so it is believed only if its folder and it belong to this user and
 nobody else can write them (asked of the open descriptor; links are not followed), and if its
@@ -36,7 +36,7 @@ log = logging.getLogger(__name__)
 
 
 def folder() -> Path | None:
-    """The folder of the entries; None if the cache is off or there is no home."""
+    """The folder of the cache; None if it is off or there is no home."""
     given = os.environ.get("FREEBODY_CACHE")
     if given:
         return None if given.lower() == "off" else Path(given)
@@ -58,7 +58,7 @@ def key(*parts: object) -> str:
 
 
 def load(key: str) -> bytes | None:
-    """The object stored under `key`; None if there is none that can be trusted."""
+    """The object stored under `key`; None if there is none, or none that can be trusted."""
     try:
         with _folder(create=False) as place:
             entry = _read(place, key + _SUFFIX)
@@ -73,7 +73,7 @@ def load(key: str) -> bytes | None:
 
 
 def store(key: str, code: bytes) -> None:
-    """Keep an object under `key`, if there is a place to keep it."""
+    """Store an object under `key`, if there is a place for it."""
     try:
         with _folder(create=True) as place:
             temporary = f".{key}.{os.getpid()}.{secrets.token_hex(4)}"
@@ -89,7 +89,7 @@ def store(key: str, code: bytes) -> None:
 
 
 class _Refused(OSError):
-    """A folder or file that is not ours alone."""
+    """Raised for a cache folder or file that others could have written."""
 
 
 def _entry(key: str, code: bytes) -> bytes:
@@ -97,7 +97,8 @@ def _entry(key: str, code: bytes) -> bytes:
 
 
 def _trusted(descriptor: int, kind: Callable[[int], bool]) -> None:
-    """Raise unless what is open is of the right kind, ours, and writable by us only."""
+    """Raise an error unless an open file is of the right kind, owned by the user, and writable by
+    nobody else."""
     status = os.fstat(descriptor)
     if not kind(status.st_mode):
         raise _Refused("not a plain file or folder")
@@ -109,8 +110,8 @@ def _trusted(descriptor: int, kind: Callable[[int], bool]) -> None:
 
 @contextlib.contextmanager
 def _folder(create: bool) -> Iterator[int | str]:
-    """The trusted folder: open, where the system can open files relative to a descriptor, else its
-    path."""
+    """The trusted cache folder: opened, where the system can open files relative to a descriptor,
+    else its path."""
     path = folder()
     if path is None:
         raise FileNotFoundError("the cache is off, or there is no home")
@@ -139,7 +140,7 @@ def _open(place: int | str, name: str, flags: int) -> int:
 
 
 def _read(place: int | str, name: str) -> bytes:
-    """The content of a trusted file, which is marked as used."""
+    """The content of a trusted file, whose time of use is updated."""
     descriptor = _open(place, name, os.O_RDONLY)
     with open(descriptor, "rb") as file:
         _trusted(descriptor, stat.S_ISREG)
@@ -154,7 +155,7 @@ def _write(place: int | str, name: str, content: bytes) -> None:
 
 
 def _at(place: int | str, name: str) -> tuple[str, int | None]:
-    """Name and `dir_fd` of a file for the functions of `os`."""
+    """The name and `dir_fd` of a file, for functions of `os`."""
     return (name, place) if isinstance(place, int) else (os.path.join(place, name), None)
 
 
@@ -170,8 +171,8 @@ def _remove(place: int | str, name: str) -> None:
 
 
 def _evict(place: int | str) -> None:
-    """Remove what was unused for longest until the rest fits, and temporary files that a killed
-    process left."""
+    """Remove the least recently used files until the rest fits, and temporary files of killed
+    processes."""
     entries, now = [], time.time()
     for name in os.listdir(place):
         path, descriptor = _at(place, name)

@@ -1,5 +1,5 @@
-"""The CPU of this machine as a target, or a level that it reaches: programs as LLVM vector code,
-compiled or found on disk, loaded as a generalized ufunc."""
+"""This machine's CPU, or a level that it reaches, as a target: programs as LLVM vector code,
+compiled or found on disk, loaded as generalized ufuncs."""
 
 from __future__ import annotations
 
@@ -47,8 +47,8 @@ _LENGTH = 8
 
 
 class _QuickKernel(Kernel):
-    """A kernel whose calls go to C functions of its own: Python finds them, by the class, in the
-    kernel's slots."""
+    """A kernel whose calls run C functions of its own, which Python finds in the slots of the
+    kernel's class."""
 
     __slots__ = ("__call__",)
 
@@ -100,8 +100,8 @@ def _build(level: str | None, program: Program, width: int | None, dtype: str) -
 
 
 def _compiled(program: Program, machine: Machine, fast: bool, here: Host) -> bytes:
-    """The kernel's own object and the one that is loaded beside it, the length of the first in
-    front: all that a process needs which finds it on disk."""
+    """The kernel's own object and the shared one loaded beside it, preceded by the length of the
+    first: everything that a process needs which finds it on disk."""
     text = emit_own(optimise(program), machine)
     text += fastcode.text(program, machine.real) if fast else ""
     own = object_code(declared_once(text + declarations(text, machine)), here=here)
@@ -119,8 +119,8 @@ def _source(level: str | None, program: Program, width: int, dtype: str) -> str:
 
 @cache
 def compiler_version() -> str:
-    """A version of the compiler that changes with any of its text, so that objects from a former
-    text are not taken from the cache."""
+    """A version of the compiler that changes with its source, so that objects of another version
+    are not taken from the cache."""
     digest = hashlib.sha256()
     house = Path(__file__).parent.parent.parent
     for path in sorted([*house.glob("program/*.py"), *house.glob("targets/**/*.py")]):
@@ -172,7 +172,7 @@ def _make_gufunc(
     keep: Any,
     real: Real,
 ) -> np.ufunc:
-    """The ufunc of a loop over numbers of one type, with fixed core sizes.
+    """A NumPy ufunc of a loop over numbers of one type, with fixed core sizes.
 
     Parameters
     ----------
@@ -207,8 +207,8 @@ def _make_gufunc(
 
 
 def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
-    """Let a ufunc hold what it points to: in the place where `np.frompyfunc` keeps its callable, or
-    for ever."""
+    """Make a ufunc keep the objects that it points to alive: in the field where `np.frompyfunc`
+    keeps its callable, or for ever."""
     if _has_place():
         ctypes.c_void_p.from_address(id(ufunc) + _OBJ).value = id(things)
     ctypes.pythonapi.Py_IncRef(ctypes.py_object(things))
@@ -216,8 +216,8 @@ def _hold(ufunc: np.ufunc, things: tuple[Any, ...]) -> None:
 
 @cache
 def _has_place() -> bool:
-    """Whether NumPy's ufuncs have their callable where its headers say; in another layout things
-    are kept for ever."""
+    """Whether NumPy's ufuncs keep their callable where its headers say; otherwise objects are kept
+    for ever."""
 
     def probe(x: Any) -> Any:
         return x

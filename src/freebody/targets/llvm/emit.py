@@ -1,4 +1,4 @@
-"""Program to LLVM text, over one vector of lanes.
+"""LLVM text of a program, over one vector of lanes.
 
 The text is built by hand: making it through llvmlite.ir takes longer than compiling it. A module
 holds one function for each segment of the program, `@compute` that runs them on a tile of slots,
@@ -79,23 +79,23 @@ def emit_own(program: Program, machine: Machine) -> str:
 
 
 def _tiles(nodes: int, room: int) -> int:
-    """Groups in a round: each has two tiles of `room` bytes, one to compute on and one that goes
-    out."""
+    """The number of groups of samples in a round; each has two tiles of `room` bytes, one to
+    compute on and one to write out."""
     if nodes >= LONGER[0]:
         return 1 if 2 * room <= LONGER[1] and 4 * room > LONGER[2] else 2
     return 2 if nodes >= LONG[0] and 4 * room <= LONG[1] else 1
 
 
 def _once(program: Program, layout: SegmentedProgram, machine: Machine) -> list[str]:
-    """`@once`: the code of all segments for a single lane."""
+    """LLVM text of `@once`: the code of all segments for a single lane, for uniform inputs."""
     pieces, made = _pieces("once.", program, layout, Lanes(machine.real, 1), machine.fma)
     calls = "".join(f"  call void {piece}(ptr %values, ptr null)\n" for piece in pieces)
     return [*made, f"define internal void @once(ptr %values) #0 {{\n{calls}  ret void\n}}\n"]
 
 
 def emit_single(program: Program, machine: Machine) -> tuple[list[str], str, SegmentedProgram]:
-    """The functions that compute a program without uniform inputs for a single lane, on a tile:
-    their names in order, their text, and what lies where."""
+    """The functions that compute a program without uniform inputs for a single lane on a tile:
+    their names in order, their text, and the layout of the tile."""
     layout, lanes = segment(program), Lanes(machine.real, 1)
     pieces, made = _pieces("single.", program, layout, lanes, machine.fma)
     return pieces, "\n".join([*made, attributes(lanes)]), layout
@@ -104,8 +104,8 @@ def emit_single(program: Program, machine: Machine) -> tuple[list[str], str, Seg
 def _pieces(
     before: str, program: Program, layout: SegmentedProgram, lanes: Lanes, fma: bool
 ) -> tuple[list[str], list[str]]:
-    """Names of the functions of the steps, `before` in front, and the text of what they are and
-    need."""
+    """Names of the functions for a program's steps, prefixed by `before`, and the LLVM text of
+    these and of their helpers."""
     pieces: list[str] = []
     table = instructions(lanes)
     parts = []
@@ -120,8 +120,8 @@ def _pieces(
 
 
 def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos]]:
-    """The steps in order, sines and cosines that do not need each other up to `TOGETHER` at a
-    time."""
+    """The steps in order, with up to `TOGETHER` sines and cosines that do not depend on each other
+    grouped."""
     some: list[SinCos] = []
     for step in steps:  # the last is a segment
         if some and (
@@ -140,14 +140,14 @@ def _joined(steps: Sequence[Segment | SinCos]) -> Iterator[Segment | list[SinCos
 def _arithmetic(
     title: str, program: Program, step: Segment, lanes: Lanes, table: Mapping[str, str]
 ) -> str:
-    """Loads, instructions and stores of a segment, the loads at first use."""
+    """LLVM text of a segment: loads (at first use), instructions and stores."""
     v, align, sampled = lanes.v, lanes.size, program.sampled_size
     lines = [f"define internal void {title}(ptr noalias %tile, ptr noalias %uniform) #1 {{"]
     names: dict[int, str] = {}
     computed = set(step.nodes)
 
     def name(index: int) -> str:
-        """The value of a node: a constant, or a name, loaded at its first use."""
+        """The name of a node's value: a constant, or a name, which is loaded at its first use."""
         known = names.get(index)
         if known is None:
             if program.op[index] == "input" and program.a[index] >= sampled:
@@ -178,7 +178,7 @@ def _arithmetic(
 
 
 def _spread(lines: list[str], index: int, number: int, lanes: Lanes) -> str:
-    """A uniform number in all lanes."""
+    """The name of a vector with a uniform number in all lanes, whose code is emitted."""
     kind, v = lanes.real.name, lanes.v
     lines += [
         loaded(f"%u{index}", kind, "%uniform", number, align=lanes.real.size),
@@ -190,8 +190,8 @@ def _spread(lines: list[str], index: int, number: int, lanes: Lanes) -> str:
 
 
 def _compute(pieces: list[str], size: int, tiles: int) -> str:
-    """`@compute`: run the pieces on `count` tiles of `size` bytes, each piece on all tiles before
-    the next."""
+    """LLVM text of `@compute`: each piece is run on all `count` tiles of `size` bytes before the
+    next."""
     if len(pieces) <= PIECES:
         return _run("@compute", pieces, size, tiles)
     groups = [pieces[k : k + PIECES] for k in range(0, len(pieces), PIECES)]
@@ -236,7 +236,7 @@ leave{k}:""")
 
 
 def _finite(every: Program, layout: SegmentedProgram, poison: int | None, lanes: Lanes) -> str:
-    """Make every result NaN in the lanes whose inputs are not all finite.
+    """LLVM text that makes every result NaN in lanes with an input that is not finite.
 
     What brought the inputs in left a vector for each that is finite only if they are (see
     `sample_transfers`). Where one is not, the numbers themselves are looked at: 0 * x is NaN for

@@ -1,4 +1,5 @@
-"""A few samples, called from Python: a C function for the interpreter in front of the gufunc loop.
+"""Quick calls of a kernel with a few samples from Python: a C function for the interpreter in front
+of the gufunc loop.
 
 NumPy's ufunc machinery takes longer than the arithmetic of one robot. So each kernel also has a
 function of CPython's fast calling convention that looks at its arguments itself: exact arrays of
@@ -37,7 +38,7 @@ _OUT = sys.intern("out")  # as the name of a keyword is
 
 
 def available() -> bool:
-    """Whether this interpreter has the known layouts, and FREEBODY_FASTCALL is not off."""
+    """Whether this interpreter has the known memory layouts, and FREEBODY_FASTCALL is not off."""
     return (
         settings.FASTCALL
         and sys.implementation.name == "cpython"
@@ -49,7 +50,8 @@ def available() -> bool:
 
 @cache
 def symbols(real: Real) -> dict[str, int]:
-    """Addresses of what the text refers to."""
+    """Addresses of the functions and types that the LLVM text of a quick call refers to, by
+    name."""
     python = ctypes.pythonapi
     named = {
         name: ctypes.cast(getattr(python, name), ctypes.c_void_p).value or 0
@@ -73,12 +75,12 @@ def symbols(real: Real) -> dict[str, int]:
 
 
 class Definition:
-    """A C function of a kernel, one of `EXPORTS`, of which functions of Python are made."""
+    """One of a kernel's C functions listed in `EXPORTS`, from which Python functions are made."""
 
     __slots__ = ("_held", "_method")
 
     def __init__(self, address: int, name: str, keep: Any):
-        """keep: what must live as long as the code is callable."""
+        """Define the C function; keep: objects that must live as long as the code can be called."""
         title = name.encode()
         at = ctypes.cast(ctypes.c_char_p(title), ctypes.c_void_p).value
         self._method = struct.pack(_METHOD_DEF, at, address, _FASTCALL_KEYWORDS, 0)
@@ -87,8 +89,8 @@ class Definition:
     def function(
         self, general: Callable[..., Any], most: int, held: Any = None, units: bytes = b""
     ) -> Callable[..., Any]:
-        """The function, which goes to `general` with what is not plain, and holds what it points
-        to.
+        """A Python function of the C code that passes arguments that are not plain on to `general`,
+        and keeps alive what it points to.
 
         most: samples of a batch that it takes. held: the last argument of calls that do not give
         it. units: see `unit_entries`.
@@ -98,8 +100,8 @@ class Definition:
 
 
 def unit_entries(places: Sequence[tuple[int, int]]) -> bytes:
-    """The inputs that hold four numbers of unit length, and from which entry on, as a checked
-    function reads them."""
+    """The places (input, first entry) of four numbers of unit length, as bytes that a checked
+    function reads."""
     return b"".join(struct.pack(PAIR, *place) for place in places)
 
 

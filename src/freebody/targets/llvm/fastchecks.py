@@ -1,5 +1,4 @@
-"""LLVM text of what a checked call of a kernel looks at: quaternions that come in, and all numbers
-that come out."""
+"""LLVM text of the checks of a kernel's call: quaternions among the inputs, and all outputs."""
 
 from __future__ import annotations
 
@@ -19,8 +18,8 @@ begin."""
 
 
 def are_unit(real: Real) -> str:
-    """Whether four entries are of unit length, NaN being not, for each pair in `units` (argument,
-    first entry) in each of `count` samples."""
+    """LLVM text of a function whether four entries have unit length (NaN has not), for each pair in
+    `units` (argument, first entry) in each of `count` samples."""
     widened = "" if real is DOUBLE else "w"
     lines = [
         "define internal i1 @fast.unit(ptr %units, ptr %data, ptr %steps, i64 %count) {",
@@ -78,7 +77,7 @@ _TOGETHER = 8  # entries that are looked at in one step
 
 
 def finite(real: Real) -> str:
-    """Whether all entries are finite: eight at a time, and then those that are left."""
+    """LLVM text of a function whether all entries are finite: eight at a time, then the rest."""
     exponent = {64: 0x7FF << 52, 32: 0xFF << 23}[real.bits]
     block = f"<{_TOGETHER} x {real.integer}>"
     mask = "<" + ", ".join([f"{real.integer} {exponent}"] * _TOGETHER) + ">"
@@ -123,8 +122,8 @@ done:
 
 
 def checked(outputs: tuple[Argument, ...]) -> list[str]:
-    """Lines that look whether all entries of the outputs are finite, where a call wants that, and
-    else let go of them and go the general way."""
+    """Lines that check, where a call asks for it, that all entries of the outputs are finite, and
+    otherwise release the outputs and take the general way."""
     lines = [
         "  br i1 %checked, label %check, label %good",
         "check:",

@@ -1,5 +1,5 @@
-"""The LLVM text of a kernel's own C function for the interpreter, whose purpose `fastcall`
-states."""
+"""LLVM text of a kernel's own C function for Python's interpreter, for the purpose stated in
+`fastcall`."""
 
 from __future__ import annotations
 
@@ -69,8 +69,8 @@ _FastArguments = tuple[Argument, ...]
 
 
 def _tables(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
-    """Tables that describe one sample to the loop, an input's step to the next being 0, and the
-    shapes of outputs behind the size of a batch."""
+    """LLVM tables that describe one sample to the loop (with steps of 0 between samples), and the
+    shapes of outputs without the batch size."""
     return [
         _numbers("fast.dims", _dims(inputs, outputs)),
         _numbers("fast.steps", _steps(inputs, outputs, real)),
@@ -88,7 +88,7 @@ def _steps(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[
 
 
 def _copied(name: str, source: str, count: int) -> list[str]:
-    """Room for numbers that begin as those of a table."""
+    """Lines that allocate numbers on the stack and copy them from a table."""
     return [
         f"  %{name} = alloca [{count} x i64], align 16",
         f"  call void @llvm.memcpy.p0.p0.i64(ptr %{name}, ptr @{source}, i64 {8 * count}, "
@@ -97,8 +97,8 @@ def _copied(name: str, source: str, count: int) -> list[str]:
 
 
 def _counted(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
-    """Room for what the loop takes; on to `counted` with as many arguments as there are inputs, or
-    all but the last."""
+    """Lines that allocate the loop's arguments, and continue at `counted` where the call has as
+    many arguments as inputs, or one fewer."""
     cells = [k for k, a in enumerate(outputs) if not a.shape]
     return [
         "entry:",
@@ -127,8 +127,8 @@ def _counted(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> lis
 
 
 def _inputs_seen(inputs: _FastArguments, real: Real) -> list[str]:
-    """The inputs one after the other, and whether quaternions are of unit length; on to `taken`
-    where there is an `out`, else to `make`."""
+    """Lines that examine the inputs in turn and check quaternions; they continue at `taken` where
+    `out` is given, else at `make`."""
     lines = []
     for k, argument in enumerate(inputs):
         is_number = not argument.shape and real is DOUBLE
@@ -156,7 +156,7 @@ def _inputs_seen(inputs: _FastArguments, real: Real) -> list[str]:
 
 
 def _outputs_given(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
-    """Lines from `taken` on: run into the arrays given as `out`, and return what was given."""
+    """Lines from `taken` on: run into the arrays given as `out`, and return these."""
     lines = [*_taken(len(outputs)), f"  br label %look{len(inputs) + 1}"]
     flags = _CONTIGUOUS_ALIGNED | _WRITEABLE
     for k, argument in enumerate(outputs):
@@ -174,8 +174,8 @@ def _outputs_given(inputs: _FastArguments, outputs: _FastArguments, real: Real) 
 
 
 def _outputs_made(inputs: _FastArguments, outputs: _FastArguments, real: Real) -> list[str]:
-    """Lines from `make` on: run into new arrays, and return them; of a checked call only where all
-    is finite."""
+    """Lines from `make` on: run into new arrays and return them; for a checked call only if all is
+    finite."""
     lines = ["make:"]
     for k, argument in enumerate(outputs):
         lines += (_make if argument.shape else _cell)(k, len(inputs) + k, argument, real)
@@ -203,7 +203,8 @@ def _numbers(name: str, values: list[int]) -> str:
 
 
 def _strides(argument: Argument, step: int) -> list[int]:
-    """Bytes between neighbours along each core axis, C order; `step` of one number."""
+    """Distances in bytes between neighbours along each core axis in C order; step: the size of one
+    number."""
     strides = []
     for size in reversed(argument.shape):
         strides.append(step)
@@ -212,8 +213,8 @@ def _strides(argument: Argument, step: int) -> list[int]:
 
 
 def _named_out(outputs: int) -> list[str]:
-    """Code for a call without keywords, or with `out` alone: its value `%given`, and where the
-    arrays in it stand, `%outs`."""
+    """Lines for a call without keywords, or with `out` alone: its value `%given`, and the address
+    of its arrays, `%outs`."""
     lines = [
         "counted:",
         "  %given.at = getelementptr ptr, ptr %args, i64 %nargs",
@@ -244,7 +245,7 @@ def _named_out(outputs: int) -> list[str]:
 
 
 def _taken(outputs: int) -> list[str]:
-    """Lines that take the arrays given as `out`, and where these stand."""
+    """Lines that take the arrays given as `out`."""
     lines = ["taken:", "  %given = load ptr, ptr %given.at, align 8"]
     if outputs == 1:
         return [*lines, "  %outs = getelementptr ptr, ptr %given.at, i64 0"]
@@ -252,7 +253,7 @@ def _taken(outputs: int) -> list[str]:
 
 
 def _apart(arguments: tuple[Argument, ...], inputs: int, size: int) -> list[str]:
-    """Lines that go on to `run` if no output lies where another argument does, else the general
+    """Lines that continue at `run` if no output overlaps another argument, else take the general
     way."""
     lines, apart = ["  %others = sub i64 %count, 1"], "true"
     for k, argument in enumerate(arguments):
@@ -287,8 +288,8 @@ def _look(
     otherwise: str = "general",
     last: bool = False,
 ) -> list[str]:
-    """Argument k, found at `place`: on to the next if it is a plain array of its core shape, or of
-    a batch of them, else the general way.
+    """Lines that examine argument k at `place`, and continue with the next if it is a plain array
+    of its core shape, or a batch of them, else take the general way.
 
     Its data become entry k + shift of those that the loop takes. rows: what is done about whether
     it is a batch, up to `core{k}`, or "general" where it must be none. otherwise: where what is no
@@ -340,8 +341,8 @@ def _look(
 
 
 def _counts(k: int, argument: Argument, real: Real) -> list[str]:
-    """Input k, if it is a batch: as many samples as those before it, few enough, and the loop steps
-    from one to the next."""
+    """Lines for input k being a batch: it must have as many samples as earlier ones and few enough,
+    and the loop will step through it."""
     return [
         f"  br i1 %is.rows{k}, label %rows{k}, label %core{k}",
         f"rows{k}:",
@@ -361,7 +362,7 @@ def _counts(k: int, argument: Argument, real: Real) -> list[str]:
 
 
 def _agrees(k: int) -> list[str]:
-    """Argument k, an output that is given: of as many samples as there are."""
+    """Lines for argument k, a given output, which must have as many samples as the call."""
     return [
         f"  %is.due{k} = icmp eq i1 %is.rows{k}, %is.batch",
         f"  br i1 %is.due{k}, label %due{k}, label %general",
@@ -375,7 +376,7 @@ def _agrees(k: int) -> list[str]:
 
 
 def _float(k: int) -> list[str]:
-    """Input k, which is no array: the double in it if it is a number of Python's, else the general
+    """Lines for input k being no array: a Python float is read, anything else takes the general
     way."""
     return [
         f"float{k}:",
@@ -394,7 +395,7 @@ def _field(k: int, name: str, offset: int, kind: str) -> str:
 
 
 def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
-    """Code that makes a new array for output k."""
+    """Lines that make a new array for output k."""
     return [
         f"  %new{k} = call ptr @freebody.PyArray_New(ptr @freebody.PyArray_Type, i32 {axes}, "
         f"ptr {shape}, i32 {real.number}, ptr null, ptr null, i32 0, i32 0, ptr null)",
@@ -406,7 +407,7 @@ def _new(k: int, axes: str, shape: str, real: Real) -> list[str]:
 
 
 def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
-    """Output k: a new array; `position` among all arguments."""
+    """Lines that make a new array for output k; position: its number among all arguments."""
     nd = len(argument.shape)
     return [
         f"  store i64 %count, ptr %shape.of{k}, align 8",
@@ -421,8 +422,8 @@ def _make(k: int, position: int, argument: Argument, real: Real) -> list[str]:
 
 
 def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
-    """Output k, one number a sample: a place for it until it is an object, or an array of a
-    batch."""
+    """Lines for output k, one number a sample: a place for the number until it becomes an object,
+    or an array for a batch."""
     return [
         f"  br i1 %is.batch, label %many{k}, label %single{k}",
         f"many{k}:",
@@ -440,7 +441,7 @@ def _cell(k: int, position: int, argument: Argument, real: Real) -> list[str]:
 
 
 def _scalar(k: int, real: Real) -> list[str]:
-    """Output k, one number a sample: that of a single one as NumPy's object of its type."""
+    """Lines that turn output k of a single sample into a NumPy scalar."""
     return [
         f"  br i1 %is.batch, label %whole{k}, label %object.{k}",
         f"object.{k}:",
@@ -457,7 +458,7 @@ def _scalar(k: int, real: Real) -> list[str]:
 
 
 def _tuple(count: int) -> list[str]:
-    """Return the outputs as a tuple, which takes over their references."""
+    """Lines that return the outputs as a tuple, which takes over their references."""
     return [
         f"  %tuple = call ptr @PyTuple_New(i64 {count})",
         "  %tupled = icmp ne ptr %tuple, null",

@@ -1,6 +1,6 @@
-"""A table of LLVM instructions, each operation of a program over a vector of lanes, and the
-functions that take many: exponential function, logarithm, hyperbolic tangent, arc tangent of a
-quotient, arc sine and arc cosine.
+"""The LLVM instruction of each operation over a vector of lanes, and functions for operations that
+take many: exponential, logarithm, hyperbolic tangent, arc tangent of a quotient, arc sine and arc
+cosine.
 
 Each of these is within 2 ulp over the whole range of doubles. Overflow gives infinity and underflow
 a subnormal or 0, quadrants and signed zeros are right, as those of C's functions are; NaN gives
@@ -88,7 +88,7 @@ def _log(b: Block, x: LaneValue) -> LaneValue:
 
 
 def _tanh(b: Block, x: LaneValue) -> LaneValue:
-    """Hyperbolic tangent within 2 ulp: a quotient of polynomials near 0, 1 - 2 / (e^2|x| + 1)
+    """Hyperbolic tangent within 2 ulp: a quotient of polynomials near 0, 1 - 2 / (e^(2|x|) + 1)
     beyond 0.625."""
     a = b.absolute(x)
     z = a * a
@@ -138,8 +138,8 @@ _ASIN_Q = (
 
 
 def _atan2(b: Block, y: LaneValue, x: LaneValue) -> LaneValue:
-    """The angle of (x, y): the arc tangent of the smaller over the larger, then mirrored into its
-    octant."""
+    """The angle of the point (x, y): the arc tangent of the smaller coordinate over the larger,
+    mirrored into its octant."""
     infinity = float("inf")
     across, along = b.absolute(y), b.absolute(x)
     steep = across > along
@@ -167,14 +167,14 @@ def _atan2(b: Block, y: LaneValue, x: LaneValue) -> LaneValue:
 
 
 def _asin(b: Block, x: LaneValue) -> LaneValue:
-    """Arc sine, NaN beyond 1 and -1."""
+    """Arc sine; NaN beyond 1 and -1."""
     near, high, low = _arc(b, b.absolute(x))
     constant = _pair(b, near, (0.0, 0.0), _HALF_PI)
     return b.signed(_turned(constant, b.where(near, 1.0, -1.0), high, low), x)
 
 
 def _acos(b: Block, x: LaneValue) -> LaneValue:
-    """Arc cosine, NaN beyond 1 and -1."""
+    """Arc cosine; NaN beyond 1 and -1."""
     near, high, low = _arc(b, b.absolute(x))
     right = x > 0.0
     constant = _pair(b, near, _HALF_PI, _pair(b, right, (0.0, 0.0), _PI))
@@ -183,8 +183,8 @@ def _acos(b: Block, x: LaneValue) -> LaneValue:
 
 
 def _arc(b: Block, a: LaneValue) -> tuple[LaneValue, LaneValue, LaneValue]:
-    """The arcs of a = |x|: whether a < 1/2, and high + low: asin a there, acos a = 2 asin sqrt((1 -
-    a) / 2) beyond."""
+    """(whether a < 1/2, high, low) for a = |x|: the sum high + low is asin a there, and acos a = 2
+    asin sqrt((1 - a) / 2) otherwise."""
     near = a < 0.5
     z = b.where(near, a * a, (1.0 - a) * 0.5)
     root = b.sqrt(z)
@@ -198,19 +198,19 @@ def _arc(b: Block, a: LaneValue) -> tuple[LaneValue, LaneValue, LaneValue]:
 def _turned(
     constant: tuple[LaneValue, LaneValue], sign: LaneValue, high: LaneValue, low: LaneValue
 ) -> LaneValue:
-    """constant + sign (high + low), rounded once."""
+    """The value constant + sign (high + low), rounded once."""
     total, rest = _sum(constant[0], sign * high)
     return total + (rest + (sign * low + constant[1]))
 
 
 def _sum(x: LaneValue, y: LaneValue) -> tuple[LaneValue, LaneValue]:
-    """x + y and what is lost by rounding it, where x is the larger or 0."""
+    """The sum x + y and its rounding error, where x is the larger or 0."""
     total = x + y
     return total, (x - total) + y
 
 
 def _pair(b: Block, condition: LaneValue, x: Any, y: Any) -> tuple[LaneValue, LaneValue]:
-    """A choice between two numbers that consist of two parts."""
+    """A choice between two numbers that each consist of two parts."""
     return b.where(condition, x[0], y[0]), b.where(condition, x[1], y[1])
 
 
@@ -277,8 +277,8 @@ flags break range reduction and NaN."""
 
 
 def instructions(lanes: Lanes) -> dict[str, str]:
-    """The table for such vectors; what is left to say is {0}, the name of the result, and {1}, … of
-    the operands."""
+    """The instruction of each operation for vectors of a kind, as a template of {0}, the result's
+    name, and {1}, … the operands'."""
     words = {"v": lanes.v, "n": lanes.suffix, "mask": lanes.mask, "one": lanes.constant(1.0)}
     words["epsilon"] = lanes.constant(lanes.real.epsilon)
     places = {"r": "{0}", "a": "{1}", "b": "{2}", "c": "{3}"}
@@ -286,7 +286,7 @@ def instructions(lanes: Lanes) -> dict[str, str]:
 
 
 def functions(program: Program, lanes: Lanes, fma: bool) -> str:
-    """The functions that a program's operations call."""
+    """LLVM text of the functions that a program's operations call."""
     return "\n".join(
         function(f"@vector.{name}.{lanes.suffix}", OPERATIONS[name].arity, make, lanes, fma)
         for name, make in FUNCTIONS.items()

@@ -10,8 +10,8 @@ from typing import Any
 def loaded(
     name: str, kind: str, base: str, index: str | int, *, of: str = "", align: int = 8
 ) -> str:
-    """Lines that load the entry of a table; of: the type that its entries are counted in, where it
-    is another."""
+    """Lines that load an entry of a table; of: the type in which entries are counted, if
+    another."""
     at = f"  {name}.p = getelementptr {of or kind}, ptr {base}, i64 {index}"
     return f"{at}\n  {name} = load {kind}, ptr {name}.p, align {align}"
 
@@ -19,15 +19,16 @@ def loaded(
 def stored(
     at: str, kind: str, value: str, base: str, index: str | int, *, of: str = "", align: int = 8
 ) -> str:
-    """Lines that store the entry of a table, whose address is called `at`; of: as for `loaded`."""
+    """Lines that store an entry of a table, whose address is named `at`; of: the type in which
+    entries are counted, if another."""
     place = f"  {at} = getelementptr {of or kind}, ptr {base}, i64 {index}"
     return f"{place}\n  store {kind} {value}, ptr {at}, align {align}"
 
 
 @dataclass(frozen=True)
 class Real:
-    """A floating-point type: its name in LLVM, in NumPy, its number and code in NumPy's C
-    interface, and the digits (of two) that a number has."""
+    """A floating-point type: its name in LLVM and NumPy, its number and code in NumPy's C
+    interface, and its number of binary digits."""
 
     name: str
     dtype: str
@@ -43,16 +44,16 @@ class Real:
 
     @property
     def epsilon(self) -> float:
-        """The distance from 1 to the next number."""
+        """The distance from 1 to the next larger number."""
         return 2.0 ** (1 - self.digits)
 
     @property
     def integer(self) -> str:
-        """The integer type of as many bits."""
+        """LLVM's integer type with as many bits as the number type."""
         return f"i{self.bits}"
 
     def constant(self, value: float) -> str:
-        """The number as LLVM reads it exactly: the bits of a double of the same value, for any
+        """A number in LLVM's exact notation: the bits of a double of the same value, for any
         type."""
         nearest = struct.unpack(self.code, struct.pack(self.code, value))[0]
         return f"0x{struct.unpack('<Q', struct.pack('<d', nearest))[0]:016X}"
@@ -66,29 +67,29 @@ REALS = {real.dtype: real for real in (DOUBLE, FLOAT)}
 
 @dataclass(frozen=True)
 class Lanes:
-    """A vector of `width` numbers, one a sample."""
+    """A vector of `width` numbers, one for each of `width` samples."""
 
     real: Real
     width: int
 
     @property
     def v(self) -> str:
-        """LLVM's type of the vector."""
+        """LLVM's type of the vector of numbers."""
         return f"<{self.width} x {self.real.name}>"
 
     @property
     def i(self) -> str:
-        """Type of a vector of integers of as many bits."""
+        """LLVM's type of a vector of integers of as many bits."""
         return f"<{self.width} x {self.real.integer}>"
 
     @property
     def mask(self) -> str:
-        """Type of a vector of truth values."""
+        """LLVM's type of a vector of truth values."""
         return f"<{self.width} x i1>"
 
     @property
     def suffix(self) -> str:
-        """The end of the names of LLVM's own functions for this vector."""
+        """The suffix of LLVM's own functions for this vector type."""
         return f"v{self.width}f{self.real.bits}"
 
     @property
@@ -110,8 +111,7 @@ class Lanes:
 
 @dataclass(frozen=True)
 class OneLane(Lanes):
-    """A single number in the place of a vector: what stands in code for machines whose threads are
-    the lanes."""
+    """A single number in place of a vector, for code of machines whose threads are the lanes."""
 
     width: int = 1
 
@@ -122,7 +122,7 @@ class OneLane(Lanes):
 
     @property
     def i(self) -> str:
-        """Type of an integer of as many bits."""
+        """LLVM's type of an integer of as many bits."""
         return self.real.integer
 
     @property
@@ -132,7 +132,7 @@ class OneLane(Lanes):
 
     @property
     def suffix(self) -> str:
-        """The end of the names of LLVM's own functions for this number."""
+        """The suffix of LLVM's own functions for this number type."""
         return f"f{self.real.bits}"
 
     def _equal(self, kind: str, text: Any) -> str:

@@ -1,5 +1,4 @@
-"""Compiled objects in this process: loaded to be called, and their memory given back when nothing
-can reach them."""
+"""Compiled objects in this process: loaded, called, and freed once nothing can reach them."""
 
 from __future__ import annotations
 
@@ -22,8 +21,8 @@ from freebody.targets.llvm.machine import (
 
 
 class LoadedCode(int):
-    """A loaded object: its code and data stay as long as this does, so whatever may call it holds
-    this.
+    """A loaded object: its code and data exist as long as this, so every possible caller keeps a
+    reference to it.
 
     It is an integer without a dict because the garbage collector does not know such objects: of
     those that it knows, it runs `__del__` before the finalizers of others in the same garbage,
@@ -46,7 +45,7 @@ _numbers = itertools.count()
 def load(
     objects: Sequence[bytes], exports: Sequence[str], imports: Mapping[str, int]
 ) -> tuple[LoadedCode, dict[str, int]]:
-    """Load objects: what keeps them, and the addresses of the exported functions.
+    """Loaded objects as something to keep alive, and the addresses of the exported functions.
 
     objects: each calls only functions of those behind it. Of an object that is not there yet, LLVM
     expects that it may come to lie anywhere, and of one that is there, that it lies within 2 GB.
@@ -90,8 +89,7 @@ def load(
 
 
 def _give_back(code: LoadedCode) -> None:
-    """Let LLVM free a code's memory; a forked child leaves alone what it found: its pages are its
-    parent's."""
+    """Let LLVM free a code's memory; a forked child does not, since the pages are its parent's."""
     engine, process = _engines.pop(int(code))
     if process == os.getpid():
         close(engine)
@@ -115,8 +113,8 @@ def _externals() -> dict[str, int]:
 
 
 def libraries(system: str, x86: bool) -> dict[str | None, tuple[str, ...]]:
-    """Names of the C functions that kernels call, by the library that has them; None: what the
-    process has."""
+    """Names of the C functions that kernels call, by the library that contains them; None: the
+    process itself."""
     names = ("malloc", "free") if x86 else ("malloc", "free", "feclearexcept")
     if system != "win32":
         return {None: names}

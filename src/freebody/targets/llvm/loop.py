@@ -1,6 +1,6 @@
-"""LLVM text of a kernel's loop: it finds out how each argument is read and written; then, round by
-round, groups of samples come in, `@compute` runs on a tile of slots, and the groups of the round
-before go out.
+"""LLVM text of a kernel's loop: it finds out how each argument is accessed; then, round by round,
+groups of samples are read, `@compute` runs on a tile of slots, and the previous round's groups are
+written.
 
 Results of one round go out after the inputs of the next one have come in, from tiles of their own:
 the processor computes while its stores wait for the memory.
@@ -32,7 +32,8 @@ def gufunc_loop(
     tiles: int,
     shared: SegmentedProgram | None,
 ) -> str:
-    """`void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and what it calls.
+    """LLVM text of `void @kernel(ptr args, ptr dims, ptr steps, ptr data)` and of the functions it
+    calls.
 
     A round takes `tiles` groups, each on a tile of its own.
 
@@ -85,8 +86,8 @@ def _loop(
     tiles: int,
     shared: SegmentedProgram | None,
 ) -> str:
-    """The uniform numbers, then rounds of `tiles` groups: all in, those of the round before out,
-    `@compute`."""
+    """LLVM text of the loop: the uniform numbers, then rounds of `tiles` groups in which all are
+    read, the previous round's are written, and `@compute` runs."""
     lanes, checks = machine.lanes, check_slots(program, layout)
     arguments, slots = program.inputs + program.outputs, layout.slots + len(checks)
     tile, addresses = lanes.size * slots * tiles, 8 * machine.width * len(arguments)
@@ -124,7 +125,7 @@ def _loop(
 
 
 def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
-    """Named places of `sizes` bytes, and what gives the room back.
+    """Lines that allocate named places of `sizes` bytes, and lines that free them.
 
     It is on the stack unless it is large: threads may have little of it.
     """
@@ -146,7 +147,7 @@ def _workspace(sizes: dict[str, int]) -> tuple[list[str], list[str]]:
 def _rounds(
     program: Program, lanes: Lanes, slots: int, tiles: int, checks: Mapping[int, int]
 ) -> list[str]:
-    """Code of the loop over rounds of samples, until the last round is out."""
+    """Lines of the loop over rounds of samples, until the last round is written."""
     samples = lanes.width * tiles
     inputs = [(k, argument) for k, argument in enumerate(program.inputs) if not argument.uniform]
     outputs = list(enumerate(program.outputs, len(program.inputs)))
@@ -188,8 +189,8 @@ def _whole_round(
     slots: int,
     tiles: int,
 ) -> list[str]:
-    """A round of full groups whose arguments are all rows, and the one before it, with nothing to
-    be decided."""
+    """Lines for a round of full groups, with the writing of the previous one, where all arguments
+    are rows and nothing has to be decided."""
     lines, all_rows, width = ["choose:"], "%later", lanes.width
     lines.append("  %later = icmp ne i64 %i, 0")
     for k, _ in inputs + outputs:
@@ -237,8 +238,8 @@ def _phase(
     tiles: int,
     checks: Mapping[int, int],
 ) -> list[str]:
-    """Move the groups of the round that begins with sample `start` in or out; afterwards `%in.g` is
-    their number."""
+    """Lines that read or write the groups of the round that begins with sample `start`; afterwards
+    `%in.g` is their number."""
     before, width = {"in": "choose", "out": "in.done"}[way], lanes.width
     lines = [
         f"{way}:",
@@ -276,8 +277,8 @@ def _phase(
 def _transfer(
     k: int, argument: Argument, lanes: Lanes, tiles: int, way: str, check: int | None
 ) -> list[str]:
-    """Move one group of argument k between array and tile; of an input, what was seen of it to the
-    slot `check`."""
+    """Lines that move one group of argument k between its array and the tile; for an input, the
+    result of the finiteness check goes to the slot `check`."""
     width = lanes.width
     lines = [
         f"  %move{k} = mul i64 %{way}.at, %step{k}",
@@ -317,7 +318,7 @@ def _transfer(
 
 
 def _access(arguments: Sequence[Argument], lanes: Lanes) -> list[str]:
-    """Lines that find out how each argument is read or written; uniform ones are read at once."""
+    """Lines that find out how each argument is accessed; uniform ones are read at once."""
     lines: list[str] = []
     core, first, number = len(arguments), 0, 0
     for k, argument in enumerate(arguments):
@@ -333,8 +334,8 @@ def _access(arguments: Sequence[Argument], lanes: Lanes) -> list[str]:
 
 
 def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
-    """Base and step of argument k, and whether the scalars of one sample lie one after the
-    other."""
+    """Lines that load base and step of argument k, and find out whether the scalars of one sample
+    are contiguous."""
     lines = [
         loaded(f"%base{k}", "ptr", "%args", k),
         loaded(f"%step{k}", "i64", "%steps", k),
@@ -354,8 +355,8 @@ def _contiguous(k: int, argument: Argument, core: int, size: int) -> list[str]:
 
 
 def _gather(k: int, argument: Argument, first: int, number: int, kind: str) -> list[str]:
-    """Copy uniform argument k to the uniform numbers from `number` on; `first`: of its offsets in
-    their table."""
+    """Lines that copy uniform argument k to the uniform numbers from `number` on; first: the index
+    of its offsets in their table."""
     return [
         f"  %offset{k} = getelementptr i64, ptr %offsets, i64 {first}",
         f"  %uniform{k} = getelementptr {kind}, ptr %uniform, i64 {number}",
@@ -365,7 +366,8 @@ def _gather(k: int, argument: Argument, first: int, number: int, kind: str) -> l
 
 
 def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
-    """Way of access, addresses of the scalars and lanes of argument k."""
+    """Lines that determine how argument k is accessed, with the addresses of its scalars and
+    lanes."""
     return [
         f"  %columns{k} = icmp eq i64 %step{k}, {lanes.real.size}",
         *_lane_table(k, lanes.width, None),
@@ -382,8 +384,8 @@ def _prepare(k: int, argument: Argument, first: int, lanes: Lanes) -> list[str]:
 
 
 def _lane_table(k: int, width: int, last: str | None) -> list[str]:
-    """Fill the table of lane addresses of argument k; of a short group, lanes beyond the `last`
-    sample repeat it."""
+    """Lines that fill the table of lane addresses of argument k; in a short group, lanes beyond the
+    `last` sample repeat it."""
     tag, table = f"{k}.{'s' if last else 'f'}", "%lanes.short" if last else "%lanes"
     v, numbers = f"<{width} x i64>", "<" + ", ".join(f"i64 {n}" for n in range(width)) + ">"
     lines = _equal(f"step{tag}", f"%step{k}", width)
@@ -402,7 +404,7 @@ def _lane_table(k: int, width: int, last: str | None) -> list[str]:
 
 
 def _equal(name: str, number: str, width: int) -> list[str]:
-    """Lines that make %name: the number in all lanes."""
+    """Lines that define a vector %name with the number in all lanes."""
     return [
         f"  %{name}.0 = insertelement <{width} x i64> poison, i64 {number}, i64 0",
         f"  %{name} = shufflevector <{width} x i64> %{name}.0, <{width} x i64> poison, "

@@ -1,5 +1,5 @@
-"""The machine that kernels are compiled for, this one or a level that others reach too, and LLVM,
-which makes an object for it of a text.
+"""The machine that kernels are compiled for (this one, or a level that others reach too), and LLVM,
+which makes an object for it from text.
 
 LLVM is used by one thread at a time, and only where there is memory for what it does: where it gets
 none, it ends the process. Finalizers meanwhile leave what they close to the thread in LLVM, and
@@ -29,7 +29,7 @@ LONGEST_VECTOR = 512
 
 @dataclass(frozen=True)
 class Machine:
-    """The parts of a machine that the text of a kernel depends on."""
+    """The properties of a machine that a kernel's text depends on."""
 
     width: int
     fma: bool
@@ -43,12 +43,12 @@ class Machine:
 
 
 class CompileError(FreebodyError, RuntimeError):
-    """LLVM refused a kernel: a fault of freebody, not of its user."""
+    """Raised where LLVM refuses a kernel: a fault of freebody, not of its user."""
 
 
 @dataclass(frozen=True)
 class Host:
-    """A machine's CPU as LLVM names it: this one's, or a level that this one reaches."""
+    """A machine's CPU in LLVM's terms: this one's, or that of a level which it reaches."""
 
     triple: str
     cpu: str
@@ -59,16 +59,17 @@ class Host:
 
     @property
     def has(self) -> frozenset[str]:
-        """Features that are present."""
+        """The CPU features that are present."""
         return frozenset(name[1:] for name in self.features.split(",") if name.startswith("+"))
 
     @property
     def x86(self) -> bool:
-        """Whether the host is a 64-bit x86."""
+        """Whether the CPU is a 64-bit x86."""
         return self.triple.startswith(("x86_64", "amd64"))
 
     def machine(self, width: int | None = None, real: Real = DOUBLE) -> Machine:
-        """The machine of kernels of `width`, or of the width that suits the CPU."""
+        """The machine description for kernels of vector `width`, or of the width that suits the
+        CPU."""
         has = self.has
         fma = "fma" in has if self.x86 else True
         bits = (
@@ -79,7 +80,8 @@ class Host:
 
 @dataclass(frozen=True)
 class CpuLevel:
-    """A level that many CPUs reach, for which LLVM gives all of them the same code.
+    """A level of features that many CPUs reach, for which LLVM generates the same code on all of
+    them.
 
     llvm: its name there. features: what a CPU has that reaches it, in LLVM's words.
     """
@@ -105,7 +107,7 @@ LEVELS = {
 
 
 def lacking(level: str) -> str:
-    """The words for what this machine lacks to run code for a level; empty where it runs it."""
+    """Words for what this machine lacks to run code of a level; empty where it lacks nothing."""
     here, wanted = host(), LEVELS[level]
     if here.x86 != wanted.x86:
         return f"this machine ({here.triple}) is of another architecture"
@@ -114,7 +116,7 @@ def lacking(level: str) -> str:
 
 
 def at_level(level: str | None) -> Host:
-    """The host; with a level a CPU that reaches it and has no more."""
+    """The host; for a level a CPU that has the level's features and no more."""
     here = replace(host(), effort=settings.OPTIMISE)
     if level is None:
         return here
@@ -125,7 +127,7 @@ def at_level(level: str | None) -> Host:
 
 @cache
 def host() -> Host:
-    """The host, found out once."""
+    """The host, determined once."""
     llvm = library()
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
@@ -138,7 +140,8 @@ def host() -> Host:
 
 
 def object_code(text: str, opt: int | None = None, here: Host | None = None) -> bytes:
-    """A relocatable object for the host, or a level of it; opt: an effort of its own."""
+    """The relocatable object of LLVM text for the host or a level of it; opt: an optimisation level
+    other than the usual."""
     llvm, here = library(), here or at_level(None)
     with (
         to_compile(text),
@@ -158,7 +161,7 @@ def object_code(text: str, opt: int | None = None, here: Host | None = None) -> 
 
 
 def _room_for_addresses(text: str) -> str:
-    """A piece of an object that can be written to, as long as a table of what the object calls.
+    """LLVM text of a writable section as large as the table of functions that an object calls.
 
     LLVM fills such a table when it loads an object, but llvmlite's memory manager is not asked for
     it on x86; without another such piece it has no memory for it, and ends the process.
@@ -194,8 +197,8 @@ process only so many."""
 
 @cache
 def library() -> Any:
-    """LLVM's binding, loaded on first use; raises OutOfMemoryError where there is no room for
-    it."""
+    """LLVM's Python binding, loaded on first use; raises OutOfMemoryError where there is no room
+    for it."""
     _require_room(_LIBRARY, "to load its library")
     import llvmlite.binding as llvm
 
@@ -203,20 +206,20 @@ def library() -> Any:
 
 
 def to_compile(text: str) -> contextlib.AbstractContextManager[None]:
-    """`_exclusive`, with memory to compile a text."""
+    """Context for compiling a text in LLVM, alone and with enough memory."""
     size = _COMPILING + _OF_TEXT * len(text)
     return _exclusive(size, f"to compile {len(text) / 1e6:.2g} MB of a kernel's text")
 
 
 def to_load(code: int) -> contextlib.AbstractContextManager[None]:
-    """`_exclusive`, with memory to load so many bytes of machine code."""
+    """Context for loading machine code of a given size in LLVM, alone and with enough memory."""
     return _exclusive(_LOADING + _OF_CODE * code, f"to load {code / 1e3:.3g} kB of code")
 
 
 @contextlib.contextmanager
 def _exclusive(room: int, what: str) -> Iterator[None]:
-    """Alone in LLVM, with so many bytes of memory. A handler of a signal may come between two calls
-    of it, not into one: nothing there calls back. Raises OutOfMemoryError."""
+    """Context in which a thread is alone in LLVM with `room` bytes of memory. Signal handlers run
+    between calls of LLVM, not during one. Raises OutOfMemoryError."""
     try:
         with COMPILER:
             _require_room(room, what)
@@ -226,7 +229,8 @@ def _exclusive(room: int, what: str) -> Iterator[None]:
 
 
 def _require_room(size: int, what: str) -> None:
-    """Allocate memory as LLVM will, and give it back untouched."""
+    """Check that memory can be allocated as LLVM will do, by allocating and freeing it
+    untouched."""
     import mmap  # what has LLVM has it; Python in a browser has neither
 
     try:
@@ -243,7 +247,7 @@ def _require_room(size: int, what: str) -> None:
 
 
 def close(thing: Any) -> None:
-    """Close an object of LLVM: now, or when the thread is done that works with LLVM just now.
+    """Close an object of LLVM: now, or when the thread that is working with LLVM is done.
 
     For finalizers, which run at any moment of any thread.
     """

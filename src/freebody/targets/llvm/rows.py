@@ -1,4 +1,4 @@
-"""LLVM text that moves rows, the contiguous scalars of each sample, between an array and the
+"""LLVM text that moves rows (the contiguous scalars of each sample) between an array and the
 tile."""
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ from freebody.targets.llvm.lanes import Lanes, Real, loaded, stored
 
 
 def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
-    """Rows of input k to `places` of the tile: a loop over whole blocks of `width` columns, then
-    the masked rest.
+    """LLVM text that reads rows of input k into `places` of the tile: a loop over whole blocks of
+    `width` columns, then the masked rest.
 
     To the slot `check` goes a sum of products of its numbers, each in one of them: finite only if
     all of them are.
@@ -37,7 +37,7 @@ def rows_in(k: int, places: list[int], check: int, lanes: Lanes) -> str:
 
 
 def _begin_rows(k: int, width: int) -> list[str]:
-    """`@rows{k}` as far as the address of each lane's row."""
+    """The beginning of the function `@rows{k}`, up to the address of each lane's row."""
     lines = [
         f"define internal void @rows{k}(ptr noalias %at, ptr noalias %lanes, ptr noalias %tile) #0 "
         f"{{",
@@ -52,8 +52,8 @@ def _begin_rows(k: int, width: int) -> list[str]:
 def _load_block(
     lines: list[str], tag: str, j: str, first: int, columns: int, looked: str, lanes: Lanes
 ) -> str:
-    """Columns from j on to slots from `first` + j on. Where they fill half a vector at most, it
-    takes two rows.
+    """The name of the finiteness check after loading columns j and following into slots from
+    `first` + j on; where they fill at most half a vector, it takes two rows.
 
     The value of what has been looked at, with products of these columns added.
     """
@@ -90,8 +90,8 @@ def _load_block(
 def _load_row(
     lines: list[str], tag: str, lane: int, j: str, columns: int, several: int, lanes: Lanes
 ) -> str:
-    """The row of one lane in a vector of which `several` make a whole one; a mask keeps it inside
-    the row."""
+    """The name of one lane's row, loaded into a vector of which `several` make a whole one; a mask
+    keeps the load inside the row."""
     real, width, name = lanes.real, lanes.width // several, f"%{tag}in{lane}"
     v = f"<{width} x {real.name}>"
     lines.append(f"  {name}.p = getelementptr {real.name}, ptr %row{lane}, i64 {j}")
@@ -107,7 +107,7 @@ def _load_row(
 
 
 def masked_loads(lanes: Lanes) -> str:
-    """The declarations of what reads rows."""
+    """The LLVM declarations of masked loads, which read rows."""
     return "".join(
         f"declare {some.v} @llvm.masked.load.{some.suffix}.p0(ptr, i32, {some.mask}, {some.v})\n"
         for some in (lanes, Lanes(lanes.real, lanes.width // 2))
@@ -119,8 +119,8 @@ _PANEL = 4
 
 
 def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
-    """Rows of output k from `places` of the tile, each row's scalars in the order of their
-    addresses.
+    """LLVM text that writes rows of output k from `places` of the tile, each row's scalars in the
+    order of their addresses.
 
     The order matters: where a store crosses into the next cache line, the following one joins it
     there.
@@ -147,8 +147,8 @@ def rows_out(k: int, places: list[int], lanes: Lanes) -> str:
 
 
 def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]:
-    """Columns from j on: half the lanes, then the others; of each the blocks of `width`, width / 2,
-    … columns."""
+    """Lines that write columns from j on, for half of the lanes and then the others, in blocks of
+    `width`, width / 2, … columns."""
     lines, kind, half = [], lanes.real.name, lanes.width // 2
     part = _part_of(lanes.real, lanes.width)
     blocks, first, columns = [], 0, lanes.width
@@ -189,14 +189,14 @@ def _store_panel(tag: str, j: str, places: list[str], lanes: Lanes) -> list[str]
 
 @dataclass(frozen=True)
 class _Entries:
-    """Neighbours in a vector of `width`, from `first` on."""
+    """Neighbouring entries of a vector of `width`, from entry `first` on."""
 
     name: str
     width: int
     first: int
 
     def taken(self, lines: list[str], name: str, count: int, real: Real) -> str:
-        """The first of these numbers, in a vector of their own."""
+        """The name of a vector of the first `count` of these entries."""
         if count == self.width:
             return self.name
         picks = range(self.first, self.first + count)
@@ -204,8 +204,8 @@ class _Entries:
 
 
 def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) -> list[_Entries]:
-    """Transposition of columns that fill 128 bits or half of them: where the row of each lane
-    is."""
+    """The entries that hold each lane's row, after transposing columns that fill 128 bits or half
+    of that."""
     columns, width = len(places), lanes.width
     part = _part_of(lanes.real, width)
     loaded = [
@@ -224,7 +224,7 @@ def _turn_narrow(lines: list[str], tag: str, places: list[str], lanes: Lanes) ->
 def _turn_half(
     lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes
 ) -> list[str]:
-    """Rows of `width` columns of the lanes from `start` on, half of them.
+    """Names of rows of `width` columns, for half of the lanes from `start` on.
 
     Halves of two columns are put side by side, which a load does; what lies in 128 bits is turned,
     and 128-bit parts gathered.
@@ -258,8 +258,8 @@ def _turn_half(
 def _turn_squares(
     lines: list[str], tag: str, places: list[str], start: int, lanes: Lanes
 ) -> list[str]:
-    """Rows of fewer columns, a power of two, of the lanes from `start` on, half of them: square by
-    square."""
+    """Names of rows of fewer columns (a power of two), for half of the lanes from `start` on,
+    transposed square by square."""
     size, rows = len(places), []
     for first in range(start, start + lanes.width // 2, size):
         square = [
@@ -275,7 +275,7 @@ def _turn_squares(
 def _load_lanes(
     lines: list[str], name: str, place: str, start: int, count: int, lanes: Lanes
 ) -> str:
-    """`count` lanes of a slot from lane `start` on."""
+    """The name of `count` lanes of a slot, loaded from lane `start` on."""
     kind = lanes.real.name
     lines.append(f"  %{name}.s = getelementptr {lanes.v}, ptr %tile, i64 {place}")
     v, align = f"<{count} x {kind}>", lanes.real.size * count
@@ -284,22 +284,23 @@ def _load_lanes(
 
 
 def _part_of(real: Real, width: int) -> int:
-    """Numbers in 128 bits, or in a vector of `width` if that is shorter."""
+    """The number of entries in 128 bits, or in a vector of `width` if that is shorter."""
     return min(128 // real.bits, width)
 
 
 def _shuffle(
     lines: list[str], name: str, x: str, y: str, size: int, picks: Sequence[int], real: Real
 ) -> str:
-    """Entries of two vectors of `size`, of x and then of y."""
+    """The name of a vector of picked entries of two vectors of `size`, counted through x and then
+    y."""
     v, mask = f"<{size} x {real.name}>", ", ".join(f"i32 {pick}" for pick in picks)
     lines.append(f"  %{name} = shufflevector {v} {x}, {v} {y}, <{len(picks)} x i32> <{mask}>")
     return f"%{name}"
 
 
 def _transpose(lines: list[str], tag: str, rows: list[str], width: int, real: Real) -> list[str]:
-    """The columns of a square of `width` rows, by two-operand shuffles that x86 has as one
-    instruction each: first what lies in 128 bits is turned, then 128-bit parts are gathered.
+    """Names of the columns of a square of `width` rows, transposed by two-operand shuffles that are
+    single instructions on x86: first within 128 bits, then 128-bit parts are gathered.
 
     Half as many vectors hold two rows of half the width each, side by side: k and k + p with p
     numbers in 128 bits, for every k without the bit p.
@@ -327,19 +328,19 @@ def _transpose(lines: list[str], tag: str, rows: list[str], width: int, real: Re
 
 
 def _gathered(width: int, part: int, odd: int) -> list[int]:
-    """The even (or odd) ones of the parts of two vectors."""
+    """Indices that pick the even (or odd) parts of two vectors."""
     return [part * p + e for p in range(odd, 2 * width // part, 2) for e in range(part)]
 
 
 def _turn_parts(
     lines: list[str], tag: str, rows: list[str], part: int, width: int, real: Real
 ) -> list[str]:
-    """Transpose what lies in parts of 1, 2 or 4 numbers in so many rows or fewer: interleave
-    neighbours, then pairs."""
+    """Names of vectors in which parts of 1, 2 or 4 numbers are transposed, of at most as many rows:
+    neighbours are interleaved, then pairs."""
 
     def interleaved(x: str, y: str, high: int, of: int) -> str:
-        """The lower (or higher) halves of each part of x and y, `of` entries of one and of the
-        other by turns."""
+        """The name of a vector that interleaves the lower (or higher) halves of each part of x and
+        y, `of` entries of each in turn."""
         picks = [
             start + high * part // 2 + k + side * width + e
             for start in range(0, width, part)

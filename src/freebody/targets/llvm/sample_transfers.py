@@ -1,4 +1,4 @@
-"""LLVM text that moves numbers between arrays and where code computes on them.
+"""LLVM text that moves numbers between arrays and the tiles on which code computes.
 
 A group of samples goes between an array and the tile in three ways:
 
@@ -29,7 +29,7 @@ from freebody.targets.llvm.rows import masked_loads, rows_in, rows_out
 
 
 def transfers(program: Program, every: Program, layout: SegmentedProgram, lanes: Lanes) -> str:
-    """`@places0`, `@rows0`, … for each argument that is not uniform.
+    """LLVM text of `@places0`, `@rows0`, … for each argument that is not uniform.
 
     program: whose arguments are numbered. every: what is computed on a tile of `layout`.
     """
@@ -52,8 +52,8 @@ def transfers(program: Program, every: Program, layout: SegmentedProgram, lanes:
 
 
 def check_slots(program: Program, layout: SegmentedProgram) -> dict[int, int]:
-    """For each input that is not uniform the slot, behind those of the layout, of what was seen of
-    its numbers."""
+    """For each input that is not uniform the slot, behind those of the layout, for the result of
+    its finiteness check."""
     sampled = [k for k, argument in enumerate(program.inputs) if not argument.uniform]
     return {k: layout.slots + place for place, k in enumerate(sampled)}
 
@@ -64,7 +64,8 @@ def integers(numbers: Sequence[int]) -> str:
 
 
 def transfer_functions(lanes: Lanes) -> dict[str, str]:
-    """`@columns_in`, `@strided_out`, … and `@offsets`, which serve every argument."""
+    """LLVM text of the functions `@columns_in`, `@strided_out`, … and `@offsets`, which serve every
+    argument."""
     moves = {"columns": _columns, "strided": _strided}
     texts = {f"{name}_{way}": moves[name](way, lanes) for name in moves for way in ("in", "out")}
     return texts | {"offsets": _OFFSETS}
@@ -74,7 +75,7 @@ _MOVED = "ptr %at, ptr %lanes, ptr %tile, ptr %check, ptr %places, ptr %offsets,
 
 
 def _columns(way: str, lanes: Lanes) -> str:
-    """Slots from (or to) places where the samples are contiguous."""
+    """LLVM text that moves slots from (or to) places where samples are contiguous."""
     v = lanes.v
     source, target = ("%p", "%slot") if way == "in" else ("%slot", "%p")
     align = {"%p": lanes.real.size, "%slot": lanes.size}
@@ -112,7 +113,8 @@ end:
 
 
 def _strided(way: str, lanes: Lanes) -> str:
-    """Slots from (or to) places anywhere, one number at a time, which nobody looks at here."""
+    """LLVM text that moves slots from (or to) arbitrary places, one number at a time, without a
+    finiteness check."""
     kind, align = lanes.real.name, lanes.real.size
     source, target = ("%p", "%q") if way == "in" else ("%q", "%p")
     unseen = (
@@ -201,8 +203,8 @@ end:
 
 
 def gather(lanes: Lanes) -> str:
-    """`@gather`, which copies one array: rows as they stand by vectors, the last of which may
-    overlap the one before it, anything else by its offsets, number by number."""
+    """LLVM text of `@gather`, which copies one array: contiguous rows by vectors, the last of which
+    may overlap the one before it; other arrays number by number by their offsets."""
     kind, v, size, width = lanes.real.name, lanes.v, lanes.real.size, lanes.width
     given = "ptr %at, i1 %rows, ptr %strides, ptr %shape, i64 %d, i64 %n"
     return f"""\
@@ -264,8 +266,8 @@ done:
 
 
 def finite(inputs: int, poison: int, lanes: Lanes) -> str:
-    """`@uniform.finite`, which looks at all of them: 0 times each number, added up, is NaN if one
-    is not finite.
+    """LLVM text of `@uniform.finite`, which checks all uniform numbers: the sum of 0 times each is
+    NaN if one is not finite.
 
     Parameters
     ----------
@@ -312,8 +314,8 @@ done:
 
 
 def one_by_one(program: Program) -> str:
-    """`@kernel`: `@loop` on the whole batch; on one sample after the other where a uniform argument
-    moves after all."""
+    """LLVM text of `@kernel`, which runs `@loop` on the whole batch, or sample by sample where a
+    uniform argument turns out to vary."""
     count = len(program.inputs) + len(program.outputs)
     lines = [
         "define void @kernel(ptr %args, ptr %dims, ptr %steps, ptr %data) #0 {",

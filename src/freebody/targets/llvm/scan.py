@@ -1,6 +1,5 @@
-"""Steps that follow one another in compiled code: a recurrence of one sample number by number,
-since a kernel's loop takes longer to begin a step than to compute it; and a kernel's loop called
-for each step."""
+"""Consecutive steps in compiled code: a recurrence of one sample number by number, since a kernel's
+loop takes longer to begin a step than to compute it; and a kernel's loop called for each step."""
 
 from __future__ import annotations
 
@@ -35,9 +34,9 @@ _scans: WeakKeyDictionary[Kernel, Scan] = WeakKeyDictionary()
 
 
 def scan(kernel: Kernel) -> Scan:
-    """A function of (states (T + 1, …), *sequences (T, …)), whose entries lie in one piece each: it
-    fills in all states after the first, as the kernel's loop would, which has no uniform input. The
-    GIL is released."""
+    """A function of (states (T + 1, …), *sequences (T, …)), with contiguous entries, that fills in
+    all states after the first as repeated calls of a kernel without uniform inputs would. The GIL
+    is released."""
     found = _scans.get(kernel)
     if found is None:
         found = _scans[kernel] = _compiled(kernel)
@@ -68,7 +67,8 @@ _PROTOTYPE = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_i
 
 
 def _text(program: Program, machine: Machine) -> str:
-    """`void @scan(ptr addresses, ptr moves, i64 times)`: of the states and the sequences."""
+    """LLVM text of `void @scan(ptr addresses, ptr moves, i64 times)`, with addresses and strides of
+    the states and the sequences."""
     pieces, text, layout = emit_single(program, machine)
     real, flags, begin, step = machine.real, FLAGS[machine.x86], [], []
     for k in range(len(program.inputs)):
@@ -115,9 +115,9 @@ def _text(program: Program, machine: Machine) -> str:
 
 
 def _inputs(lines: list[str], program: Program, real: Real) -> str:
-    """Lines that bring the inputs to the tile: the state number by number, all others by vectors,
-    the last of which may overlap the one before it. Whether some number is not finite: 0 times it
-    is NaN."""
+    """The name of the finiteness check, after lines that bring inputs to the tile: the state number
+    by number, others by vectors, the last of which may overlap the one before it. 0 times a number
+    that is not finite is NaN."""
     seen: dict[int, str] = {}
     place = 0
     for k, argument in enumerate(program.inputs):
@@ -174,9 +174,9 @@ end:
 def repeated(
     loop: BatchLoop, samples: int, addresses: NDArray[np.int64], strides: NDArray[np.int64]
 ) -> None:
-    """Call the loop of a kernel once for each row of `addresses`, of its arguments, and `strides`,
-    of their samples and then of their entries, as a gufunc's; both (T, …) in C order, strides that
-    do not change (1, …). The GIL is released."""
+    """Call the loop of a kernel once for each row of `addresses` (of its arguments) and `strides`
+    (between their samples, then between their entries), as of a gufunc; both (T, …) in C order,
+    constant strides (1, …). The GIL is released."""
     _code, run = _repeat()  # kept while it runs: two threads may have made one each
     run(
         loop.address,
@@ -191,7 +191,7 @@ def repeated(
 
 @cache
 def _repeat() -> tuple[Any, Any]:
-    """Compiled loop as (what keeps the code, the C function)."""
+    """The compiled repeating loop, as (the object that keeps the code alive, the C function)."""
     code, found = load([object_code(_TEXT)], ("repeat",), {})
     pointer, number = ctypes.c_void_p, ctypes.c_int64
     prototype = ctypes.CFUNCTYPE(None, pointer, pointer, number, pointer, number, pointer, number)

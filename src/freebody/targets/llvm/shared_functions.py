@@ -1,5 +1,5 @@
-"""Functions that are the same in all kernels of a machine: how samples are moved, sines of large
-arguments, what a call from Python looks at. They take as long to compile as a small robot's kernel.
+"""Functions that are the same in all kernels of a machine: moving samples, sines of large
+arguments, checks of calls from Python. They take as long to compile as a small robot's kernel.
 
 So a process compiles them once, and their object is loaded beside each kernel's own.
 """
@@ -18,19 +18,20 @@ from freebody.targets.llvm.sincos import reduction, sincos
 
 @cache
 def object_beside(machine: Machine, here: Host) -> bytes:
-    """The object of all of them, for kernels whose text has `declarations`."""
+    """The compiled object of all shared functions, for kernels whose text contains
+    `declarations`."""
     text = "\n".join([*_functions(machine).values(), attributes(machine.lanes)])
     return object_code(declared_once(text.replace("define internal", "define")), here=here)
 
 
 def definitions(text: str, machine: Machine) -> str:
-    """Definitions of the shared functions that a text calls, and of those that these call."""
+    """LLVM definitions of the shared functions that a text calls, and of those that these call."""
     functions = _functions(machine)
     return "\n".join(functions[name] for name in _called(text, functions))
 
 
 def declarations(text: str, machine: Machine) -> str:
-    """Declarations of the shared functions that a text calls, where `object_beside` has them."""
+    """LLVM declarations of the shared functions that a text calls and `object_beside` defines."""
     functions = _functions(machine)
     found = []
     for name in _called(text, functions):
@@ -42,7 +43,7 @@ def declarations(text: str, machine: Machine) -> str:
 
 
 def _called(text: str, functions: dict[str, str]) -> list[str]:
-    """Names in the order of the table."""
+    """Names of the functions that a text calls, in the order of the table."""
     names, texts = set(), [text]
     while texts:
         new = set(re.findall(r"call [^@]*@([\w.]+)\(", texts.pop())) & functions.keys() - names
@@ -65,15 +66,16 @@ def _functions(machine: Machine) -> dict[str, str]:
 
 
 def declared_once(text: str) -> str:
-    """Each piece declares what it calls; LLVM refuses a second declaration."""
+    """The text with each declaration once: every piece declares what it calls, and LLVM refuses a
+    second declaration."""
     lines = text.split("\n")
     declared = dict.fromkeys(line for line in lines if line.startswith("declare "))
     return "\n".join([*(line for line in lines if line not in declared), *declared, ""])
 
 
 def attributes(lanes: Lanes) -> str:
-    """Attributes of all functions, of those that keep many vectors on the stack (with a frame,
-    these are aligned there), and of the short ones that operations call."""
+    """LLVM attributes of all functions, of those that keep many vectors on the stack (with a frame,
+    which aligns them), and of the short ones that operations call."""
     vectors = (
         f'"min-legal-vector-width"="{8 * lanes.size}" "prefer-vector-width"="{8 * lanes.size}"'
     )

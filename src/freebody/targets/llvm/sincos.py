@@ -20,7 +20,7 @@ from freebody.targets.llvm.lanes import DOUBLE, FLOAT, Lanes
 
 @dataclass(frozen=True)
 class _Series:
-    """The polynomials of a number type for its sines: the highest coefficients first, of z = r
+    """The polynomials for sine and cosine of a number type: highest coefficients first, in z = r
     r."""
 
     sine: tuple[float, ...]
@@ -93,13 +93,14 @@ _TWO_OVER_PI = (  # 1216 bits of its fraction, 64 a word
 
 
 def reduction() -> str:
-    """`{ double, i64 } @reduce(double x)`: what is left of a large x, and the quadrant."""
+    """LLVM text of `{ double, i64 } @reduce(double x)`: the remainder of a large x after multiples
+    of pi/2, and the quadrant."""
     return _REDUCE
 
 
 def sincos(lanes: Lanes, fma: bool) -> str:
-    """`void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for all
-    arguments."""
+    """LLVM text of `void @sincos.v8f64(ptr x, ptr sine, ptr cosine)`, each a vector of numbers, for
+    arguments of any size."""
     code = VectorCode(lanes, fma)
     v = lanes.v
     arguments = ", ".join(f"ptr noalias %{name}0" for name in ("px", "psin", "pcos"))
@@ -116,8 +117,8 @@ define internal void @sincos.{lanes.suffix}({arguments}) #0 {{
 
 
 def sines(name: str, steps: Sequence[SinCos], lanes: Lanes, fma: bool) -> str:
-    """`void name(ptr tile)`: sines and cosines of slots of the tile, none of which is another's
-    argument.
+    """LLVM text of `void name(ptr tile)`: sines and cosines of slots of the tile, none of which is
+    another's argument.
 
     One look at all arguments decides between straight code and a call of `@sincos.…` for each: the
     bits are the same.
@@ -151,14 +152,15 @@ general:""")
 
 
 class VectorCode:
-    """Lines of vector code; names of the values of argument k end in k."""
+    """Vector code of sines and cosines in the making; names of the values of argument k end in
+    k."""
 
     def __init__(self, lanes: Lanes, fma: bool):
         self.lanes, self.fma = lanes, fma
         self.lines: list[str] = []
 
     def multiply_add(self, result: str, x: str, y: str, z: str) -> str:
-        """Instructions for x y + z, fused where the machine can."""
+        """Emit x y + z under a given name, fused where the machine can."""
         v = self.lanes.v
         if self.fma:
             text = f"  {result} = call {v} @llvm.fma.{self.lanes.suffix}({v} {x}, {v} {y}, {v} {z})"
@@ -168,15 +170,16 @@ class VectorCode:
         return result
 
     def horner(self, name: str, coefficients: tuple[float, ...], z: str) -> str:
-        """Value of the polynomial in z, the highest coefficient first."""
+        """The name of the polynomial's value at z, highest coefficient first, whose code is
+        emitted."""
         last = self.lanes.constant(coefficients[0])
         for k, coefficient in enumerate(coefficients[1:]):
             last = self.multiply_add(f"{name}.{k}", last, z, self.lanes.constant(coefficient))
         return last
 
     def reduce(self, k: int) -> None:
-        """Lines that reduce %x: its sign, its absolute value %a, the quadrant in the low bits of
-        %quadrant, and %r, the rest."""
+        """Emit the reduction of %x: its sign, its absolute value %a, the quadrant in the low bits
+        of %quadrant, and the remainder %r."""
         v, i, top = self.lanes.v, self.lanes.i, self.lanes.real.bits - 1
         self.lines.append(f"""\
   %x.bits{k} = bitcast {v} %x{k} to {i}
@@ -195,8 +198,8 @@ class VectorCode:
         self.lines.append(f"  %r{k} = fptrunc {wide.lanes.v} %wide.r{k} to {v}")
 
     def subtract(self, a: str, quadrant: str, rest: str, k: int) -> None:
-        """Multiples of pi/2 from a: their number in the low bits of `quadrant`, and what is
-        left."""
+        """Emit the subtraction of multiples of pi/2 from a: their number in the low bits of
+        `quadrant`, and the remainder `rest`."""
         series, constant = _SERIES[self.lanes.real], self.lanes.constant
         v, up = self.lanes.v, constant(series.to_integer)
         self.multiply_add(f"%shifted{k}", a, constant(0.6366197723675814), up)
@@ -211,7 +214,7 @@ class VectorCode:
             last = self.multiply_add(name, f"%minus.k{k}", constant(part), last)
 
     def polynomials(self, k: int, r: str, q: str) -> None:
-        """%sine and %cosine of r, turned by q quadrants."""
+        """Emit %sine and %cosine of r, turned by q quadrants."""
         v, i, series = self.lanes.v, self.lanes.i, _SERIES[self.lanes.real]
         top = self.lanes.real.bits - 1
         self.lines.append(f"  %z{k} = fmul {v} {r}, {r}\n  %zr{k} = fmul {v} %z{k}, {r}")
@@ -235,7 +238,7 @@ class VectorCode:
   %cosine{k} = bitcast {i} %c.bits{k} to {v}""")
 
     def store(self, k: int) -> None:
-        """%sine and %cosine to where %psin and %pcos point."""
+        """Emit the stores of %sine and %cosine to where %psin and %pcos point."""
         v, size = self.lanes.v, self.lanes.size
         self.lines.append(f"""\
   store {v} %sine{k}, ptr %psin{k}, align {size}
@@ -243,7 +246,8 @@ class VectorCode:
 
 
 def _large_lanes(lanes: Lanes) -> str:
-    """%r and %q: the reduced argument and the quadrant, from the slow way in lanes that need it."""
+    """LLVM lines for %r and %q, the reduced argument and the quadrant, computed by the slow method
+    in lanes that need it."""
     v, i, mask, kind = lanes.v, lanes.i, lanes.mask, lanes.real.name
     lines = [
         f"  %large = fcmp ugt {v} %a0, {lanes.constant(LARGEST)}",

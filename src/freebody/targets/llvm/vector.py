@@ -1,4 +1,4 @@
-"""Vector functions of doubles, written as arithmetic: values with operators that write LLVM text.
+"""Vector functions of doubles written as arithmetic: values with operators that emit LLVM text.
 
 Nothing is contracted or reordered, so that a difference that is exact stays exact; `fma` rounds
 once where the CPU has it and twice where it has not, and what is built on it must do with either.
@@ -16,7 +16,7 @@ TO_INTEGER = 6755399441055744.0
 
 
 class LaneValue:
-    """A vector in a block: of reals ("v"), of whole numbers of 64 bits ("i") or of truth values
+    """A vector in a block of LLVM text: of reals ("v"), 64-bit integers ("i") or truth values
     ("mask")."""
 
     __slots__ = ("block", "kind", "name")
@@ -78,7 +78,7 @@ class LaneValue:
         return self._compared("ogt", other)
 
     def equals(self, other: LaneValue | float) -> LaneValue:
-        """Whether two reals are equal; false of NaN."""
+        """Whether two reals are equal; false for NaN."""
         return self._compared("oeq", other)
 
     def unordered(self, other: LaneValue) -> LaneValue:
@@ -91,13 +91,13 @@ class LaneValue:
 
     @property
     def bits(self) -> LaneValue:
-        """The 64 bits of a real, as an integer."""
+        """The 64 bits of a real as an integer."""
         types = self.block.types
         return self.block.value("i", f"bitcast {types['v']} {self.name} to {types['i']}")
 
     @property
     def real(self) -> LaneValue:
-        """The real that has these bits."""
+        """The real that has these 64 bits."""
         types = self.block.types
         return self.block.value("v", f"bitcast {types['i']} {self.name} to {types['v']}")
 
@@ -111,13 +111,13 @@ class Block:
         self.lines: list[str] = []
 
     def value(self, kind: str, text: str) -> LaneValue:
-        """A new value, computed by an instruction."""
+        """A new value computed by an instruction, which is emitted."""
         name = f"%t{len(self.lines)}"
         self.lines.append(f"  {name} = {text}")
         return LaneValue(self, kind, name)
 
     def lifted(self, x: LaneValue | float, kind: str) -> LaneValue:
-        """A constant in every lane; values as they are."""
+        """A constant as a value in every lane; values unchanged."""
         if isinstance(x, LaneValue):
             return x
         constant = self.lanes.constant(x) if kind == "v" else self.lanes.whole(int(x))
@@ -134,14 +134,14 @@ class Block:
         )
 
     def horner(self, coefficients: Sequence[float], z: LaneValue) -> LaneValue:
-        """The polynomial in z, the highest coefficient first."""
+        """The value of a polynomial in z, highest coefficient first."""
         last = self.lifted(coefficients[0], "v")
         for coefficient in coefficients[1:]:
             last = self.fma(last, z, coefficient)
         return last
 
     def where(self, condition: LaneValue, x: LaneValue | float, y: LaneValue | float) -> LaneValue:
-        """x in the lanes where the condition holds, else y."""
+        """The value x in lanes where the condition holds, else y."""
         x, y = self.lifted(x, "v"), self.lifted(y, "v")
         v, mask = self.types["v"], self.types["mask"]
         return self.value("v", f"select {mask} {condition.name}, {v} {x.name}, {v} {y.name}")
@@ -160,13 +160,12 @@ class Block:
         return self.value("v", f"call {v} @llvm.sqrt.{self.lanes.suffix}({v} {x.name})")
 
     def power_of_two(self, whole: LaneValue) -> LaneValue:
-        """2^k of a real that is a whole number from -1022 to 1023."""
+        """The power 2^k of a real k that is a whole number from -1022 to 1023."""
         return (((whole + TO_INTEGER).bits + 1023) << 52).real
 
 
 def function(name: str, arity: int, make: Callable[..., LaneValue], lanes: Lanes, fma: bool) -> str:
-    """`name`, a function of vectors as `lanes` has them, that `make(block, *values)` computes in
-    doubles."""
+    """LLVM text of a vector function `name` that `make(block, *values)` computes in doubles."""
     block = Block(replace(lanes, real=DOUBLE), fma)
     given = [LaneValue(block, "v", f"%x{k}") for k in range(arity)]
     if lanes.real is not DOUBLE:

@@ -1,5 +1,5 @@
-"""C99, and C++ templates: no allocation, no dependency but the standard mathematics, arrays that
-may overlap."""
+"""Programs as C99 and as C++ templates: no allocation, no dependency but the standard mathematics,
+arrays that may overlap."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class _Dialect:
     nan: str = "NAN"
 
     def written(self, text: str) -> str:
-        """The template of an operation, {a}, {b} and {c} left open."""
+        """The template of an operation in this dialect, with {a}, {b} and {c} left open."""
         words = {"f": self.f, "one": self.number(1.0), "zero": self.number(0.0)}
         words["epsilon"] = self.epsilon
         for word, written in words.items():
@@ -120,7 +120,7 @@ class _Dialect:
         return text
 
     def filled(self, text: str) -> str:
-        """A template of code in this dialect."""
+        """A template of code filled in for this dialect."""
         return text.format(
             before=self.before,
             t=self.t,
@@ -158,7 +158,7 @@ def _spelling(dialect: _Dialect) -> Spelling:
 
 
 def _parameters(unit: SourceUnit, words: ProgramWords, t: str) -> dict[str, str]:
-    """Each argument's word and its declaration."""
+    """The declaration of each argument, by its name in the text."""
 
     def declared(word: str, argument: Argument, const: str, scalar: str) -> str:
         if not argument.shape:
@@ -180,13 +180,13 @@ def _prototype(unit: SourceUnit, dialect: _Dialect) -> str:
 
 
 def _wrapped(name: str, parameters: Collection[str]) -> str:
-    """The head of a function; a long one has a line for each parameter."""
+    """The head of a function, with a line for each parameter if it is long."""
     line = f"{name}({', '.join(parameters)})"
     return line if len(line) <= _WIDEST else name + "(\n    " + ",\n    ".join(parameters) + ")"
 
 
 def _definitions(unit: SourceUnit, dialect: _Dialect) -> list[str]:
-    """The function, after what it calls."""
+    """C text of the function, after those that it calls."""
     words, t = words_of(unit, RESERVED), dialect.t
     parameters = _parameters(unit, words, t)
 

@@ -1,4 +1,5 @@
-"""PTX for NVIDIA's GPUs: a module of entries, one thread a sample, loaded by the driver alone."""
+"""Programs as PTX for NVIDIA's GPUs: a module of entries with one thread for each sample, loaded by
+the driver alone."""
 
 from __future__ import annotations
 
@@ -37,7 +38,8 @@ A sample with an input that is NaN or infinite has NaN in all outputs; no other 
 
 
 def _sampled(unit: SourceUnit) -> Program:
-    """The program without uniform inputs: an input that is the same for all samples has step 0."""
+    """The program without uniform inputs, since an input that is the same for all samples has step
+    0."""
     inputs = tuple(replace(x, uniform=False) for x in unit.program.inputs)
     return prepared(replace(unit.program, inputs=inputs))
 
@@ -47,7 +49,8 @@ def _words(unit: SourceUnit) -> ProgramWords:
 
 
 def _entries(unit: SourceUnit) -> dict[str, ProgramPart]:
-    """Entries by name: the function's, numbered where one thread does not compute all outputs."""
+    """Entries by name: the function's name, numbered where one thread does not compute all
+    outputs."""
     word, made = _words(unit).function, parts(_sampled(unit), unit.dtype)
     return (
         {word: made[0]} if len(made) == 1 else {f"{word}_part{k}": x for k, x in enumerate(made, 1)}
@@ -59,7 +62,7 @@ def _emit(unit: SourceUnit) -> str:
 
 
 def _text(unit: SourceUnit, entries: Mapping[str, ProgramPart]) -> str:
-    """The entries as PTX, under a head that says how they are started."""
+    """The entries as PTX, under a comment that says how they are started."""
     program, names = unit.program, list(entries)
     text = ptx(emit(entries, unit.dtype))
     listed = (

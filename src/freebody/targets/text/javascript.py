@@ -1,5 +1,5 @@
-"""JavaScript over Float64Array: an ES module, or a plain script for a page that is opened as a
-file."""
+"""Programs as JavaScript over Float64Array: an ES module, or a plain script for a page that is
+opened as a file."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ _SPELLING = Spelling(
 
 
 def _definitions(unit: SourceUnit, export: str = "") -> list[str]:
-    """The function, after what it calls."""
+    """JavaScript text of the function, after those that it calls."""
     words, room = words_of(unit, RESERVED), 0
 
     def part(name: str, used: list[str], inner: list[str], slots: int) -> str:

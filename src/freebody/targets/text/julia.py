@@ -1,5 +1,5 @@
-"""Julia: a function that writes to arrays it is given, outputs first, as the `!` in its name
-says."""
+"""Programs as Julia: a function that writes to arrays it is given, outputs first, as the `!` in its
+name says."""
 
 from __future__ import annotations
 
@@ -83,7 +83,7 @@ def _type(unit: SourceUnit) -> str:
 
 
 def _definitions(unit: SourceUnit) -> list[str]:
-    """The function, after what it calls."""
+    """Julia text of the function, after those that it calls."""
     words = words_of(unit, RESERVED)
     order = [*words.outputs, *words.inputs]
 

@@ -1,5 +1,5 @@
-"""A language of source text as a record; the unit that it is given to write: a program, its name,
-and what else is known about it; and parts that several languages share."""
+"""The record of a programming language for source text; the unit of text to write (a program, its
+name and further facts about it); and parts that several languages share."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ _REMARK = re.compile(r"[A-Za-z0-9_ .,:;()\[\]/^+<>=-]*")
 
 @dataclass(frozen=True)
 class Joints:
-    """The joint that each scalar of all inputs, and of all outputs, belongs to (-1: none), and the
-    joints in words."""
+    """The joint to which each scalar of the inputs and outputs belongs (-1: none), and the joints
+    in words."""
 
     of_inputs: tuple[int, ...]
     of_outputs: tuple[int, ...]
@@ -30,7 +30,7 @@ class Joints:
 
 @dataclass(frozen=True)
 class SourceUnit:
-    """A program that becomes text.
+    """A program to be written as source text, with its name and comments.
 
     name: the function's. comment: lines that stand at the head of the text. joints: where they are
     known, the text has a section for each. dtype: "float64" or "float32". marks: words for nodes,
@@ -65,16 +65,17 @@ class SourceUnit:
 
 @dataclass(frozen=True)
 class Section:
-    """Nodes in an order in which operands precede, under a title (empty: none)."""
+    """A section of a program's text: nodes, operands before their readers, under a title (empty:
+    none)."""
 
     title: str
     nodes: tuple[int, ...]
 
 
 def sections(program: Program, joints: Joints | None) -> list[Section]:
-    """The program's operations by joint: outward, what depends on joints up to one; then inward,
-    what only results of joints up to one depend on. That is the order of a recursion, read from the
-    graph."""
+    """The program's operations by joint: outward, nodes that depend on joints up to one; then
+    inward, nodes that only results of joints up to one depend on. That is the order of a recursion,
+    read from the graph."""
     nodes = range(len(program))
     if joints is None:
         return [Section("", tuple(nodes))]
@@ -88,8 +89,8 @@ def sections(program: Program, joints: Joints | None) -> list[Section]:
 
 
 def _reach(program: Program, joints: Joints) -> tuple[list[int], list[int]]:
-    """For each node the last joint that it depends on, and the last joint whose results depend on
-    it."""
+    """For each node the last joint that it depends on, and the last joint among those whose results
+    depend on it."""
     depends = [-1] * len(program)
     for index, op in enumerate(program.op):
         if op == "input":
@@ -114,8 +115,8 @@ def _title(joints: Joints, inward: int, key: int) -> str:
 
 @dataclass(frozen=True)
 class SelfTestSamples:
-    """Samples to test with: for each input and each output an array (samples, size), and for each
-    output how far a result may be off, over the largest entry of that output."""
+    """Samples for a self-test: for each input and output an array (samples, size), and for each
+    output the tolerance relative to its largest entry."""
 
     inputs: tuple[np.ndarray, ...]
     outputs: tuple[np.ndarray, ...]
@@ -129,7 +130,7 @@ class SelfTestSamples:
 
 @dataclass(frozen=True)
 class Language:
-    """A language that programs are written in.
+    """A programming language in which programs are written as text.
 
     emit: the whole text of a unit. package: the files of a unit with a self-test over vectors, by
     name. test: the command that runs the self-test in the files' folder; {name} is the function's
@@ -145,13 +146,12 @@ class Language:
 
 
 def numbered(*stems: str) -> frozenset[str]:
-    """stem0, stem1, …: what a self-test calls its arrays, so that no function is called so."""
+    """Names stem0, stem1, … of a self-test's arrays, which no function may have."""
     return frozenset(f"{stem}{k}" for stem in stems for k in range(32))
 
 
 def called(*tables: Mapping[str, str]) -> frozenset[str]:
-    """Words of the functions that templates call or define, which nothing else may then be
-    called."""
+    """Words of functions that templates call or define, which nothing else may be called."""
     return frozenset(
         word for table in tables for text in table.values() for word in _CALLED.findall(text)
     )
@@ -161,12 +161,12 @@ _CALLED = re.compile(r"([A-Za-z_][A-Za-z0-9_]*)(?:\{f\})?\(")
 
 
 def number(value: float) -> str:
-    """A double with all its digits, as most languages read it."""
+    """A double with all its digits, in the form that most languages read."""
     return repr(float(value))
 
 
 def single(value: float, suffix: str = "") -> str:
-    """The nearest float32 with as many digits as it takes."""
+    """The nearest float32 with as many digits as it needs."""
     with np.errstate(over="ignore"):
         nearest = np.float32(value)
     if isinf(nearest):
@@ -188,21 +188,21 @@ def comment_block(
 
 
 def flat(word: str, argument: Argument, position: int) -> str:
-    """An entry by its position from 0 on; a scalar is its name."""
+    """The text of an argument's entry by its position from 0; of a scalar its name."""
     return f"{word}[{position}]" if argument.shape else word
 
 
 def helpers(program: Program, known: Mapping[str, str]) -> list[str]:
-    """Texts of the helper functions that the program's operations need, in a fixed order."""
+    """Texts of the helper functions that a program's operations need, in a fixed order."""
     return [text for op, text in known.items() if op in program.operations]
 
 
 def number_lists(values: np.ndarray, spell: Callable[[float], str]) -> list[str]:
-    """For each sample its numbers, separated by commas; one number stands for none, as C knows no
-    empty array."""
+    """For each sample its numbers separated by commas; for none a single number, since C has no
+    empty arrays."""
     return [", ".join(map(spell, row)) or spell(0.0) for row in values.tolist()]
 
 
 def largest_entries(vectors: SelfTestSamples) -> list[float]:
-    """For each output the size that its differences are measured by."""
+    """For each output the size relative to which differences are measured."""
     return [float(abs(rows).max(initial=0.0)) or 1.0 for rows in vectors.outputs]

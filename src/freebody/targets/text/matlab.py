@@ -1,4 +1,4 @@
-"""MATLAB and Octave: a function file."""
+"""Programs as MATLAB and Octave: a function file."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ _SPELLING = Spelling(
 
 
 def _sizes(argument: Argument) -> str:
-    """The sizes of an array in MATLAB: vectors stand upright."""
+    """The sizes of an argument as a MATLAB array: vectors are columns."""
     return ", ".join(
         map(str, argument.shape if len(argument.shape) > 1 else (*argument.shape, 1, 1)[:2])
     )
@@ -94,7 +94,7 @@ def _emit(unit: SourceUnit) -> str:
 
 
 def _checks(unit: SourceUnit, words: ProgramWords) -> list[str]:
-    """The statements that answer a call with an input that is not finite."""
+    """The statements that answer a call with an input that is not finite, in MATLAB."""
     if not words.inputs:
         return []
     tests = " && ".join(f"all(isfinite({word}(:)))" for word in words.inputs)
@@ -110,7 +110,7 @@ def _package(unit: SourceUnit, vectors: SelfTestSamples) -> dict[str, str]:
 
 
 def _array(row: np.ndarray, argument: Argument) -> str:
-    """Text of one sample of an argument; MATLAB counts columns first."""
+    """One sample of an argument as MATLAB text, in column-major order."""
     order = np.asarray(row).reshape(argument.shape or (1,)).ravel(order="F")
     return f"reshape([{', '.join(map(number, order.tolist()))}], {_sizes(argument)})"
 

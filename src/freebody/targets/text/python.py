@@ -1,4 +1,5 @@
-"""Python: a pure function over NumPy or JAX arrays, and one that builds a CasADi function."""
+"""Programs as Python: a pure function over NumPy or JAX arrays, and one that builds a CasADi
+function."""
 
 from __future__ import annotations
 
@@ -90,13 +91,13 @@ _SCALARS = Spelling(
 
 
 def _columns(argument: Argument) -> int:
-    """The columns of an argument in CasADi, which has two dimensions: of three the last two become
-    one."""
+    """The number of columns of an argument in CasADi, which has two dimensions: the last two of
+    three are merged."""
     return int(np.prod(argument.shape[1:]))
 
 
 def _in_casadi(argument: Argument) -> tuple[int, int]:
-    """The shape of an argument in CasADi: vectors are columns."""
+    """The shape of an argument in CasADi, where vectors are columns."""
     return (*argument.shape, 1)[0], _columns(argument)
 
 
@@ -107,7 +108,7 @@ def _in_arrays(argument: Argument) -> tuple[int, ...]:
 def _computed(
     unit: SourceUnit, words: ProgramWords, spelling: Spelling
 ) -> tuple[list[str], list[list[str]]]:
-    """Lines that compute, and for each output the texts of its scalars."""
+    """The lines that compute, and for each output the texts of its scalars."""
     done = statements(unit, words, spelling, _OWN)
     inner = [statement for statement in done if not statement.writes]
     results = iter([statement.text for statement in done if statement.writes])
@@ -122,7 +123,8 @@ def _docstring(unit: SourceUnit) -> list[str]:
 
 
 def _emit_arrays(module: str, unit: SourceUnit) -> str:
-    """A function of arrays (..., *core) that broadcast: an array or a tuple out."""
+    """Python text of a function of arrays (..., *core) that broadcast, which returns an array or a
+    tuple."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _ARRAYS)
     batches = [_batch(a, word) for word, a in zip(words.inputs, program.inputs, strict=True)]
@@ -159,7 +161,8 @@ def _array(argument: Argument, scalars: list[str]) -> str:
 
 
 def _emit_casadi(unit: SourceUnit) -> str:
-    """A function without arguments that builds a casadi.Function of columns and matrices."""
+    """Python text of a function without arguments that builds a casadi.Function of columns and
+    matrices."""
     words, program = words_of(unit, _OWN), unit.program
     body, results = _computed(unit, words, _SCALARS)
     symbols = [
@@ -202,8 +205,8 @@ def _package(
     unit: SourceUnit,
     vectors: SelfTestSamples,
 ) -> dict[str, str]:
-    """Module and self-test; function: what is called with one sample, {name} being the word of the
-    module's own; shaped: the shape of one sample of an argument there."""
+    """The module and its self-test, by file name; function: the call with one sample, where {name}
+    is the module's function; shaped: the shape of an argument's sample there."""
     words = words_of(unit, _OWN)
     shapes = [shaped(a) for a in (*unit.program.inputs, *unit.program.outputs)]
     tables = [repr(rows.tolist()) for rows in (*vectors.inputs, *vectors.outputs)]

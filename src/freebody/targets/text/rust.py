@@ -1,4 +1,4 @@
-"""Rust: no allocation, no crate."""
+"""Programs as Rust: no allocation, no crate."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _spelling(unit: SourceUnit) -> Spelling:
 
 
 def _parameters(unit: SourceUnit, words: ProgramWords) -> dict[str, str]:
-    """Each argument's word and its declaration."""
+    """The Rust declaration of each argument, by its name in the text."""
     t = _type(unit)
 
     def declared(word: str, argument: Argument, writes: bool) -> str:
@@ -95,7 +95,7 @@ def _parameters(unit: SourceUnit, words: ProgramWords) -> dict[str, str]:
 
 
 def _definitions(unit: SourceUnit) -> list[str]:
-    """The function, after what it calls."""
+    """Rust text of the function, after those that it calls."""
     words, spelling, t = words_of(unit, RESERVED), _spelling(unit), _type(unit)
     parameters = _parameters(unit, words)
 

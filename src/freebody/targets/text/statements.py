@@ -1,6 +1,6 @@
-"""A program as statements of an infix language: a value that is read once stands where it is read;
-inputs that are not finite are refused, and a long body is cut into functions of bounded length,
-which hand values on in a workspace."""
+"""A program as statements of an infix language: a value read once is written where it is read;
+inputs that are not finite are refused; a long body is cut into functions of bounded length that
+pass values on in a workspace."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _LONGEST = 56
 
 @dataclass(frozen=True)
 class Spelling:
-    """How a language writes scalars.
+    """How a language writes scalars and statements.
 
     functions: template of every operation that is no sum, product, quotient or negation, with {a},
     {b}, {c}. entry, result (word, argument, position): one scalar of an input, of an output, by its
@@ -50,7 +50,7 @@ class Spelling:
 
 @dataclass(frozen=True)
 class Statement:
-    """`word` becomes the value of `text`."""
+    """A statement that assigns the value of `text` to `word`."""
 
     word: str
     text: str
@@ -66,7 +66,7 @@ class Statement:
 
 @dataclass(frozen=True)
 class ProgramWords:
-    """The words of a text: for the function, its inputs and its outputs in their order."""
+    """The identifiers in a text for the function, its inputs and its outputs, in order."""
 
     function: str
     inputs: tuple[str, ...]
@@ -74,12 +74,12 @@ class ProgramWords:
 
     @property
     def all(self) -> frozenset[str]:
-        """All words that the program uses."""
+        """All identifiers that the program uses."""
         return frozenset((self.function, *self.inputs, *self.outputs))
 
 
 def words_of(unit: SourceUnit, reserved: Collection[str]) -> ProgramWords:
-    """Words that are none of a language's own, and no two alike."""
+    """Identifiers for a program, all different and none reserved in the language."""
     function = identifiers([unit.name], reserved)[unit.name]
     taken = {*reserved, function}
     inputs = identifiers((a.name for a in unit.program.inputs), taken)
@@ -102,7 +102,7 @@ class _TextValue:
 def statements(
     unit: SourceUnit, words: ProgramWords, spelling: Spelling, reserved: Collection[str]
 ) -> list[Statement]:
-    """The program, section by section, and last what writes the outputs."""
+    """The statements of the program, section by section, and last those that write the outputs."""
     return _StatementWriter(unit, words, spelling, reserved).run(
         sections(unit.program, unit.joints)
     )
@@ -181,7 +181,8 @@ class _StatementWriter:
         )
 
     def _stays(self, index: int, value: _TextValue) -> bool:
-        """Whether a value is written where it is read: once, in the same section, and short."""
+        """Whether a value is written where it is read, since it is read once, in the same section,
+        and is short."""
         return (
             self.uses[index] == 1
             and index not in self.marks
@@ -197,8 +198,8 @@ class _StatementWriter:
         return _TextValue(self.spelling.variable.format(word=word), _ATOM, frozenset([word]))
 
     def _word(self, index: int) -> str:
-        """sin_q_2 for a sine of an input; what it is in the recursion or the results; else the next
-        of t1, t2, …"""
+        """The identifier of a node's value: sin_q_2 for the sine of an input, its mark in the
+        recursion or results, else the next of t1, t2, …"""
         op, operand = self.program.op[index], self.program.a[index]
         if op in ("sin", "cos") and self.program.op[operand] == "input":
             return self._fresh(f"{op}_{self._input_word(operand, fresh=False)}")
@@ -224,7 +225,8 @@ class _StatementWriter:
 
 
 def _result_words(program: Program) -> dict[int, str]:
-    """tau_2, M_0_1 for what a result is, unless it is an input or a number."""
+    """Identifiers such as tau_2 or M_0_1 for nodes that are results, unless these are inputs or
+    numbers."""
     indices = [(a, index) for a in program.outputs for index in a.indices()]
     made: dict[int, str] = {}
     for (argument, index), node in zip(indices, program.results, strict=True):
@@ -236,7 +238,7 @@ def _result_words(program: Program) -> dict[int, str]:
 def _entries(
     arguments: Sequence[Argument], words: Sequence[str], spell: Callable[[str, Argument, int], str]
 ) -> list[tuple[str, str]]:
-    """For each scalar its text and the argument's word."""
+    """For each scalar of the arguments its text and the argument's name."""
     return [
         (spell(word, argument, k), word)
         for argument, word in zip(arguments, words, strict=True)
@@ -245,7 +247,7 @@ def _entries(
 
 
 def lines(done: Sequence[Statement], spelling: Spelling, indent: str) -> list[str]:
-    """Statements as lines, a comment where a section begins."""
+    """Statements as lines, with a comment where a section begins."""
     made, section = [], ""
     for statement in done:
         if statement.section != section:
@@ -259,22 +261,22 @@ def lines(done: Sequence[Statement], spelling: Spelling, indent: str) -> list[st
 
 @dataclass(frozen=True)
 class _Piece:
-    """Statements of one function; (word, slot) of what it reads from the workspace before and puts
-    there after."""
+    """The statements of one function of a cut body, with the (word, slot) pairs that it loads from
+    the workspace and stores there."""
 
     statements: tuple[Statement, ...]
     loads: tuple[tuple[str, int], ...]
     stores: tuple[tuple[str, int], ...]
 
     def arguments(self, order: Sequence[str]) -> list[str]:
-        """The names in this order that the piece reads or writes."""
+        """The names of arguments, in the given order, that the piece reads or writes."""
         used = {word for statement in self.statements for word in statement.arguments}
         return [word for word in order if word in used]
 
 
 def _cut(statements: Sequence[Statement], longest: int) -> tuple[list[_Piece], int]:
-    """Pieces of at most about `longest` operations, and how many slots they need; one piece needs
-    none."""
+    """Pieces of about `longest` operations at most, and the number of workspace slots that they
+    need; a single piece needs none."""
     parts = _parts(statements, longest)
     home = {s.word: k for k, part in enumerate(parts) for s in part if not s.writes}
     last = {word: k for k, part in enumerate(parts) for s in part for word in s.reads}
@@ -299,7 +301,7 @@ def _cut(statements: Sequence[Statement], longest: int) -> tuple[list[_Piece], i
 
 
 def _parts(statements: Sequence[Statement], longest: int) -> list[Sequence[Statement]]:
-    """The statements in runs of about equal weight."""
+    """The statements cut into runs of about equal weight."""
     total = sum(s.weight for s in statements)
     count = max(1, -(-total // longest))
     bounds, done = [0], 0
@@ -324,7 +326,7 @@ def body_in_parts(
     indent: str = "    ",
     first: int = 0,
 ) -> tuple[list[str], list[str]]:
-    """The functions that a body of more than `longest` operations calls, and the lines of the body.
+    """The functions called by a body of more than `longest` operations, and the lines of the body.
 
     order: words of the arguments. part: the text of one of these functions, from its word, the
     arguments that it uses, its lines and the size of the workspace w. call: how it is called, with

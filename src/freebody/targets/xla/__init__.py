@@ -1,1 +1,1 @@
-"""Compiled kernels as operations of XLA, which JAX calls inside its own programs, on the CPU."""
+"""Compiled kernels as operations of XLA, which JAX calls inside its own programs on the CPU."""

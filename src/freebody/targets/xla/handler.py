@@ -1,5 +1,5 @@
-"""LLVM text of the function that XLA calls: it takes a call frame apart, and has a kernel's loop
-run over the batch, shared with the threads that XLA has.
+"""LLVM text of the function that XLA calls: it reads a call frame, and runs a kernel's loop over
+the batch, shared with XLA's threads.
 
 Buffers come as (outer, inner, *core), each of the two leading sizes 1 or that of the outputs; where
 it is 1, the one value serves all. A call of the loop takes entries of the inner axis, so that what
@@ -23,7 +23,7 @@ _DTYPE = {"float64": NUMBERS["XLA_FFI_DataType_F64"], "float32": NUMBERS["XLA_FF
 def text(
     program: Program, real: Real, loop: int, x86: bool, version: tuple[int, int], each: int
 ) -> str:
-    """`ptr @xla(ptr frame)`: null, or XLA's error.
+    """LLVM text of `ptr @xla(ptr frame)`, which returns null or XLA's error.
 
     loop: address of `void loop(ptr args, ptr dims, ptr steps, ptr data)` of the program's kernel,
     for any batch. version: of the interface, which XLA asks for. each: samples that a thread is
@@ -43,7 +43,7 @@ def text(
 
 
 def _asked(lines: _TextLines, version: tuple[int, int]) -> None:
-    """Lines that describe the function to XLA, where it asks with an extension of the frame."""
+    """Emit lines that describe the function to XLA, where it asks by an extension of the frame."""
     frame, about = OFFSETS["XLA_FFI_CallFrame"], OFFSETS["XLA_FFI_Api_Version"]
     start = OFFSETS["XLA_FFI_Metadata"]["api_version"]
     extension = lines.field("extension", "ptr", "%frame", frame["extension_start"])
@@ -64,8 +64,8 @@ def _asked(lines: _TextLines, version: tuple[int, int]) -> None:
 
 
 def _counted(lines: _TextLines, program: Program) -> None:
-    """Lines that look whether the frame is of the known layout and has as many buffers as the
-    program; then the lists of them."""
+    """Emit the check that the frame has the known layout and as many buffers as the program, and
+    the loads of the buffers' lists."""
     frame, right = OFFSETS["XLA_FFI_CallFrame"], []
     for part, kind, wanted in (
         ("args", "XLA_FFI_Args", len(program.inputs)),
@@ -89,7 +89,8 @@ def _counted(lines: _TextLines, program: Program) -> None:
 
 
 def _right(lines: _TextLines, k: int, argument: Argument, real: Real) -> str:
-    """Whether buffer k has numbers of the right type and as many axes as are expected."""
+    """The name of a flag whether buffer k has numbers of the right type and the expected number of
+    axes."""
     buffer = OFFSETS["XLA_FFI_Buffer"]
     dtype = lines.field(f"dtype{k}", "i32", f"%buffer{k}", buffer["dtype"])
     rank = lines.field(f"rank{k}", "i64", f"%buffer{k}", buffer["rank"])
@@ -99,8 +100,8 @@ def _right(lines: _TextLines, k: int, argument: Argument, real: Real) -> str:
 
 
 def _sizes(lines: _TextLines, arguments: tuple[Argument, ...], inputs: int, real: Real) -> None:
-    """Lines that read where the buffers are, bytes between samples along both axes, and how many
-    there are; then all is computed."""
+    """Emit lines that read the buffers' addresses, the bytes between samples along both axes and
+    the sizes of these; then the computation is called."""
     buffer, count = OFFSETS["XLA_FFI_Buffer"], len(arguments)
     lines.append(f"  %work.new = call ptr @malloc(i64 {_size_of(count)})")
     for k, argument in enumerate(arguments):
@@ -126,7 +127,7 @@ def _sizes(lines: _TextLines, arguments: tuple[Argument, ...], inputs: int, real
 
 
 def _refused(lines: _TextLines) -> None:
-    """Emit the return of an error of XLA's."""
+    """Emit the return of one of XLA's errors."""
     given, kind = OFFSETS["XLA_FFI_Error_Create_Args"], "XLA_FFI_Error_Create_Args"
     lines.append("refuse:\n  %problem = alloca [32 x i8], align 8")
     lines.fill(kind, "%problem", message="@message")
@@ -137,37 +138,37 @@ def _refused(lines: _TextLines) -> None:
 
 
 class _TextLines(list[str]):
-    """Lines of LLVM text that read and write fields at offsets."""
+    """Lines of LLVM text in the making that read and write fields at offsets."""
 
     def field(self, name: str, kind: str, base: str, offset: int) -> str:
-        """Load what lies at an offset."""
+        """The name of a field that is loaded from an offset."""
         align = 4 if kind == "i32" else 8
         self.append(loaded(f"%{name}", kind, base, offset, of="i8", align=align))
         return f"%{name}"
 
     def entry(self, name: str, base: str, index: int) -> str:
-        """Emit the load of one pointer or size from an array of them."""
+        """The name of a pointer or size that is loaded from an array."""
         return self.field(name, "ptr", base, 8 * index)
 
     def put(self, kind: str, value: str | int, base: str, offset: int) -> None:
-        """Store something at an offset."""
+        """Emit the store of a value at an offset."""
         at, align = f"%put{len(self)}", 4 if kind == "i32" else 8
         self.append(stored(at, kind, str(value), base, offset, of="i8", align=align))
 
     def fill(self, kind: str, base: str, **pointers: str) -> None:
-        """Store the fields of a structure: its size, no extension, and pointers."""
+        """Emit the stores of a structure's fields: its size, no extension, and pointers."""
         fields = OFFSETS[kind]
         self.put("i64", SIZES[kind], base, fields["struct_size"])
         for name, pointer in {"extension_start": "null", **pointers}.items():
             self.put("ptr", pointer, base, fields[name])
 
     def equal(self, name: str, kind: str, value: str, other: str | int) -> str:
-        """Whether two numbers are equal."""
+        """The name of a flag whether two numbers are equal."""
         self.append(f"  %{name} = icmp eq {kind} {value}, {other}")
         return f"%{name}"
 
     def all(self, name: str, flags: list[str]) -> str:
-        """Emit the conjunction of flags."""
+        """The name of the conjunction of flags."""
         known = "true"
         for k, flag in enumerate(flags):
             self.append(f"  %{name}.{k} = and i1 {known}, {flag}")
@@ -191,13 +192,13 @@ elsewhere."""
 
 
 def _size_of(arguments: int) -> int:
-    """Number of bytes of the record of a call."""
+    """The size in bytes of a call's record of shared work."""
     return _BASES + 24 * arguments
 
 
 def _sharing(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool, each: int) -> str:
-    """`void @share(ptr frame, ptr work, i64 outer, i64 inner)`, which frees the record of the work
-    when all is done.
+    """LLVM text of `void @share(ptr frame, ptr work, i64 outer, i64 inner)`, which frees the record
+    of the work when all is done.
 
     loop: address of the kernel's loop. each: samples that a thread is woken for.
     """
@@ -231,8 +232,8 @@ declare void @free(ptr)""",
 
 
 def _share(each: int, x86: bool) -> str:
-    """Cut the batch, ask for threads where it is worth it, do what nobody else does, and wait for
-    those at work."""
+    """LLVM text of `@share`'s body: it cuts the batch, asks for threads where that is worthwhile,
+    takes parts itself, and waits for threads still at work."""
     lines = _TextLines(
         [
             "define internal void @share(ptr %frame, ptr %work, i64 %outer, i64 %inner) {",
@@ -273,8 +274,8 @@ def _share(each: int, x86: bool) -> str:
 
 
 def _ask(lines: _TextLines) -> None:
-    """Lines that ask XLA for the number of threads, where there is work for more than one; on to
-    `cut`."""
+    """Emit the question to XLA for its number of threads, where there is work for more than one; it
+    continues at `cut`."""
     lines.append("  %long = icmp ugt i64 %worth, 1\n  br i1 %long, label %ask, label %cut\nask:")
     lines.fill(_NUMBER, "%asked", ctx="%context", num_threads="%found")
     lines.field("number", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_NumThreads"])
@@ -286,8 +287,8 @@ def _ask(lines: _TextLines) -> None:
 
 
 def _cut(lines: _TextLines) -> None:
-    """Code that cuts the samples into two parts a thread, so that a slow thread delays the others
-    less; of one thread a row is a part."""
+    """Emit the cut of the samples into two parts for each thread, so that a slow thread delays
+    others less; with one thread each row is a part."""
     lines += [
         "cut:",
         "  %threads.found = load i64, ptr %found, align 8",
@@ -323,7 +324,8 @@ def _cut(lines: _TextLines) -> None:
 
 
 def _wake(lines: _TextLines) -> None:
-    """Have further threads run `@task`, each of which holds the work; on to `begin`."""
+    """Emit the start of `@task` on further threads, each of which holds the work; it continues at
+    `begin`."""
     lines.append("  br i1 %alone, label %begin, label %call\ncall:")
     lines.fill(_SCHEDULE, "%given", ctx="%context", task="@task", data="%work")
     lines.field("plan", "ptr", "%api", OFFSETS["XLA_FFI_Api"]["XLA_FFI_ThreadPool_Schedule"])
@@ -350,7 +352,7 @@ def _wake(lines: _TextLines) -> None:
 
 
 def _forget() -> str:
-    """An error of XLA's, if it is one, given back."""
+    """LLVM text of `@forget`, which destroys an error of XLA's, if there is one."""
     kind = "XLA_FFI_Error_Destroy_Args"
     lines = _TextLines(
         [
@@ -369,7 +371,8 @@ def _forget() -> str:
 
 
 def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> str:
-    """Take parts until there are none, the processor in its usual mode."""
+    """LLVM text of the function that takes parts of the work until none is left, with the processor
+    in its usual mode."""
     count, axes = len(arguments), sum(len(argument.shape) for argument in arguments)
     lines = _TextLines(
         [
@@ -430,7 +433,7 @@ def _work(arguments: tuple[Argument, ...], real: Real, loop: int, x86: bool) -> 
 
 
 def _read_arrays(lines: _TextLines, arguments: tuple[Argument, ...], real: Real) -> None:
-    """Lines that read where each array begins and how far its samples are apart; sizes and strides
+    """Emit lines that read each array's address and distance between samples, and sizes and strides
     of its core."""
     count, axis = len(arguments), 0
     for k, argument in enumerate(arguments):

@@ -1,5 +1,4 @@
-"""XLA's C interface to functions of other people, as its header `xla/ffi/api/c_api.h` says it:
-offsets in bytes.
+"""XLA's C interface to foreign functions as in its header `xla/ffi/api/c_api.h`: offsets in bytes.
 
 A major version may move what is here; a minor one adds fields behind those that were there before.
 On machines with pointers of 64 bits. The tests compile the header and compare.
@@ -85,8 +84,7 @@ NUMBERS = {
 
 
 def version(folder: str) -> tuple[int, int] | None:
-    """The version of the interface whose header is below a folder; None where there is none to be
-    found."""
+    """The version of XLA's interface whose header is below a folder; None where there is none."""
     try:
         text = Path(folder, "xla", "ffi", "api", "c_api.h").read_text(
             encoding="utf-8", errors="replace"
@@ -104,5 +102,5 @@ def version(folder: str) -> tuple[int, int] | None:
 
 
 def fits(found: tuple[int, int] | None) -> bool:
-    """Whether what is known of the interface is true of this version, on this machine."""
+    """Whether the known layout of XLA's interface applies to this version on this machine."""
     return found is not None and found[0] == MAJOR and struct.calcsize("P") == 8

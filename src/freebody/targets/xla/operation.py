@@ -1,5 +1,4 @@
-"""A program as an operation of JAX: machine code that XLA calls on the CPU, else a call of
-Python's.
+"""A program as an operation of JAX: machine code that XLA calls on the CPU, else a call of Python.
 
 What XLA has been given is never freed, so that a program of XLA's may outlive all that freebody
 knows of it; equal kernels are given once.
@@ -29,21 +28,21 @@ _given: dict[str, tuple[Any, ...]] = {}
 
 
 class Compilation(NamedTuple):
-    """The way in which kernels are made: target and width of `compile_program`, the latter for
-    numbers of this type."""
+    """How kernels of an operation are compiled: the target and width for `compile_program`, the
+    width for numbers of one type only."""
 
     target: str | None = None
     width: int | None = None
     dtype: str | None = None
 
     def kernel(self, program: Program, dtype: str) -> Kernel:
-        """The kernel of a program for numbers of a type."""
+        """The kernel of a program for numbers of a type, compiled in this way."""
         width = self.width if dtype == self.dtype else None
         return compile_program(program, target=self.target, width=width, dtype=dtype)
 
 
 class Interface(NamedTuple):
-    """XLA's C interface in this process: its version, or what is in the way of using it."""
+    """XLA's C interface in this process: its version, or the obstacle to using it."""
 
     version: tuple[int, int] | None
     obstacle: str = ""
@@ -51,7 +50,7 @@ class Interface(NamedTuple):
 
 @cache
 def interface() -> Interface:
-    """The interface that XLA offers here."""
+    """The interface that XLA offers in this process."""
     try:
         import jax.ffi
     except ImportError:
@@ -66,8 +65,8 @@ def interface() -> Interface:
 
 
 def operation(program: Program, way: Compilation) -> Callable[..., JaxArrays]:
-    """A function of JAX's arrays (*batch, *core), of one floating-point type and with equally many
-    leading axes, which broadcast: the outputs (*batch, *core).
+    """A function of JAX arrays (*batch, *core), of one floating-point type and with equally many
+    leading axes, which broadcast: it returns the outputs (*batch, *core).
 
     It is mapped by `vmap` without copies of what is shared, and has no derivatives.
     """
@@ -106,8 +105,8 @@ def operation(program: Program, way: Compilation) -> Callable[..., JaxArrays]:
 
 
 def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> JaxArrays:
-    """The outputs (*batch, *core) of inputs (outer, inner, *core), each leading size 1 or that of
-    the batch."""
+    """The outputs (*batch, *core) for inputs (outer, inner, *core), with each leading size 1 or
+    that of the batch."""
     import jax
 
     shapes = tuple(
@@ -135,8 +134,7 @@ def _applied(kernel: Kernel, arrays: Sequence[Any], batch: tuple[int, int]) -> J
 
 
 def _name(kernel: Kernel, version: tuple[int, int]) -> str:
-    """The name by which XLA knows the kernel; it is given to XLA where that does not have it
-    yet."""
+    """The name under which XLA knows the kernel, which is registered first if necessary."""
     import jax.ffi
 
     from freebody.targets.llvm.lanes import REALS
@@ -165,9 +163,9 @@ _Batch = tuple[int, int]
 def _partitioned(
     program: Program, compute: Callable[[Sequence[Any], _Batch], Any], batch: _Batch
 ) -> Callable[..., Any]:
-    """compute(arrays, batch) as a function of arrays (outer, inner, *core), each leading size 1 or
-    that of the batch, that XLA cuts along the batch where arrays lie on several devices; vectors
-    and matrices are never cut. Without it XLA would gather all samples on every device.
+    """The function compute(arrays, batch), for arrays (outer, inner, *core) with leading sizes 1 or
+    those of the batch, made so that XLA cuts it along the batch of arrays on several devices and
+    never cuts vectors or matrices. Otherwise XLA would gather all samples on every device.
 
     Where a process sees one device alone, nothing is changed: what XLA may cut, JAX does not keep
     on disk.
@@ -188,7 +186,8 @@ def _partitioned(
         return compute(arrays, (outer, inner))
 
     def uncut(argument: Argument, placed: Any) -> Any:
-        """Sharding along the batch as it lies, with vectors and matrices in one piece."""
+        """The sharding of an argument along the batch as it lies, with vectors and matrices in one
+        piece."""
         spec = (*placed.sharding.spec, None, None)[:2]
         core = (None,) * len(argument.shape)
         return NamedSharding(placed.sharding.mesh, PartitionSpec(*spec, *core))
@@ -218,7 +217,8 @@ _BATCH = ("outer", "inner")
 def _axes(
     leading: Sequence[int], core: int, batch: _Batch, numbers: Iterator[int]
 ) -> Iterator[str]:
-    """A name for each axis; those of the batch have the same in all arrays that vary along it."""
+    """A name for each axis; axes of the batch have the same name in all arrays that vary along
+    them."""
     for name, size, whole in zip(_BATCH, leading, batch, strict=True):
         yield name if size == whole > 1 else f"own{next(numbers)}"
     for _ in range(core):
@@ -234,8 +234,8 @@ _ArrayShape = tuple[int, ...]
 def arranged(
     arrays: Sequence[Any], shapes: Sequence[_ArrayShape]
 ) -> tuple[tuple[int, int], list[Any], list[bool]]:
-    """Batches of any shape as two axes, an outer and an inner one: the sizes of these, the arrays
-    (outer, inner, *core), and whether each varies along the inner one.
+    """Batches of any shape arranged as an outer and an inner axis: the sizes of these, the arrays
+    (outer, inner, *core), and whether each array varies along the inner axis.
 
     shapes: of the leading axes, equally many of each array, which broadcast. Each of the two sizes
     of an array is 1 or that of the batch; an array is copied only where it varies along some of the
@@ -258,7 +258,7 @@ def arranged(
 
 
 def _split(whole: _ArrayShape, shapes: Sequence[_ArrayShape]) -> tuple[list[int], list[int]]:
-    """The axes that become the outer one, and those that become the inner one."""
+    """The axes merged into the outer axis, and those merged into the inner one."""
     groups = _alike(whole, shapes)
     first, *others = groups or [[]]
     inner = [axis for group in others for axis in group]
@@ -268,7 +268,7 @@ def _split(whole: _ArrayShape, shapes: Sequence[_ArrayShape]) -> tuple[list[int]
 
 
 def _alike(whole: _ArrayShape, shapes: Sequence[_ArrayShape]) -> list[list[int]]:
-    """Neighbouring axes along which the same arrays vary."""
+    """Groups of neighbouring axes along which the same arrays vary."""
     groups: list[list[int]] = []
     last: list[bool] = []
     for axis, size in enumerate(whole):
