@@ -1,4 +1,4 @@
-"""Values compare by value: one rule for models, equations and results."""
+"""Equality by value: one rule for models, equations and results."""
 
 from __future__ import annotations
 
@@ -60,13 +60,13 @@ class ByValue:
 
 @cache
 def _names(kind: type) -> tuple[str, ...]:
-    """The names of a dataclass's fields."""
+    """Names of a dataclass's fields."""
     return tuple(field.name for field in dataclasses.fields(kind))
 
 
 def key(value: Any) -> Any:
-    """The stand-in for a value in comparisons: hashable, equal where all numbers in it are; NaN
-    equals NaN."""
+    """Hashable key of a value for comparisons: equal keys mean that all numbers in the values are
+    equal; NaN equals NaN."""
     if isinstance(value, np.ndarray):
         plain = value + 0.0 if value.dtype.kind == "f" else value  # -0.0 is 0.0
         entries = plain.tobytes() if value.dtype.kind in "fiub" else tuple(value.ravel().tolist())

@@ -1,4 +1,4 @@
-"""`freebody notes`."""
+"""The command `freebody notes`."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ without any of the three."""
 
 
 def _require_used(given: Sequence[str]) -> None:
-    """Refuse options that would be left unused."""
+    """Raise an error if options are given that would have no effect."""
     chosen = next((name for name in _WITH if name in given), "")
     unused = [name for name in given if name != chosen and name not in _WITH[chosen]]
     if not unused:

@@ -1,4 +1,4 @@
-"""The contents of the notes: chapters and sections, all items in their order, and how one is found.
+"""The contents of the notes: chapters, sections and all items in order, and finding an item.
 
 `contents.toml` names the files of `chapters`: of each, the .toml file holds what the notes say, the
 .py file the checks.
@@ -55,7 +55,8 @@ _FIELDS = {field.name for field in fields(Item)}
 
 
 def _item(name: str, section: str, entry: dict[str, Any], checks: Mapping[str, Any]) -> Item:
-    """An item; what its entry says beside an item's own fields, it says of the check."""
+    """Make an item from its entry in the data file; fields of the entry that are not the item's
+    belong to its check."""
     check = entry.pop("check")
     if check not in checks:
         raise UnknownNameError("check", check, name, checks)
@@ -64,12 +65,13 @@ def _item(name: str, section: str, entry: dict[str, Any], checks: Mapping[str, A
 
 
 def _place(item: Item) -> tuple[list[int], bool]:
-    """Sort key of items: by section, figures in front; within that as the files have them."""
+    """Sort key of an item: by section, figures first; within a section the order of the files is
+    kept."""
     return [int(n) for n in item.section.split(".")], not item.is_figure
 
 
 def item(name: str) -> Item:
-    """The item of an id; "3.22" and "(3.22)" are eq-3.22."""
+    """Find an item by its id; "3.22" and "(3.22)" mean eq-3.22."""
     by_id = {x.id: x for x in items()}
     plain = name.strip().strip("()").lower()
     for spelling in (name, plain, f"eq-{plain}"):

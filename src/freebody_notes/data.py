@@ -1,4 +1,4 @@
-"""The data files: what the notes say, as TOML beside the checks."""
+"""The notes' data files: statements of the notes as TOML beside the checks."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any
 
 
 def data(name: str) -> dict[str, Any]:
-    """A file of this package, "contents.toml"; white space in its texts does no more than wrap
-    lines."""
+    """Contents of a data file of this package, such as "contents.toml"; line breaks within its
+    texts become spaces."""
     text = (files("freebody_notes") / name).read_text(encoding="utf-8")
     return _unwrapped(tomllib.loads(text))
 

@@ -19,15 +19,15 @@ _WORDS = {
 
 @dataclass(frozen=True)
 class Erratum:
-    """An item that needs a correction, and those that state the same."""
+    """An item that needs a correction, with the other items that state the same."""
 
     finding: ExecutedItem
     also: tuple[ExecutedItem, ...]
 
 
 def entries(findings: Sequence[ExecutedItem]) -> list[Erratum]:
-    """Items that need a correction, in the order of the notes; what states the same as an equation,
-    such as an example with its results, stands with the first such equation that is wrong."""
+    """Errata in the order of the notes; items that repeat a wrong equation, such as an example with
+    its results, are listed with the first one."""
     wrong = {f.item.id: f for f in findings if f.verdict != "holds"}
     joined: dict[str, list[ExecutedItem]] = {name: [] for name in wrong}
     for name, finding in wrong.items():
@@ -39,8 +39,8 @@ def entries(findings: Sequence[ExecutedItem]) -> list[Erratum]:
 
 
 def errata(findings: Sequence[ExecutedItem]) -> str:
-    """The list: place, what is printed, what is wrong with it and how that was found, what it
-    should be."""
+    """The list of errata as Markdown: place, printed formula, the error and how it was found, the
+    correction."""
     wrong = [finding for finding in findings if finding.verdict != "holds"]
     listed = entries(findings)
     counts = {verdict: sum(f.verdict == verdict for f in wrong) for verdict in _WORDS}
@@ -103,7 +103,7 @@ def _repeated(finding: ExecutedItem) -> str:
 
 
 def _form(finding: ExecutedItem, form: str) -> str:
-    """Formulas between dollar signs, words as they are."""
+    """A formula between dollar signs; statements in words unchanged."""
     nodes = shown(finding.item, form)
     return "; ".join(
         node.text if isinstance(node, Words) else f"${node.latex()}$" for node in nodes

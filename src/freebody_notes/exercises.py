@@ -40,7 +40,7 @@ def _paragraph(text: str) -> str:
 
 
 def _values(values: Quantities, *names: str) -> str:
-    """name = value for vectors and scalars of a model."""
+    """HTML of equations name = value for vectors and scalars of a model."""
     lines = [
         eq(symbol(name, isinstance(values[name], tuple)), values.form(values[name]))
         for name in names
@@ -87,7 +87,8 @@ def point_acceleration() -> str:
 
 
 def five_bar() -> str:
-    """Inverse and forward kinematics, and where either is singular."""
+    """Solution of the five-bar exercise: inverse and forward kinematics, and where each is
+    singular."""
     model, q = robot()
     lengths = model.parameters
     limbs_ = {side: fb.planar("RR", l=[lengths[x] for x in l], lc=[0, 0], m=[0, 0], I=[0, 0])
@@ -152,7 +153,7 @@ def lagrange() -> str:
 
 
 def bar_on_a_pin() -> str:
-    """Lagrange's equations of the first kind for a pinned bar."""
+    """Solution of the pinned-bar exercise: Lagrange's equations of the first kind."""
     found = pinned_bar()
     lines = [
         eq(parse("Phi", ["Phi"]), parse("[x - r*cos(theta), y - r*sin(theta)]")),

@@ -1,4 +1,4 @@
-"""An item of the notes with its formula, and the result of running its check."""
+"""An item of the notes with its formula, and the result of its check."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ SOURCE = "S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg Unive
 
 
 def parts(form: str) -> list[str]:
-    """The equations of a form, which stand between semicolons."""
+    """The equations of a formula text, which are separated by semicolons."""
     return [part.strip() for part in form.split(";") if part.strip()]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of checking one form: whether it holds, what was computed, and numbers at which it
+    """Result of checking one formula: whether it holds, computed values, and an example at which it
     fails."""
 
     holds: bool
@@ -29,26 +29,26 @@ class Outcome:
 
 
 class ItemCheck(Protocol):
-    """A way to execute a form."""
+    """A way to check a formula of the notes."""
 
     def run(self, form: str) -> Outcome:
-        """Execute a form of the item: the printed one, or the corrected one."""
+        """Check one formula of the item: the printed or the corrected one."""
         ...
 
     def call(self, form: str) -> str:
-        """Call that a user types to check the form."""
+        """Text of the call with which a user checks the formula."""
         ...
 
     @property
     def bold(self) -> Collection[str]:
-        """Names that are vectors or matrices, for print."""
+        """Names printed in bold, of vectors and matrices."""
         ...
 
 
 @dataclass(frozen=True)
 class Item:
     """One item of the notes. `printed` and `corrected` are formulas (see
-    `derivations.relations.formula`) or words."""
+    `derivations.relations.formula`) or statements in words."""
 
     id: str
     section: str
@@ -74,7 +74,7 @@ class Item:
 
     @property
     def number(self) -> str:
-        """The number by which the notes call it: equation (3.22), figure 1.2, or its section."""
+        """The item's number in the notes: equation (3.22), figure 1.2, or its section."""
         kind, _, rest = self.id.partition("-")
         if kind == "eq":
             return f"equation ({rest})"
@@ -82,18 +82,18 @@ class Item:
 
     @property
     def label(self) -> str:
-        """Its number as a reference gives it: (3.22), Figure 1.2; without one, nothing."""
+        """The item's number as cited: (3.22), Figure 1.2; "" without one."""
         kind, _, rest = self.id.partition("-")
         return {"eq": f"({rest})", "fig": f"Figure {rest}"}.get(kind, "")
 
     @property
     def is_text(self) -> bool:
-        """Whether there is nothing to execute."""
+        """Whether the item is a statement that cannot be executed."""
         return not self.check.call(self.printed or self.corrected)
 
     @property
     def is_figure(self) -> bool:
-        """Whether the item is a figure, and no equation or sentence."""
+        """Whether the item is a figure."""
         return self.id.startswith("fig-")
 
 
@@ -109,5 +109,5 @@ class ExecutedItem:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """Evidence: of the printed form, then of the corrected."""
+        """Lines of evidence: on the printed formula, then on the corrected one."""
         return self.printed.lines + (self.corrected.lines if self.corrected else ())

@@ -1,5 +1,5 @@
-"""The notes as HTML pages, the contents with the errata and one for each chapter: every item with
-its verdict, figures drawn, an arm to be moved, solutions folded; nothing is fetched."""
+"""The notes as HTML pages, one with contents and errata and one per chapter: every item with its
+verdict, drawn figures, a movable arm, folded solutions; nothing is fetched from the network."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ SHORT = 40_000
 
 @dataclass(frozen=True)
 class Card:
-    """An item as the page shows it."""
+    """An item as shown on a page of the notes."""
 
     finding: ExecutedItem
     same_as: tuple[Item, ...]
@@ -68,18 +68,18 @@ class Card:
 
     @property
     def item(self) -> Item:
-        """The item of the notes that the card shows."""
+        """The item of the notes on this card."""
         return self.finding.item
 
     @property
     def verdict(self) -> str:
-        """Words for the verdict on the item."""
+        """Text of the verdict on the item."""
         return WORDS[self.finding.verdict]
 
 
 def pages(findings: Sequence[ExecutedItem], contents: str) -> dict[str, str]:
-    """The text of each page by its file's name, first that of the contents; contents: its name,
-    which those of the chapters are made of."""
+    """HTML text of each page by file name, the contents first; contents: file name of the contents
+    page, from which the chapters' names are made."""
     names = [contents, *(_numbered(contents, number) for number in chapters())]
     told = [_chapter(number, chapter, findings) for number, chapter in chapters().items()]
     counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in VERDICTS}
@@ -118,7 +118,7 @@ def _numbered(contents: str, number: int) -> str:
 def _page(
     template: str, shared: Mapping[str, Any], scripts: Sequence[str] = (), **more: Any
 ) -> str:
-    """A page with the first of the scripts, which inflates the others and runs them."""
+    """HTML of a page with its scripts; the first script decompresses and runs the others."""
     title = "Dynamics of robotic manipulators: the lecture notes, executed"
     given = {"title": title, "chapter": None, "live_style": ""} | dict(shared) | more
     head, script = Markup(policy(scripts)), Markup("".join(scripts[:1]))
@@ -129,7 +129,7 @@ def _page(
 def _of_chapter(
     chapter: Mapping[str, Any], findings: Sequence[ExecutedItem], shared: Mapping[str, Any]
 ) -> str:
-    """A chapter's page, with the derivation of its own whose numbers follow sliders."""
+    """HTML of a chapter's page, with a derivation whose numbers change with sliders."""
     number = chapter["number"]
     call, derivation = live_derivation(number)
     assert derivation.enliven is not None
@@ -181,7 +181,7 @@ def _sections(number: int, findings: Sequence[ExecutedItem]) -> list[tuple[str, 
 
 
 def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
-    """Items ready for their page, on which each step of a derivation stands once."""
+    """Cards of items for a page; each derivation step is shown only once."""
     first: dict[Step, Item] = {}
     made = []
     for finding in findings:
@@ -210,13 +210,13 @@ def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> 
 
 
 def _drawn(number: str) -> Markup:
-    """The drawings of a figure, side by side where there is room."""
+    """HTML of a figure's drawings, side by side where the page is wide enough."""
     return Markup("".join(picture.inline() for picture in notes_figure(number).pictures))
 
 
 def _form(item: Item, form: str) -> Markup:
-    """A form as MathML, words as they are; the facts read off a drawing are no formula of the
-    notes."""
+    """A formula as MathML, statements as text; relations between facts read from a drawing are not
+    shown as formulas."""
     nodes = shown(item, form)
     if item.is_figure and not any(isinstance(node, Words) for node in nodes):
         return Markup()
@@ -228,14 +228,14 @@ def _form(item: Item, form: str) -> Markup:
 
 
 def _equations(equations: Sequence[Equation]) -> str:
-    """HTML of equations in long lines, and where these are too long for a phone in short ones
-    too."""
+    """HTML of equations on long lines, and also on short lines if these are too long for a
+    phone."""
     long, short = formulas.html([equations]), formulas.html([equations], LETTERS)
     return long if long == short else f'<div class="short">{short}</div><div>{long}</div>'
 
 
 def _words(text: str) -> str:
-    """Words in italics; a formula that cannot be read as it was typed."""
+    """HTML of text in italics; for a formula that cannot be parsed."""
     inside = html.escape(text)
     return f'<p class="quote">{f"<code>{inside}</code>" if "=" in text else inside}</p>'
 

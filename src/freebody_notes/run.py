@@ -1,5 +1,5 @@
-"""Items executed: the verdict comes out of the printed form, and of the corrected one where that
-fails."""
+"""Running the checks of items: the verdict follows from the printed formula, and if that fails from
+the corrected one."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ from freebody_notes.item import VERDICTS, ExecutedItem, Item
 
 
 class NotesError(FreebodyError):
-    """An item whose check decides nothing: the printed form fails, and so does the correction."""
+    """Error for an item whose check is inconclusive: both the printed formula and its correction
+    fail."""
 
 
 def run(item: Item) -> ExecutedItem:
-    """Execute one item.
+    """Check one item of the notes.
 
     Where the printed form holds so does the item; where it fails the corrected form has to hold by
     the same check.
@@ -39,7 +40,8 @@ def run(item: Item) -> ExecutedItem:
 def run_all(
     items: Iterable[Item], told: Callable[[str, float], None] | None = None
 ) -> list[ExecutedItem]:
-    """Execute items in order; `told` hears which one comes next and how much is done."""
+    """Check items in order; `told` is called with the next item's name and the share that is
+    done."""
     rows = list(items)
     found = []
     for k, item in enumerate(rows):

@@ -1,4 +1,4 @@
-"""Where an equation of the notes comes up in a derivation that freebody makes."""
+"""The step of a freebody derivation at which an equation of the notes occurs."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from freebody_textbook.derivation import Derivation, Step
 
 @dataclass(frozen=True)
 class Place:
-    """A step of a derivation, and the call that makes it."""
+    """A derivation step, and the call that makes the derivation."""
 
     call: str
     title: str
@@ -45,13 +45,14 @@ def _derivation(call: str) -> Derivation:
 
 
 def live_derivation(chapter: int) -> tuple[str, Derivation]:
-    """The first derivation of a chapter, and the call that makes it."""
+    """The call of a chapter's first derivation, and the derivation."""
     call = _CALLS[chapter][0]
     return call, _derivation(call)
 
 
 def place_of(item: Item) -> Place | None:
-    """The step that holds the item's equation, if its chapter's derivation has one."""
+    """The step of the chapter's derivation that contains the item's equation; None if there is
+    none."""
     kind, _, number = item.id.partition("-")
     if kind != "eq":
         return None

@@ -1,4 +1,4 @@
-"""An item and its finding as text for a terminal."""
+"""An item and its verdict as text for a terminal."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ _INDENT = 12
 
 
 def shown(item: Item, form: str) -> list[Expression]:
-    """The equations of a form as they are printed."""
+    """The equations of a formula text as expressions for print."""
     primed = getattr(item.check, "primed", ())
     return [as_printed(part, item.check.bold, primed) for part in parts(form)]
 
 
 def form_text(item: Item, form: str, width: int = WIDTH) -> str:
-    """A form as lines of text."""
+    """A formula of an item as lines of text."""
     nodes = shown(item, form)
     equations = [node for node in nodes if isinstance(node, Equation)]
     if nodes and len(equations) == len(nodes):
@@ -30,7 +30,7 @@ def form_text(item: Item, form: str, width: int = WIDTH) -> str:
 
 
 def item_text(finding: ExecutedItem, width: int = WIDTH) -> str:
-    """All there is to say about one item."""
+    """Complete text about one checked item."""
     item, inner = finding.item, width - _INDENT
     rows = [("printed", form_text(item, item.printed, inner) or "nothing")]
     rows.append(("computed", _filled(finding.printed.lines, inner)))
@@ -65,11 +65,11 @@ def _filled(lines: tuple[str, ...], width: int) -> str:
 
 
 def _wrapped(line: str, width: int) -> str:
-    """A sentence broken into lines; a line of a caret stays where it points."""
+    """A sentence broken into lines of a width; a line with a caret is kept unbroken."""
     return line if line.startswith(" ") else textwrap.fill(line, width, break_long_words=False)
 
 
 def _row(name: str, text: str) -> str:
-    """A label, and its text beside it."""
+    """A label with its text beside it."""
     first, *rest = text.splitlines()
     return "\n".join([f"{name:<{_INDENT}}{first}", *(" " * _INDENT + line for line in rest)])

@@ -28,8 +28,9 @@ from freebody.targets.target import chosen_target
 
 
 class SweepNeeds(NamedTuple):
-    """What computes a sweep. target: that of its kernel; None for a Python function, which may call
-    kernels of the process's own target. scipy: whether SciPy makes its samples."""
+    """The target and libraries that a sweep needs. target: that of its kernel; None for a Python
+    function, which may call kernels of the process's own target. scipy: whether SciPy makes its
+    samples."""
 
     target: str | None
     scipy: bool

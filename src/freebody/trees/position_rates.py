@@ -151,27 +151,29 @@ _WORLD = np.array([[-1.0, 1, -1, 1], [-1, 1, 1, -1], [-1, -1, 1, 1]])
 
 
 def _body_map(p: Array) -> Array:
-    """Matrix E (..., 3, 4) of quaternions, for angular velocities in body axes."""
+    """Matrix E (..., 3, 4) of quaternions p (..., 4), which gives the angular velocity in body axes
+    from ṗ."""
     return p[..., _ENTRY] * _BODY
 
 
 def _world_map(p: Array) -> Array:
-    """Matrix G (..., 3, 4) of quaternions, for angular velocities in world axes."""
+    """Matrix G (..., 3, 4) of quaternions p (..., 4), which gives the angular velocity in world
+    axes from ṗ."""
     return p[..., _ENTRY] * _WORLD
 
 
 def _times(A: Array, x: Array) -> Array:
-    """Matrices times vectors, A x (..., rows)."""
+    """Products A x (..., rows) of matrices A and vectors x."""
     return (A @ x[..., None])[..., 0]
 
 
 def _back(A: Array, x: Array) -> Array:
-    """Transposed matrices times vectors, Aᵀ x (..., columns)."""
+    """Products Aᵀ x (..., columns) of transposed matrices A and vectors x."""
     return (x[..., None, :] @ A)[..., 0, :]
 
 
 def _turned(p: Array, v: Array) -> Array:
-    """R(p) v, for p of any length."""
+    """Vectors v rotated by the quaternions p, R(p) v; p may have any length."""
     return _times(_world_map(p), _back(_body_map(p), v)) / _dot(p, p)
 
 

@@ -1,5 +1,5 @@
-"""Work of every public function around its kernel: take vectors and dicts, check shapes, blame what
-is not finite."""
+"""The part of every public function outside its kernel: take vectors and dicts, check shapes, and
+raise errors about arguments that are not finite."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def evaluate(
     wrenches: FrameWrenchTable = None,
     otherwise: Callable[..., Any] | None = None,
 ) -> Any:
-    """The kernel of a formula on inputs in its order: an array, or a tuple of its outputs.
+    """Call the kernel of the formula of a key with the inputs in the formula's order; returns an
+    array, or a tuple of the outputs.
 
     What was called before under the key is tried at once: it refuses wrong shapes and types by
     itself, and tells of inputs that carry names, of quaternions that are not of unit length, and of
@@ -75,8 +76,8 @@ def attempt(
     option: Option,
     wrenches: FrameWrenchTable = None,
 ) -> Any:
-    """Evaluate by the kernel of an option that says NaN where there is something to look at; None
-    there.
+    """Call the fast kernel, whose outputs are NaN where an input needs a closer check; returns None
+    in that case.
 
     The kernel is the one that it will try under this key from now on.
     """
@@ -97,11 +98,12 @@ def attempt(
 
 
 def _nothing(*_: Any) -> None:
-    """Answer nothing: None stands for whatever is not sure at once."""
+    """Return None, which means that the fast kernel cannot give the result."""
 
 
 def _place(key: CallKey, wrenches: FrameWrenchTable) -> CallKey:
-    """Where a model keeps what answers under a key, and with wrenches on these frames."""
+    """Key under which a model stores the function of a call, extended by the frames on which
+    wrenches act."""
     if wrenches is None:
         return key
     frames, _ = _given(wrenches)
@@ -115,7 +117,7 @@ def careful(
     option: Callable[..., Option] | None = None,
     wrenches: FrameWrenchTable = None,
 ) -> Any:
-    """Evaluate by the kernel of the model's structure, the inputs looked at one by one.
+    """Call the kernel of the model's structure after every input has been checked by itself.
 
     `option` makes an Option of the model and of what the key holds besides the name.
     """
@@ -156,8 +158,8 @@ def careful(
 def _is_known(
     function: str, model: Model, option: Option, wrenches: FrameWrenchTable, place: Any
 ) -> bool:
-    """Whether the kernel has been compiled for another model of the same structure; it is then kept
-    at the place."""
+    """Whether the kernel has been compiled for another model of the same structure; if so, it is
+    also stored in this model."""
     try:
         frames = (
             ()
@@ -175,13 +177,14 @@ def _is_known(
 
 
 def _input_names(function: str, option: Option) -> list[str]:
-    """Names of a formula's inputs without the wrenches."""
+    """Names of the inputs of a function's formula, without the wrenches."""
     inputs = FORMULAS[function].inputs
     return [name for name in inputs if name != "wrenches" and (name != "point" or option.point)]
 
 
 def _given(wrenches: FrameWrenchTable) -> tuple[tuple[str | None, ...], tuple[ArrayLike, ...]]:
-    """Frames as they were named, None being the tip, and the wrench on each."""
+    """Frames on which wrenches act, as the caller named them (None: the tip), and the wrench on
+    each."""
     if wrenches is None:
         return (), ()
     if isinstance(wrenches, Mapping):
@@ -197,9 +200,9 @@ def checked_inputs(
     option: Option | None = None,
     called: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[tuple[str, ...], list[Array]]:
-    """(frames with wrenches, arrays of the inputs and then the wrenches), all finite and of one
-    batch shape, which ends in that of a family. called: arguments by other names than the formula's
-    inputs."""
+    """(names of the frames with wrenches, arrays of the inputs and then of the wrenches): all
+    finite, and of one batch shape, which ends in the model's family shape. called: the formula's
+    name of an argument that is called otherwise."""
     refuse_other_times(function, given)
     arrays = {
         called.get(name, name): vector(function, model, name, value, option)
@@ -217,12 +220,14 @@ def checked_inputs(
 
 
 def _of_family(model: Model) -> dict[str, Array]:
-    """Arrays that a family adds to those whose batches must broadcast together."""
+    """For a family of models, an array with the family's shape, to be included when batch shapes
+    are broadcast; {} for a single model."""
     return {"model.family": np.empty((*model.family, 0))} if model.family else {}
 
 
 def refuse_overflow(function: str, named: Mapping[str, Array]) -> None:
-    """Finite inputs whose result is not finite: name the one that is too large to be meant."""
+    """Raise an error that names the largest input where finite inputs give a result that is not
+    finite."""
     sizes = {name: float(np.abs(array).max(initial=0.0)) for name, array in named.items()}
     name = max(sizes, key=lambda n: sizes[n])
     if sizes[name] > HUGE:
@@ -271,7 +276,7 @@ def vector(
 
 
 def core_axes(name: str) -> int:
-    """How many axes one sample of an input has: vectors one, scalars none, matrices two."""
+    """How many axes one sample of an input has: vectors 1, scalars 0, matrices 2."""
     given = INPUTS.get(name)
     return 1 if given is None else len(given.dims)
 
@@ -282,12 +287,13 @@ def _refuse_not_finite(function: str, model: Model, name: str, array: Array) -> 
 
 
 def _has_names(name: str) -> bool:
-    """Whether the entries of an input have names that the model alone tells."""
+    """Whether the entries of an input have names that depend on the model."""
     return core_axes(name) == 1 and _dimension(name) in _VECTORS
 
 
 class _VectorNames(NamedTuple):
-    """Vectors of one dimension: what a DataArray may call it, and the names of their entries."""
+    """Name of the dimension of one kind of vector: what a DataArray may call it, and the names of
+    the entries."""
 
     dims: tuple[str, ...]
     entries: Callable[[Model], tuple[str, ...]]
@@ -310,8 +316,8 @@ _ALIKE = {"about": "point", "waypoints": "q", "path": "q"}
 
 
 def _dimension(name: str) -> str:
-    """Dimension of an argument: inputs of formulas have theirs in the table, all others are along
-    the rates."""
+    """Name of the dimension of an argument: from the table for inputs of formulas, along the rates
+    for all others."""
     if name.startswith("wrenches"):
         return "six"
     given = INPUTS.get(_ALIKE.get(name, name))
@@ -319,14 +325,15 @@ def _dimension(name: str) -> str:
 
 
 def finite_vector(function: str, model: Model, name: str, value: Any) -> Array:
-    """A `vector` that no kernel looks at: NaN and infinity are refused here."""
+    """The checked array of a `vector` argument that is passed to no kernel; raises an error for NaN
+    or infinity."""
     array = vector(function, model, name, value)
     refuse_not_finite(function, name, array, 1, labels(model, name))
     return array
 
 
 def single_vector(function: str, model: Model, name: str, value: Any) -> Array:
-    """A `vector` of one sample, for what takes no batch."""
+    """The checked array of a `vector` argument of one sample, for functions that take no batch."""
     array = vector(function, model, name, value)
     if array.ndim != 1:
         raise ShapeError(function, name, array.shape, str(array.shape[-1:]), "one sample, no batch")
@@ -334,7 +341,8 @@ def single_vector(function: str, model: Model, name: str, value: Any) -> Array:
 
 
 def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
-    """The batch shape of inputs taken together; refuses those that do not broadcast."""
+    """The common batch shape of several inputs; raises an error if they do not broadcast
+    together."""
     shapes = {name: array.shape[: array.ndim - core_axes(name)] for name, array in named.items()}
     try:
         return np.broadcast_shapes(*shapes.values())
@@ -346,12 +354,12 @@ def common_batch(function: str, named: Mapping[str, Array]) -> tuple[int, ...]:
 
 
 def labels(model: Model, name: str) -> tuple[str, ...]:
-    """Names of the entries of an input."""
+    """Names of the entries of a function's input, such as the coordinates of q."""
     return _VECTORS[_dimension(name)].entries(model)
 
 
 def check_quaternions(function: str, model: Model, q: Array) -> None:
-    """Refuse positions (..., nq) with a quaternion that is not of unit length."""
+    """Raise an error if positions q (..., nq) have a quaternion that is not of unit length."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         start = body.kind.quaternion
         if start is not None:
@@ -373,8 +381,8 @@ def wrenches_by_frame(
     single: bool = False,
     name: str = "wrenches",
 ) -> dict[str, Array]:
-    """External wrenches (..., six) by frame, one by names fx, fy, … put in order; `single`: no
-    batch; name: of the argument."""
+    """External wrenches (..., six) by frame; a wrench with named entries fx, fy, … is put in order.
+    single: no batch is allowed. name: of the argument, for errors."""
     if wrenches is None:
         return {}
     names = labels(model, "wrenches")
@@ -400,7 +408,8 @@ def wrenches_by_frame(
 
 
 def checked_reference(reference: str, allowed: tuple[str, ...] = ("world", "body")) -> str:
-    """The name of axes given as `reference`; refuses unknown ones."""
+    """The `reference` argument, if it is one of the allowed axes ("world", "body"); raises an error
+    otherwise."""
     if reference not in allowed:
         raise UnknownNameError("reference", reference, "reference=", allowed)
     return reference

@@ -1,5 +1,5 @@
-"""Regressors: torques, energies and accelerations as linear functions of the inertial parameters,
-of which `base_parameters` tells those that count."""
+"""Regressors: torques, energies and accelerations as linear functions of the inertial parameters;
+`base_parameters` finds the combinations that have an effect."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Joints that move no inertia, and joints that nothing drives: named where a function cannot do
-with them.
+"""Joints that move no inertia, and joints without a drive: errors for functions that cannot handle
+them.
 
 A joint that moves no inertia makes the mass matrix singular; it is found once a model. Most robots
 are seen to be sound by what their bodies weigh, each alone; that takes microseconds, so that a new
@@ -55,14 +55,14 @@ def refuse_passive(function: str, model: Model, tau: JointVector) -> None:
 
 
 def all_driven(model: Model) -> Model:
-    """The model with a drive in every joint; the model itself where no joint is passive."""
+    """The model with a drive in every joint; the model itself if no joint is passive."""
     if not model.passive:
         return model
     return model.replace(actuated=[b.joint.name for b in model.bodies if b.joint.mimic is None])
 
 
 def refuse_massless(model: Model, function: str) -> None:
-    """Raise SingularError if some joint moves no inertia at any of a few random configurations."""
+    """Raise SingularError if some joint moves no inertia at one of a few random configurations."""
     known, member = _found(model)
     if known:
         joints = listed(map(repr, known))
@@ -76,14 +76,15 @@ def refuse_massless(model: Model, function: str) -> None:
 
 
 def massless(model: Model) -> tuple[str, ...]:
-    """Coordinates that move no inertia, the loops of a closed chain being cut; of a family of the
-    first such member."""
+    """Names of the coordinates that move no inertia, with the loops of a closed chain cut; for a
+    family, those of the first member that has any."""
     return _found(model)[0]
 
 
 @fact
 def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
-    """The coordinates, and the index of the member."""
+    """Names of the coordinates that move no inertia, and the family index of the member that has
+    them."""
     if _all_sound(model):
         return (), ()
     if not model.family:
@@ -98,8 +99,8 @@ def _found(model: Model) -> tuple[tuple[str, ...], tuple[int, ...]]:
 
 
 def _all_sound(model: Model) -> bool:
-    """Whether each pivot of M is far above rounding, by what each body weighs alone; no other
-    answer is sure.
+    """Whether each pivot of the mass matrix M is certainly far above rounding, judged by the
+    inertia of each body alone; False means that this is unknown.
 
     A pivot is twice the least kinetic energy at unit rate of its joint, while all that carries the
     joint rests; the energy of the joint's own body is a part of it, and that of the others is not
@@ -132,8 +133,8 @@ def _all_sound(model: Model) -> bool:
 
 @lru_cache(maxsize=1024)
 def _least(inertia: tuple[float, ...]) -> tuple[float, float]:
-    """(bound from below of the smallest eigenvalue, trace of the inertia about the origin) of a
-    body's inertia.
+    """(a lower bound of the smallest eigenvalue of a body's spatial inertia, the trace of its
+    inertia about the origin).
 
     With the centre of mass c and T = (1, -c×; 0, 1) the inertia is Tᵀ diag(m 1, I_c) T, so that its
     eigenvalues are at least min(m, those of I_c) / (1 + |c|)². Of three positive eigenvalues the
@@ -161,7 +162,8 @@ def _least(inertia: tuple[float, ...]) -> tuple[float, float]:
 
 
 def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]:
-    """Names of the coordinates, and the index of the first member that they are found in."""
+    """Names of the coordinates that move no inertia at random configurations, and the index of the
+    first family member that has any."""
     tree = lower(model, VALUES)
     q, _, _ = generic_state(model, seed=1, batch=_SAMPLES)
     samples = tuple(np.moveaxis(q, -1, 0))
@@ -186,8 +188,8 @@ def _idle(model: Model, members: tuple[int, ...]) -> tuple[tuple[str, ...], int]
 
 
 def _pivots(tree: Tree, M: Array) -> dict[int, Array]:
-    """Sizes of D in M = Lᵀ D L, the leaves' first; by whole rows, since a long chain has cubically
-    many products."""
+    """The pivots D in M = Lᵀ D L of the mass matrix, by coordinate, leaves first; eliminates whole
+    rows, as a long chain needs cubically many products."""
     order = list(supports(tree))
     left = M[np.ix_(order, order)]
     pivots = {}

@@ -1,5 +1,5 @@
-"""Positions as points of a manifold: neutral, random, moving along a velocity, the velocity between
-two, and the rotations and quaternions that spherical and free joints take."""
+"""Positions as points of a manifold: neutral and random ones, integration along a velocity, the
+velocity between two; rotations and quaternions for spherical and free joints."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def _neutral(model: Model) -> Array:
 
 
 def home_guess(model: Model) -> Array:
-    """q (nq,) from which a closed chain is assembled: neutral, but for what the model's `home`
-    says."""
+    """Starting guess q (nq,) for the assembly of a closed chain: the neutral position, with the
+    values of the model's `home` where given."""
     q = neutral(model)
     for name, value in model.home:
         q[model.position_names.index(name)] = value
@@ -76,7 +76,8 @@ def random_state(
 
 
 def _usable(model: Model) -> list[Limits]:
-    """The limits of each body's joint, those of followers brought to their leaders."""
+    """Position limits of each body's joint; those of joints that follow others are applied to the
+    leading joint."""
     allowed = usable_limits(first_member(model))
     return [
         replace(body.joint.limits.meant, lower=allowed.lower[at.v[0]], upper=allowed.upper[at.v[0]])
@@ -89,8 +90,8 @@ def _usable(model: Model) -> list[Limits]:
 def generic_state(
     model: Model, seed: int | None = None, batch: int | tuple[int, ...] = ()
 ) -> tuple[Array, Array, Array]:
-    """A `random_state` regardless of limits, for what depends on the mechanism alone, such as
-    ranks.
+    """A random state without regard to limits, for properties that depend on the mechanism alone,
+    such as ranks.
 
     A range, be it narrow, may hold only states that are special.
     """
@@ -168,8 +169,8 @@ def _has_numbers(model: Model) -> bool:
 def _joint_by_joint(
     model: Model, size: int, way: Callable[[Primitive], Callable[..., Any]], given: list[Array]
 ) -> Array:
-    """Apply each joint's own function to its entries, over arrays: for models whose numbers are not
-    all known."""
+    """Apply each joint type's own function to that joint's entries of arrays, for models with
+    unknown numbers; way: selects the function of a joint primitive."""
     result, space = np.empty((*given[0].shape[:-1], size)), of_dimension(model.dim)
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         if body.joint.mimic is None:
@@ -186,7 +187,7 @@ def _joint_by_joint(
 
 
 def _batched(function: str, model: Model, **given: ArrayLike) -> list[Array]:
-    """Checked vectors, broadcast to their common batch."""
+    """Vector arguments checked and broadcast to their common batch."""
     refuse_other_times(function, given)
     named = {name: finite_vector(function, model, name, value) for name, value in given.items()}
     batch = common_batch(function, named)

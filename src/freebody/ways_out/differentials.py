@@ -1,5 +1,5 @@
-"""Derivatives of what is computed, to any order, for libraries that differentiate: which program
-gives which of them.
+"""Derivatives of programs to any order, for libraries with automatic differentiation, and which
+program computes which derivative.
 
 They are the ordinary partial derivatives by every entry of an input, of positions by all nq
 coordinates; the four of a quaternion included, of which kernels use the direction alone. (`by=` of
@@ -39,7 +39,7 @@ LONGEST = 20_000
 
 @dataclass(frozen=True)
 class Jacobian:
-    """The derivatives of each output of a program by each of some inputs.
+    """The derivatives of each output of a program by some of its inputs.
 
     If `whole`, `function` has the program's inputs and of each output in turn, by each of the
     inputs, (*output, *input). Else its last inputs are rates of these inputs, and its outputs, of
@@ -51,7 +51,7 @@ class Jacobian:
 
 
 class Differentiable:
-    """A program, and its derivatives.
+    """A program that can be differentiated, to any order, into programs of its derivatives.
 
     shorter: from positions of inputs to programs that have the outputs of `jacobian` in other,
     maybe shorter ways.
@@ -65,21 +65,22 @@ class Differentiable:
         self._found: dict[tuple[int, ...], Jacobian] = {}
 
     def jacobian(self, by: Sequence[int]) -> Jacobian:
-        """The derivatives by inputs at these positions, in rising order, each once."""
+        """The derivatives by the inputs with these indices, which are rising and distinct."""
         by = tuple(by)
         if by not in self._found:
             self._found[by] = self._jacobian(by)
         return self._found[by]
 
     def along(self, by: Sequence[int]) -> Differentiable:
-        """The rates of the outputs; those of the inputs `by` come last."""
+        """The program of the outputs' rates, when the inputs `by` change at rates that are given as
+        the last inputs."""
         return Differentiable(directional(self.program, tuple(by)))
 
     def applied(
         self, by: Sequence[int], of: Sequence[int], count: int, back: bool = False
     ) -> Differentiable | None:
-        """Rates of the outputs `of` for so many vectors, each a rate of the inputs `by`; back: of
-        the transpose.
+        """The program of Jacobian-vector products for `count` vectors: rates of the outputs `of`
+        from rates of the inputs `by`; back: products with the transpose.
 
         See `program.derivative`. None where the products would be more than half, of the transpose
         two thirds: there few vectors have many entries, and a library's matrices are several times
@@ -95,7 +96,8 @@ class Differentiable:
         return Differentiable(made(found.function.program, self.program, by, of, count))
 
     def ways(self, by: tuple[int, ...]) -> list[Program]:
-        """Programs of the whole Jacobian, but for those that would be far too long."""
+        """Programs of the whole Jacobian by the inputs `by`, without those that would be far too
+        long."""
         found = self._shorter(by) if self._shorter else []
         directions = sum(self.program.inputs[k].size for k in by)
         if length(self.program) * directions <= 20 * LONGEST:
@@ -111,13 +113,13 @@ class Differentiable:
 
 
 def length(program: Program) -> int:
-    """Number of operations of a program."""
+    """Number of operations in a program."""
     return sum(program.operations.values())
 
 
 def of_quantities(request: QuantityRequest) -> Differentiable:
-    """The program of some quantities of a model, with the programs of its derivatives; its p is
-    uniform."""
+    """The program of some quantities of a model, differentiable; its parameters p are the same for
+    all samples."""
     model, names, option, given, by = request
     p, over = request.p(uniform=True), given.tree if given else None
     for name in names:
@@ -151,8 +153,8 @@ def of_quantities(request: QuantityRequest) -> Differentiable:
 def _chosen(
     model: Model, program: Program, by: tuple[int, ...], tangent: Program, known: Sequence[str]
 ) -> Program:
-    """Some outputs of the program of a derivative, with the inputs of the program that is
-    differentiated.
+    """The program of some derivatives, with the inputs of the original program instead of those of
+    `tangent`.
 
     known: the inputs by which the outputs of `tangent` are.
     """
@@ -170,8 +172,8 @@ def _chosen(
 
 
 def by_coordinates(tree: Tree, q: Any, slopes: Any) -> Any:
-    """Rows of derivatives by the nq coordinates from those along the nv directions of the tangent
-    space.
+    """Rows of derivatives by the nq coordinates, computed from derivatives along the nv directions
+    of the tangent space.
 
     Of what depends on quaternions by their direction alone. The rates q̇ = Q v have columns that
     are orthogonal to each other and to the quaternions, so v = (QᵀQ)⁻¹ Qᵀ q̇ with a diagonal matrix

@@ -1,5 +1,5 @@
-"""The traced computations as source text, and as packages with a self-test: samples with results
-that are more accurate than those of the text."""
+"""Traced computations as source text, and as packages with a self-test whose samples are more
+accurate than the text's results."""
 
 from __future__ import annotations
 
@@ -141,8 +141,8 @@ def _unit(
     dtype: str,
     options: dict[str, Any],
 ) -> tuple[SourceUnit, dict[str, Any], KernelInputs | None, Option | None, tuple[Doubt, ...]]:
-    """The text to be written as a unit, the names behind its words, the numbers that are inputs,
-    the option of a model, and the doubts about it."""
+    """(the source unit, robot names by the identifiers that stand for them, numbers that are
+    inputs, option of the model, doubts about the model) for `fb.source` and `fb.export`."""
     if not isinstance(language, str) or language not in LANGUAGES:
         raise UnknownNameError("language", language, function, LANGUAGES)
     dtypes = LANGUAGES[language].dtypes
@@ -172,8 +172,8 @@ def _unit(
 
 
 def _readme(word: str, command: str, note: str, files: list[str]) -> str:
-    """The text that says what lies in the folder and how to try it; it serves the functions that
-    were written there before, too."""
+    """README text of an exported package: its files and how to run the self-test; also for
+    functions exported there earlier."""
     return "\n".join(
         [
             f"Functions written by freebody {__version__}. The comment at the top of each file "
@@ -208,8 +208,8 @@ def vectors(
     numbers: Array | None = None,
     option: Option | None = None,
 ) -> SelfTestSamples:
-    """Inputs at which all outputs are finite, what they give in extended precision, and how far off
-    the text may be: sixteen times what NumPy in `dtype` is off here, at least 1e-13 (float32:
+    """Self-test samples: inputs at which all outputs are finite, the outputs in extended precision,
+    and the tolerance: sixteen times the error of NumPy in `dtype` on them, at least 1e-13 (float32:
     1e-5).
 
     numbers: (k,) the model's own values of p, which is tried within a tenth of them. option: what
@@ -254,7 +254,8 @@ def vectors(
 def _samples(
     name: str, shape: tuple[int, ...], model: Model | None, rng: np.random.Generator
 ) -> Array:
-    """(tries, size): positions about home, anything else of size 1."""
+    """Random values (tries, size) of an input: positions near the home position, other inputs of
+    size 1."""
     size = int(np.prod(shape))
     values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
     size = INPUTS[name].positive if model is not None and name in INPUTS else None
@@ -273,8 +274,8 @@ def _samples(
 def _reached(
     model: Model, option: Option, given: list[Array], rng: np.random.Generator
 ) -> list[Array]:
-    """Targets (tries, pose) that positions all round reach, and where the joint that is held stands
-    there."""
+    """Target poses (tries, pose) that random positions reach, and the value of a locked joint at
+    those positions."""
     q = np.pi * _samples("q", (model.nq,), None, rng)
     (T,) = FORMULAS["forward_kinematics"].evaluate(
         model.tree, option, q=tuple(_unit_quaternions(model, q).T)
@@ -285,7 +286,7 @@ def _reached(
 
 
 def _unit_quaternions(model: Model, positions: Array) -> Array:
-    """Positions (tries, nq) whose quaternions have length one."""
+    """Positions (tries, nq) with quaternions normalised to unit length."""
     for body, at in zip(model.bodies, model.coordinates, strict=True):
         start = body.kind.quaternion
         if start is not None:
@@ -297,8 +298,8 @@ def _unit_quaternions(model: Model, positions: Array) -> Array:
 
 
 def _near(own: Array, rng: np.random.Generator) -> Array:
-    """(tries, k): the numbers themselves and others near; of what has no value near 1, of zeros
-    near 0."""
+    """Values (tries, k) within a tenth of the given numbers; unknown numbers are replaced by values
+    near 1, zeros by values near 0."""
     known = np.where(np.isnan(own), 1.0, own)
     return known + rng.uniform(-0.1, 0.1, size=(_TRIES, own.size)) * np.where(
         known == 0.0, 0.1, known
@@ -306,8 +307,8 @@ def _near(own: Array, rng: np.random.Generator) -> Array:
 
 
 def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
-    """Positions at which the loops are closed, and rates that keep them so; as given where there
-    are none near.
+    """Inputs with positions that close the loops, and rates that keep them closed; unchanged if no
+    closed position is near.
 
     Every second is a little off: where all loops are closed their equations are rounding, and say
     nothing.
@@ -326,8 +327,8 @@ def _closed(model: Model, names: list[str], given: list[Array]) -> list[Array]:
 
 
 def _assembled(model: Model, near: Array) -> Array:
-    """Closed positions near these (tries, nq); where one closes nowhere, another takes its place.
-    Raises LoopError where none closes."""
+    """Closed positions near the given ones (tries, nq); where the search from one fails, another is
+    used. Raises LoopError if none can be closed."""
     from freebody.loops.assembly import assemble
 
     try:
@@ -343,7 +344,7 @@ def _assembled(model: Model, near: Array) -> Array:
 
 
 def _run(program: Program, given: list[Array], kind: type) -> list[np.ndarray]:
-    """Outputs (tries, size) in arithmetic of a type."""
+    """Outputs (tries, size) of a program, computed in the floating-point type `kind`."""
     rows = [column for x in given for column in x.astype(kind).T]
     with np.errstate(all="ignore"):
         scalars = Interpreter.of(program)(rows)

@@ -170,8 +170,8 @@ def _description(
 
 # ---------------------------------------------------------------- the library
 def _binary(word: str, text: str) -> dict[str, bytes]:
-    """The unit's library for this machine by its place in the archive; nothing, with a warning,
-    where it cannot be made here."""
+    """The compiled library for this machine by its path in the archive; {}, with a warning, if it
+    cannot be compiled here."""
     place = _PLATFORMS.get(sys.platform)
     compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
     if place is None or compiler is None or platform.machine() not in ("x86_64", "AMD64"):
@@ -200,7 +200,7 @@ def _binary(word: str, text: str) -> dict[str, bytes]:
 
 
 def _archive(parts: dict[str, bytes]) -> bytes:
-    """The parts as one zip file."""
+    """The files of the unit as one zip archive."""
     held = io.BytesIO()
     with zipfile.ZipFile(held, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in parts.items():

@@ -1,4 +1,4 @@
-"""Programs as functions of JAX: differentiated by the programs of their derivatives."""
+"""Programs as functions of JAX, with derivatives computed by programs too."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def to_jax(
 
 
 def _kind(dtype: str | None, way: Compilation) -> str | None:
-    """The type of number that is computed with; None: that of the arrays."""
+    """The floating-point type to compute with; None: that of the arguments."""
     import jax
 
     if dtype is None:
@@ -119,7 +119,8 @@ def _checked(
     fixed: str | None,
     named: KernelInputs | None,
 ) -> Any:
-    """The function of whatever JAX makes arrays of: one array or a tuple."""
+    """A function that accepts anything JAX can convert to arrays, checks the shapes and calls
+    `compute`; returns one array or a tuple."""
     import jax
 
     def function(*arrays: Any, p: Any = None) -> Any:
@@ -140,8 +141,8 @@ def _checked(
 
 
 def _numbers(program: Program, named: KernelInputs | None, p: Any, others: Sequence[Any]) -> Any:
-    """p (..., k): an array as it is, of {name: value} the rest the model's own, without it all of
-    them; these are of the type of what is given."""
+    """The array p (..., k) of model numbers: a given array itself; {name: value} completed by the
+    model's own numbers; without p all of the model's own; in the type of the other arguments."""
     import jax.numpy as jnp
 
     last = len(program.inputs) - 1
@@ -170,7 +171,7 @@ def _array(program: Program, k: int, given: Any) -> Any:
 
 
 def _check(program: Program, arrays: Sequence[Any]) -> None:
-    """Refuse what has wrong shapes."""
+    """Raise an error if an array has the wrong shape for its input."""
     inputs = program.inputs
     require_count(program.name, arrays, inputs)
     for x, argument in zip(arrays, inputs, strict=True):
@@ -186,8 +187,8 @@ def _check(program: Program, arrays: Sequence[Any]) -> None:
 
 
 def _common(program: Program, arrays: Sequence[Any]) -> Any:
-    """float64 or float32, as JAX promotes the arrays; of whole numbers the type that JAX gives
-    floats."""
+    """The common type, float64 or float32, by JAX's promotion rules; for integers JAX's default
+    float type."""
     import jax.numpy as jnp
 
     for x, argument in zip(arrays, program.inputs, strict=True):

@@ -1,4 +1,4 @@
-"""Kernels as functions of PyTorch's tensors."""
+"""Kernels as functions of PyTorch tensors."""
 
 from __future__ import annotations
 
@@ -143,13 +143,14 @@ class TorchFunction:
         return made[0] if len(made) == 1 else made
 
     def _common(self, given: Sequence[Any]) -> Any:
-        """The type of the tensors; of both kinds, and of numbers alone, float64."""
+        """The common type of the tensors; float64 for mixed types and where all arguments are plain
+        numbers."""
         torch = self._torch
         kinds = {x.dtype for x in given if isinstance(x, torch.Tensor)}
         return torch.float32 if kinds == {torch.float32} else torch.float64
 
     def _tensor(self, x: Any, kind: Any) -> Tensor:
-        """A tensor as it is, or as numbers of that type; a number as a tensor."""
+        """A tensor unchanged if it is one, otherwise a tensor of a number in the given type."""
         torch = self._torch
         if not isinstance(x, torch.Tensor):
             if type(x) in (int, float):
@@ -170,8 +171,8 @@ class TorchFunction:
         return x if x.dtype is kind else x.to(kind)
 
     def _numbers(self, p: Any, kind: Any) -> Tensor:
-        """p (..., k): a tensor as it is, of {name: value} the rest the model's own, without it all
-        of them."""
+        """The tensor p (..., k) of model numbers: a given tensor itself; {name: value} completed by
+        the model's own numbers; without p all of the model's own."""
         torch = self._torch
         if not isinstance(self._kernel, InputKernel):
             raise KernelError(
@@ -193,5 +194,6 @@ class TorchFunction:
         return f"TorchFunction({self.program}; {self._dtype or 'of the tensors'})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Another process compiles the kernels for itself, or finds them in the cache."""
+        """Pickle support: another process compiles the kernels again, or finds them in the
+        cache."""
         return TorchFunction, (self._kernel, self._dtype)

@@ -1,5 +1,5 @@
-"""Programs as functions of JAX, with derivatives of every order; products along axes that were
-broadcast are made without copies.
+"""Programs as functions of JAX with derivatives of every order; products along broadcast axes need
+no copies.
 
 The derivative along tangents is an operation of JAX's own, `freebody_linear`, which is linear in
 these and knows its transpose. One tangent, or one cotangent, is what a kernel of the derivative
@@ -71,32 +71,33 @@ class JaxFunction:
         return results, tuple(changes)
 
     def _along(self, by: _ArgumentPlaces) -> JaxFunction:
-        """The function of the rates of the outputs; rates of the inputs `by` come last."""
+        """The JAX function of the outputs' rates, given the inputs and then rates of the inputs
+        `by`."""
         return JaxFunction(self.what.along(by), self.way)
 
     def _gradient(self, by: _ArgumentPlaces, of: _ArgumentPlaces) -> JaxFunction:
-        """The function of the gradient by the inputs `by`; weights of the outputs `of` come
-        last."""
+        """The JAX function of the gradient by the inputs `by` of the weighted outputs `of`; the
+        weights are the last arguments."""
         return JaxFunction(Differentiable(gradient(self.program, by, of)), self.way)
 
     def _applied(
         self, by: _ArgumentPlaces, of: _ArgumentPlaces, count: int, back: bool
     ) -> JaxFunction | None:
-        """The function of the Jacobian, or its transpose, times so many vectors, which come last;
-        None if it would be too long."""
+        """The JAX function of products of the Jacobian, or with `back` its transpose, with `count`
+        vectors, given as last arguments; None if the program would be too long."""
         made = self.what.applied(by, of, count, back)
         return made and JaxFunction(made, self.way)
 
     def _matrices(self, by: _ArgumentPlaces) -> Callable[..., JaxArrays]:
-        """A function of the inputs: the derivatives of each output by each of the inputs `by`,
-        (*output, *input)."""
+        """A function of the inputs that returns the Jacobians (*output, *input) of each output by
+        each of the inputs `by`."""
         found = self.what.jacobian(by)
         call = JaxFunction(found.function, self.way).call
         return call if found.whole else lambda *arrays: self._columns(by, arrays)
 
     def _columns(self, by: _ArgumentPlaces, arrays: JaxArrays) -> JaxArrays:
-        """The derivatives of each output by each of the inputs `by`, from those along unit
-        vectors."""
+        """Jacobians of each output by each of the inputs `by`, computed column by column from rates
+        along unit vectors."""
         shapes = [self.program.inputs[k].shape for k in by]
         ends = np.cumsum([prod(shape) for shape in shapes]).tolist()
         given = _level(self.program.inputs, arrays)
@@ -116,16 +117,16 @@ class JaxFunction:
 
 
 def _level(inputs: Sequence[Argument], arrays: Sequence[Any]) -> list[Any]:
-    """The arrays with equally many leading axes, of size 1 where there were fewer."""
+    """The arrays with equally many batch axes; missing ones are inserted with size 1."""
     axes = [x.ndim - len(argument.shape) for x, argument in zip(arrays, inputs, strict=True)]
     most = max(axes, default=0)
     return [x.reshape((1,) * (most - n) + x.shape) for x, n in zip(arrays, axes, strict=True)]
 
 
 class _Products(NamedTuple):
-    """Products with the Jacobian of a function: if `back` is None of rates of the inputs `by`, and
-    the results are those of the outputs `of`. Else of its transpose with cotangents of the outputs
-    `of`, and the results are those of the inputs `by`, with the leading axes `back`."""
+    """Products with the Jacobian of a function. back None: rates of the inputs `by` give rates of
+    the outputs `of`; otherwise the transpose: cotangents of the outputs `of` give cotangents of the
+    inputs `by`."""
 
     function: JaxFunction
     by: _ArgumentPlaces
@@ -134,16 +135,16 @@ class _Products(NamedTuple):
 
     @property
     def inputs(self) -> list[tuple[int, ...]]:
-        """Core shapes of the inputs `by`."""
+        """Shapes of one sample of the inputs `by`."""
         return [self.function.program.inputs[k].shape for k in self.by]
 
     @property
     def outputs(self) -> list[tuple[int, ...]]:
-        """Core shapes of the outputs `of`."""
+        """Shapes of one sample of the outputs `of`."""
         return [self.function.program.outputs[k].shape for k in self.of]
 
     def batches(self, operands: Sequence[Any]) -> list[Any]:
-        """The leading axes of each operand."""
+        """Batch shape of each operand of the product."""
         last = self.inputs if self.back is None else self.outputs
         cores = (*(x.shape for x in self.function.program.inputs), *last)
         return [x.shape[: x.ndim - len(core)] for x, core in zip(operands, cores, strict=True)]
@@ -156,7 +157,8 @@ _linear.multiple_results = True
 
 
 def _evaluate(*operands: Any, products: _Products, matrix: bool) -> JaxArrays:
-    """The results of the operation, in terms of kernels that have derivatives themselves."""
+    """The results of the Jacobian product, computed by kernels that can be differentiated
+    themselves."""
     function, by, of, back = products
     count = len(function.program.inputs)
     primals, given = operands[:count], operands[count:]
@@ -170,7 +172,7 @@ def _evaluate(*operands: Any, products: _Products, matrix: bool) -> JaxArrays:
 
 
 def _to_inputs(products: _Products, slopes: Sequence[Any]) -> JaxArrays:
-    """Cotangents of the inputs, summed over axes along which these were broadcast."""
+    """Cotangents of the inputs, summed over the axes along which the inputs were broadcast."""
     shapes = zip(products.back, products.inputs, strict=True)
     return tuple(
         _summed(x, (*batch, *core)) for x, (batch, core) in zip(slopes, shapes, strict=True)
@@ -178,8 +180,8 @@ def _to_inputs(products: _Products, slopes: Sequence[Any]) -> JaxArrays:
 
 
 def _shared(products: _Products, primals: JaxArrays, given: JaxArrays) -> JaxArrays | None:
-    """The products with vectors that are the same for all samples, by a kernel that multiplies with
-    them itself; None where others come, or too many."""
+    """Jacobian products with vectors that are the same for all samples, by a kernel that contains
+    the product; None if the vectors differ by sample or are too many."""
     function, by, of, back = products
     sizes = products.batches((*primals, *given))
     values, vectors = (
@@ -214,7 +216,7 @@ def _shared(products: _Products, primals: JaxArrays, given: JaxArrays) -> JaxArr
 
 
 def _multiplied(products: _Products, primals: JaxArrays, given: JaxArrays) -> JaxArrays:
-    """The products with Jacobians as arrays."""
+    """Jacobian products computed from the whole Jacobian matrices."""
     function, by, of, back = products
     inputs, outputs = products.inputs, products.outputs
     every = function.matrices(by)(*primals)
@@ -250,8 +252,8 @@ def _shapes(*operands: Any, products: _Products, matrix: bool) -> Any:
 def _mapped(
     operands: Sequence[Any], axes: Sequence[int | None], products: _Products, matrix: bool
 ) -> Any:
-    """The operation over one axis more; where many vectors come for the same values, through a
-    matrix."""
+    """The Jacobian product with one more batch axis (`vmap`); where many vectors belong to the same
+    inputs, the Jacobian matrix is computed once."""
     count = len(products.function.program.inputs)
     size = next(x.shape[axis] for x, axis in zip(operands, axes, strict=True) if axis is not None)
     moved = [
@@ -266,8 +268,8 @@ def _mapped(
 
 
 def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any:
-    """The derivative of the operation: it is linear in its last operands, and in the others that of
-    `_evaluate`."""
+    """The tangent of the Jacobian product, which is linear in the vectors; for the other operands
+    `_evaluate` is differentiated."""
     count = len(params["products"].function.program.inputs)
     results, changes = _linear.bind(*operands, **params), []
     moving = [k for k in range(count) if type(tangents[k]) is not ad.Zero]
@@ -290,8 +292,8 @@ def _jvp(operands: Sequence[Any], tangents: Sequence[Any], **params: Any) -> Any
 def _transposed(
     cotangents: Sequence[Any], *operands: Any, products: _Products, matrix: bool
 ) -> list[Any]:
-    """The transpose of the operation, by the operands that are unknown, of the results that
-    count."""
+    """The transpose of the Jacobian product by the vectors that JAX leaves undefined, for the
+    results with nonzero cotangents."""
     function, by, of, back = products
     count = len(function.program.inputs)
     primals, last = operands[:count], operands[count:]
@@ -334,8 +336,8 @@ _ShapeOfArray = tuple[int, ...]
 
 
 def _product(back: bool, table: Any, vector: Any, out: _ShapeOfArray, shape: _ShapeOfArray) -> Any:
-    """A matrix (*batch, *output, *input) times a vector (*batch, *input); back: its transpose times
-    (*batch, *output).
+    """Product of a matrix (*batch, *output, *input) and a vector (*batch, *input); back: of its
+    transpose and a vector (*batch, *output).
 
     Axes of size 1 are left out: XLA would copy the other factor along them.
     """
@@ -367,7 +369,7 @@ def _product(back: bool, table: Any, vector: Any, out: _ShapeOfArray, shape: _Sh
 
 
 def _summed(x: Any, shape: _ShapeOfArray) -> Any:
-    """The sum over axes along which an array of this shape was broadcast."""
+    """Sum of x over the axes along which an array of the given shape was broadcast."""
     axes = tuple(
         k for k, (n, m) in enumerate(zip(x.shape, shape, strict=True)) if m == 1 and n != 1
     )
@@ -375,6 +377,7 @@ def _summed(x: Any, shape: _ShapeOfArray) -> Any:
 
 
 def _placed(x: Any, axes: Sequence[int]) -> Any:
-    """An array whose axes are these of another one, in the order of that one."""
+    """The array x with its axes moved to the given positions of another array, in that array's
+    order."""
     order = sorted(axes, key=lambda k: k if k >= 0 else len(axes) + k)
     return x.transpose([axes.index(k) for k in order])

@@ -1,5 +1,5 @@
-"""Quantities of a model by name as kernels, as functions of scalars inside functions of one's own,
-and the request for them wherever a computation leaves freebody."""
+"""Quantities of a model by name, as kernels and as functions of scalars inside users' functions,
+and the request that `kernel`, `source`, `to_jax` and the like share."""
 
 from __future__ import annotations
 
@@ -149,8 +149,8 @@ _OPTIONS = ("frame", "reference", "wrench_frames", "rows")
 
 
 class QuantityRequest(NamedTuple):
-    """Quantities of a model, their variant, numbers that are given as p, and inputs by which they
-    are differentiated."""
+    """A request for quantities of a model: their names and options, the model numbers that are
+    inputs p, and the inputs to differentiate by."""
 
     model: Model
     names: tuple[str, ...]
@@ -159,11 +159,12 @@ class QuantityRequest(NamedTuple):
     by: tuple[str, ...]
 
     def p(self, uniform: bool = False) -> Argument | None:
-        """The last input, if numbers are given."""
+        """The argument p for the model's numbers, the last input; None if no numbers are inputs.
+        uniform: the same for all samples."""
         return Argument("p", (len(self.given.names),), uniform) if self.given else None
 
     def program(self) -> Program:
-        """The program of the quantities."""
+        """The program that computes the requested quantities."""
         over = self.given.tree if self.given else None
         return program(self.model, self.names, self.option, self.p(), over, self.by)
 
@@ -174,7 +175,7 @@ def requested(
     names: str | Sequence[str] | None,
     options: dict[str, Any],
 ) -> QuantityRequest | Kernel | InputKernel:
-    """The quantities of a request, checked; or the kernel itself, which takes neither names nor
+    """The checked request for quantities; a kernel passes unchanged and takes neither names nor
     options."""
     if isinstance(what, Kernel | InputKernel):
         if names is not None or options:
@@ -260,7 +261,8 @@ def formula(
 
 
 def _nested(function: str, name: str, value: Any, shape: tuple[int, ...]) -> Any:
-    """Sequences or an array as nested tuples of a shape."""
+    """A sequence or array as nested tuples of the given shape; raises an error for another
+    shape."""
     if not shape:
         return value
     is_sequence = isinstance(value, tuple | list) or (

@@ -1,5 +1,5 @@
-"""A program in words, for whoever reads it as text: arguments with units, the robot's structure,
-counts, and what its nodes are in the recursion.
+"""Descriptions of a program for readers of its source text: arguments with units, the robot's
+structure, operation counts, and names of intermediate results in the recursion.
 
 Every name from outside becomes a word; `names` says which word is which name. Names of nodes come
 from tracing the recursion once more, with its intermediates as results: a node of the program that
@@ -41,8 +41,8 @@ _NUMBERS = "numbers of the robot, listed below (SI units)"
 
 
 class ProgramDescription:
-    """The description of a program of a model. Attributes: comment, joints, marks (see
-    `SourceUnit`), names."""
+    """The description of a program of a model, for comments in its source text. Attributes:
+    comment, joints, marks (see `SourceUnit`), names."""
 
     def __init__(
         self,
@@ -64,7 +64,7 @@ class ProgramDescription:
 
     @property
     def comment(self) -> tuple[str, ...]:
-        """Lines for the head of the text."""
+        """Comment lines for the head of the source text."""
         program, model = self.program, self.model
         (robot,) = identifiers([model.name]).values()
         counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
@@ -87,16 +87,17 @@ class ProgramDescription:
 
     @property
     def doubts(self) -> tuple[Doubt, ...]:
-        """The doubts about the numbers that the quantities depend on."""
+        """Doubts about the model's numbers on which the requested quantities depend."""
         return doubts_used(self.model, *(x for name in self._names for x in FORMULAS[name].touches))
 
     def _doubtful(self) -> list[str]:
-        """The kinds of doubts in a line; their sentences hold names of the robot's."""
+        """Comment lines with the kinds of doubts; their full sentences contain names from the
+        robot's file."""
         kinds = ", ".join(dict.fromkeys(doubt.kind for doubt in self.doubts))
         return [f"Doubts about the robot: {kinds}."] if kinds else []
 
     def _legend(self) -> list[str]:
-        """The meaning of the words in the text that are names of the recursion."""
+        """Comment lines that explain the variable names taken from the recursion."""
         letters = {
             word.removeprefix("minus_").rstrip("xyz_0123456789") for word in self.marks.values()
         }
@@ -116,13 +117,13 @@ class ProgramDescription:
 
     @property
     def _is_turned(self) -> bool:
-        """Whether the bodies' frames may not be those of the robot."""
+        """Whether the bodies' frames may be turned against those in the robot's file."""
         return not self.numbers and turned_frames(self.model.tree) is not self.model.tree
 
     @property
     def joints(self) -> Joints:
-        """The joint that each scalar belongs to: entries of q and of the rates, and rows of outputs
-        with a row for each."""
+        """The joint to which each scalar belongs: entries of q and of the rates, and rows of
+        outputs that have one row per joint."""
         by_q, by_v = [-1] * self.model.nq, [-1] * self.model.nv
         for k, at in reversed(list(enumerate(self.model.coordinates))):
             for owner, entries in ((by_q, at.q), (by_v, at.v)):
@@ -142,7 +143,7 @@ class ProgramDescription:
 
     @property
     def names(self) -> dict[str, Any]:
-        """The names as they were, by the word that stands for each."""
+        """The robot's original names, by the identifier that stands for each in the text."""
         (robot,) = identifiers([self.model.name]).values()
         return {
             "robot": {robot: self.model.name},
@@ -152,7 +153,7 @@ class ProgramDescription:
         }
 
     def _worded(self, quantities: tuple[str, ...]) -> dict[str, str]:
-        """The meaning of each argument."""
+        """Descriptions of the arguments, by name."""
         found = {name: given.meaning for name, given in INPUTS.items()} | {"p": _NUMBERS}
         if self.model.nq == self.model.nv:  # no quaternions
             found |= {name: f"{found[name].partition(';')[0]})" for name in ("q", "qd")}
@@ -176,7 +177,8 @@ class ProgramDescription:
         ]
 
     def _structure(self) -> list[str]:
-        """Lines on the joints: what each is, which entries move it, what it carries."""
+        """Comment lines on the joints: the type of each, its entries in q, and the bodies that it
+        carries."""
         model = self.model
         lines = [f"Joints, in {model.dim} dimensions:"]
         for k, (body, at) in enumerate(zip(model.bodies, model.coordinates, strict=True)):
@@ -194,7 +196,7 @@ class ProgramDescription:
         return [*lines, f"Gravity: {self._gravity()}."]
 
     def _gravity(self) -> str:
-        """The direction in which gravity pulls: whoever mounts the robot has to know."""
+        """A comment line on the direction of gravity, which matters to whoever mounts the robot."""
         given = self.numbers.opened if self.numbers else self.model
         if (given.gravity_size, given.gravity_direction) != (
             self.model.gravity_size,
@@ -226,7 +228,7 @@ _REGROUPED = (
 
 
 def _span(entries: tuple[int, ...]) -> str:
-    """Text of indices, counted from 0: [2] or [0..5]."""
+    """Text of array indices counted from 0: [2] or [0..5]."""
     return (
         f"[{entries[0]}]"
         if len(entries) == 1
@@ -237,7 +239,8 @@ def _span(entries: tuple[int, ...]) -> str:
 
 
 def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str, str]) -> list[str]:
-    """Lines that say what the entries of p are."""
+    """Comment lines on the meaning of the entries of p, with names, units and the model's own
+    values."""
     if numbers is None:
         return []
     records = {record.name: record for record in Parameters(model)}
@@ -259,8 +262,8 @@ def _listed_numbers(model: Model, numbers: KernelInputs | None, words: dict[str,
 def of_program(
     program: Program, numbers: KernelInputs | None = None
 ) -> tuple[tuple[str, ...], dict[str, Any]]:
-    """The head of the text of a kernel, of which no more is known than its program and its p; and
-    p's names."""
+    """(comment lines, names of p's entries) for a kernel of which only the program and its p are
+    known."""
     counts = ", ".join(f"{count} {op}" for op, count in sorted(program.operations.items()))
     words = identifiers(Parameters(numbers.model).names if numbers else ())
     head = [
@@ -301,8 +304,8 @@ _LARGEST = 64
 
 
 def _marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) -> dict[int, str]:
-    """Node -> word, for nodes that the recursion has a name for: w3_x, the x of the angular
-    velocity of body 3.
+    """Variable names for nodes of the program that are intermediate results of the recursion: w3_x
+    is the x component of the angular velocity of body 3.
 
     tree_over: the tree over the scalars of p.
     """
@@ -341,7 +344,8 @@ def _marks(program: Program, option: Option, tree_over: Callable[[Any], Tree]) -
 def _opposite(
     program: Program, node: int, known: list[int], numbers: dict[tuple[Any, ...], int]
 ) -> int:
-    """The number of what computes the negative of a node; -1 where that is nothing known."""
+    """The number of a node that computes the negative of a node; -1 if there is none among the
+    known ones."""
     op, operands = program.op[node], [known[i] for i in program.operands(node)]
     if op == "neg":
         return operands[0]
@@ -349,8 +353,8 @@ def _opposite(
 
 
 def _numbered(program: Program, numbers: dict[tuple[Any, ...], int]) -> list[int]:
-    """For each node a number; nodes of two programs that compute the same from the same inputs have
-    the same."""
+    """A number for each node; nodes of two programs get the same number when they compute the same
+    value from the same inputs."""
     made: list[int] = []
     for index, op in enumerate(program.op):
         if record := OPERATIONS.get(op):
@@ -363,7 +367,7 @@ def _numbered(program: Program, numbers: dict[tuple[Any, ...], int]) -> list[int
 
 
 def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[str, Scalar]]:
-    """Words and scalars of inverse dynamics, of the poses, and of the mass matrix."""
+    """Variable names and scalars of inverse dynamics, the poses and the mass matrix."""
     zeros = (0.0,) * tree.nv
     q, qd, qdd = given["q"], given.get("qd", zeros), given.get("qdd", zeros)
     wrenches = tuple(
@@ -396,7 +400,8 @@ def _named(tree: Tree, option: Option, given: dict[str, Any]) -> Iterator[tuple[
 
 
 def _entries(word: str, value: Any) -> Iterator[tuple[str, Scalar]]:
-    """w3_x, w3_y, w3_z of a vector, R3_xx, … of a matrix; what has one entry is w3."""
+    """Names of the entries of a vector, w3_x, w3_y, w3_z, or matrix, R3_xx, …, with the scalars; a
+    single entry is w3."""
     if not isinstance(value, tuple):
         yield word, value
         return

@@ -1,1 +1,1 @@
-"""The items, by section; each file exports ITEMS."""
+"""The items of the lecture notes, by section; each file exports ITEMS."""

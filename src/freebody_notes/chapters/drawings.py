@@ -1,4 +1,5 @@
-"""The figures of all chapters, each drawn from a model and read back."""
+"""Checks of the notes' figures: each figure is drawn from a model and its quantities are read back
+from the drawing."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from freebody_notes.item import Outcome
 
 
 def trajectory(p: Panel):
-    """The direction of v against that of the curve where P is."""
+    """Vectors read from figure 1.1: whether v(t) is parallel to the tangent of the curve at P."""
     points = p.points("Γ")
     k = int(np.argmin(np.linalg.norm(points - p.start("P"), axis=1)))
     k = min(max(k, 1), len(points) - 2)
@@ -49,7 +50,8 @@ def cloud(p: Panel):
 
 
 def pairs(p: Panel, on1="−F_{2}", on2="F_{2}", base="F_{1}"):
-    """The pair of forces at the elbow, and moments at it; where the base's force stands."""
+    """Forces and moments at the elbow of a drawn arm, read from the drawing: on1 and on2 are
+    opposite; and the point at which the base's force acts."""
     return {
         "on1": p.span(on1, 1), "on2": p.span(on2, 1), "turn1": p.of("−τ_2", 1),
         "turn2": p.of("τ_2", 1), "base": p.start(base, 1), "O": p.start("joint 1", 1),
@@ -89,8 +91,8 @@ def pendulum(p: Panel):
 
 
 def speeds(p: Panel):
-    """The velocity arrows against the arm's own velocities: perpendicular to the first link at
-    C₁."""
+    """Velocity arrows read from a figure, and the arm's velocities; v_c1 is perpendicular to the
+    first link at C₁."""
     return dynamic_pairs(p) | {
         "v_start": p.start("v_{c1}", 0), "C1": p.start("C_1", 0),
         "across": float(p.span("v_{c1}", 0) @ p.span("link 1", 0)),
@@ -99,7 +101,8 @@ def speeds(p: Panel):
 
 
 def velocity_labels(form: str) -> Outcome:
-    """Whether the arrow of a form's velocity stands at the centre of mass of the outer link."""
+    """Whether the velocity arrow that a formula names starts at the centre of mass of the outer
+    link."""
     p = Panel(notes_figure("3.2"))
     label = re.findall(r"v_c(\d)", form)[-1]
     same = np.allclose(p.start(f"v_{{c{label}}}", 0), p.start("C_2", 0))

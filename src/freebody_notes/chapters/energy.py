@@ -9,8 +9,8 @@ from freebody_notes.checks import Related
 
 
 def moving_bar(turning=1.4, sliding=1.0, pinned=False):
-    """A uniform bar, its energy as the sum over ten thousand pieces, each ½ dm v²; and that of
-    freebody."""
+    """A moving uniform bar: its kinetic energy as the sum of ½ dm v² over ten thousand pieces, and
+    the kinetic energy that freebody computes."""
     l, m = 1.2, 3.0
     body = fb.planar(
         "PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0
@@ -37,8 +37,8 @@ def pinned_bar():
 
 
 def lifted():
-    """A body on a vertical slide: its potential energy, and the work W of its weight on the way up
-    from 0."""
+    """A body on a vertical slide: its potential energy, and the work W done by its weight when it
+    rises from 0."""
     lift = fb.planar("P", m=["m"], lc=[0], I=["I"], angles=[np.pi / 2])
     free = fb.quantities(lift)
     height = free["rc1"][1]
@@ -46,7 +46,8 @@ def lifted():
 
 
 def stretched_spring():
-    """A slide on a spring without weight; the force that holds it is the slope of the energy."""
+    """A slide on a spring, without weight: the holding force is the derivative of the potential
+    energy."""
     slide = fb.planar("P", m=["m"], lc=[0], I=["I"], g=0, drives=[fb.Drive(stiffness="k")])
     free = fb.quantities(slide)
     return free | {"x": free["d1"]}

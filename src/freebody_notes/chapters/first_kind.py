@@ -9,8 +9,8 @@ from freebody_notes.checks import Related
 
 
 def pinned_bar():
-    """A bar as a free body with coordinates x, y of its middle and θ, whose end a loop holds at the
-    origin.
+    """A bar as a free body with the coordinates x, y of its centre and θ; a loop holds its end at
+    the origin.
 
     Its acceleration and the pin's force are compared with those of a bar on a revolute joint, which
     has no multipliers.
@@ -45,7 +45,7 @@ def pinned_bar():
 
 
 def guided_arm():
-    """The arm of two links with its tip on a horizontal line: one constraint Φ = y − y₀.
+    """The two-link arm with its tip on a horizontal line: one constraint Φ = y − y₀.
 
     The line's force is found by asking which force on the tip leaves it without vertical
     acceleration.

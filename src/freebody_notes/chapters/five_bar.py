@@ -15,16 +15,16 @@ CRANKS = (2.0, 0.9)
 
 
 def robot():
-    """The bundled robot as section 2.3 writes it, P held by rods, with limbs of different lengths;
-    closed at CRANKS."""
+    """The bundled five-bar robot with limbs of different lengths, P being held by rods as in
+    section 2.3, closed at the crank angles CRANKS."""
     model = fb.load("five_bar_rods").bind(l2=0.45, l3=0.62, l4=0.55)
     start = {"theta1": CRANKS[0], "theta2": CRANKS[1], "x": 0.0, "y": 0.8}
     return model, fb.assemble(model, start, free=["x", "y"])
 
 
 def limbs():
-    """Both limbs in symbols, from the model's loop equations: A at (−d/2, 0), C at (d/2, 0) as in
-    figure 2.2."""
+    """Both limbs of the five-bar robot in symbols, from the model's loop equations: A at (−d/2, 0),
+    C at (d/2, 0) as in figure 2.2."""
     loops = fb.loop_equations(fb.load("five_bar_rods"))
     symbols = loops.symbols
     known = {name: symbols.ring[name] for name in symbols.ring.names}
@@ -48,8 +48,8 @@ def limbs():
 
 
 def closed_pose():
-    """A pose in which the rods have their lengths, found from the cranks' angles; A and C are b =
-    d/2 from the middle."""
+    """A closed pose of the five-bar robot for the given crank angles, in which the rods have their
+    lengths; A and C are b = d/2 from the middle."""
     model, q = robot()
     lengths = model.parameters
     A, C, P = np.array([-lengths["b"], 0.0]), np.array([lengths["b"], 0.0]), q[2:]
@@ -62,8 +62,8 @@ def closed_pose():
 
 
 def moving():
-    """The same in motion: rates that keep the loops closed, the Jacobian from numbers, J_a and J_b
-    from closed forms."""
+    """The five-bar robot in motion: rates that keep the loops closed, its numeric Jacobian J, and
+    J_a and J_b from closed forms."""
     model, q = robot()
     rates = fb.loop_velocity(model, q, {"theta1": 0.7, "theta2": -1.2})
     loops = fb.loop_equations(model)

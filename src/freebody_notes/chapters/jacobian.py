@@ -15,7 +15,7 @@ from freebody_textbook.relations.formula_values import value
 
 
 def a_map():
-    """Three functions of three variables, and their derivatives by differences."""
+    """Three functions of three variables, and their partial derivatives by finite differences."""
     rows = ("x1*x2", "sin(x3) + x1", "x1^2 + x3^3")
     f = fb.vector_function(rows, ["x1", "x2", "x3"])
     x, h = np.array([0.7, -1.3, 0.4]), 1e-3
@@ -29,7 +29,8 @@ def a_map():
 
 
 def two_angles():
-    """Both angles count from the x axis here."""
+    """The tip's position and Jacobian of a two-link arm whose two angles are both measured from the
+    x axis."""
     f = fb.vector_function(
         ["3*cos(theta1) + 2*cos(theta2)", "3*sin(theta1) + 2*sin(theta2)"], ["theta1", "theta2"]
     )
@@ -39,7 +40,7 @@ def two_angles():
 
 
 def poses(count: int = 2000):
-    """Random poses of an arm, and where its tip is."""
+    """Random poses of a two-link arm, and the position of its tip at each."""
     arm = fb.load("2R")
     q = np.random.default_rng(5).uniform(-np.pi, np.pi, (count, 2))
     tip = fb.forward_kinematics(arm, q)[:, :2, 2]
@@ -47,8 +48,8 @@ def poses(count: int = 2000):
 
 
 def recovered(printed: str, angle: int) -> tuple[int, int]:
-    """How often a formula for one angle, at the tip of a random pose, returns that pose's angle;
-    branches count."""
+    """(hits, count): the number of random poses at which a formula returns the pose's joint angle
+    from the tip's position; formulas with several branches count if one does."""
     arm, q, tip = poses()
     lengths = {"l1": arm.parameters["l1"], "l2": arm.parameters["l2"]}
     forms = [parse(part.partition("=")[2]) for part in parts(printed)]
@@ -61,7 +62,7 @@ def recovered(printed: str, angle: int) -> tuple[int, int]:
 
 
 def elbow(printed: str) -> Outcome:
-    """Outcome of a formula for θ₂ from the position of the tip."""
+    """Outcome of checking a formula for θ₂ from the position of the tip."""
     hits, count = recovered(printed, 1)
     arm, q, tip = poses(1)
     both = fb.inverse_kinematics(arm, tip[0])
@@ -75,7 +76,7 @@ def elbow(printed: str) -> Outcome:
 
 
 def shoulder(printed: str) -> Outcome:
-    """θ₁ from the tip and θ₂."""
+    """Outcome of checking a formula for θ₁ from the position of the tip and θ₂."""
     hits, count = recovered(printed, 0)
     _, q, _ = poses()
     ahead = int(np.sum(np.cos(q[:, 0]) > 0))
@@ -105,14 +106,15 @@ def inverse_rates():
 
 
 def stretched():
-    """The arm at a pose where fb.singularities says it is singular."""
+    """The Jacobian and the singularity measure of the two-link arm at a stretched pose."""
     arm = fb.load("2R")
     q = [0.7, np.pi]
     return {"J": fb.jacobian(arm, q)[:2], "sigma": fb.singularities(arm).measure(q)}
 
 
 def where_singular(printed: str) -> Outcome:
-    """The factors of the determinant solved."""
+    """Outcome of checking singular configurations: solves for the zeros of the determinant's
+    factors."""
     found = fb.singularities(fb.planar("RR"))
     solutions = {equation for condition in found.conditions for equation in condition.solutions}
     said = {parse(part) for part in parts(printed)}
@@ -122,7 +124,7 @@ def where_singular(printed: str) -> Outcome:
 
 
 def which_figure(form: str) -> Outcome:
-    """Whether the figure has the vectors of which the text speaks, those of an arm."""
+    """Whether the figure that the text names has the vectors s_1, s_2 and r."""
     number = re.findall(r"\d\.\d", form)[0]
     there = {
         element.name for drawing in notes_figure(number).drawings for element in drawing.elements

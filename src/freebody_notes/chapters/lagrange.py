@@ -11,8 +11,8 @@ from freebody_notes.checks import ARM, Related
 
 
 def arm_energies():
-    """The energies of both links; I_1O is the inertia of link 1 about the base's joint, h2 the
-    height of C₂."""
+    """The energies of both links of the arm; I_1O is the moment of inertia of link 1 about the
+    base's joint, h2 the height of C₂."""
     free = fb.quantities(fb.planar("RR"))
     at_o = free["I1"] + free["m1"] * free["lc1"] ** 2
     return free | {

@@ -12,7 +12,7 @@ from freebody_textbook.relations.formula_values import Each
 
 
 def particles():
-    """Three particles that are fixed to each other, and turn at a rate omega about G."""
+    """Three particles that form one rigid body, turning at the rate omega about G."""
     masses, points = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.2]])
     body = combined([fb.Inertia.point(m, r) for m, r in zip(masses, points, strict=True)])
     rho, omega = points - np.array(body.com), 1.7
@@ -24,13 +24,13 @@ def particles():
 
 
 def particles_about_com():
-    """Moments of inertia of particles with the origin moved to their centre of mass G."""
+    """Moments of inertia of particles about their centre of mass G."""
     seen = particles()
     return seen | {"r": seen["rho_i"], "r_i": seen["rho_i"], "r_G": (0.0, 0.0)}
 
 
 def bar():
-    """A uniform bar by integration along it."""
+    """A uniform bar: its moments of inertia by integration along it."""
     m, l = 1.3, 0.7
     body = fb.integrated_inertia(lambda u: (u, 0 * u), [(0, l)], m)
     pieces = np.linspace(0, l, 20001)[1::2]  # the middles of ten thousand equal pieces
@@ -41,8 +41,8 @@ def bar():
 
 
 def bar_in_pieces():
-    """The same with as many pieces as rounding allows: their sum differs by m l²/12 over the square
-    of their number."""
+    """The moment of inertia of a uniform bar by integration, and as a sum over n = 200 000 pieces;
+    the sum is smaller by m l²/12 / n²."""
     m, l, n = 1.3, 0.7, 200_000
     rho = (np.arange(n) + 0.5) * l / n - l / 2
     body = fb.integrated_inertia(lambda u: (u, 0 * u), [(0, l)], m)
@@ -64,7 +64,8 @@ def ring():
 
 
 def shifted():
-    """Particles about their centre of mass, and about a point O at the distance d."""
+    """Moments of inertia of particles about their centre of mass, and about a point O at the
+    distance d."""
     masses, points = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.2]])
     body = combined([fb.Inertia.point(m, r) for m, r in zip(masses, points, strict=True)])
     O = np.array([-0.3, 0.8])
@@ -77,7 +78,8 @@ def shifted():
 
 
 def parallel_axes(printed: str) -> Outcome:
-    """The theorem, and what becomes of it from a point that is not the centre of mass."""
+    """Outcome of checking the parallel axis theorem, with the error that occurs about a point other
+    than the centre of mass."""
     values = shifted()
     outcome = Related(lambda: values).run(printed)
     try:

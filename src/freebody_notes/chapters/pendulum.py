@@ -8,7 +8,7 @@ from freebody_notes.checks import Related
 
 
 def pendulum():
-    """A bar of length l = 2 r on a hinge A, with its centre of mass C in the middle."""
+    """A bar of length l = 2 r on a hinge at A, with its centre of mass C in the middle."""
     bar = fb.planar("R", lc=["r"], m=["m"], I=["I_c"], l=["l"])
     free = fb.quantities(bar)
     meaning = {
@@ -23,7 +23,8 @@ def pendulum():
 
 
 def bodies():
-    """How many coordinates a body has, free, on a pin, and on slides; and what a pin transmits."""
+    """Numbers of coordinates of a free body, of one on a pin and of one on slides; and the force
+    that a pin transmits."""
     pinned = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.1])
     return {
         "n_free": fb.planar("PPR").nv, "n_pin": pinned.nv, "n_slides": fb.planar("PP").nv,

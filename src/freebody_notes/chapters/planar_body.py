@@ -13,8 +13,8 @@ _MASSES, _POINTS = (2.0, 1.0, 3.0), np.array([[0.2, 0.1], [-0.4, 0.3], [0.5, -0.
 
 
 def thrown_body(omega=1.3, alpha=-2.1):
-    """Three particles in one rigid body that moves anyhow in the plane: Newton's law holds for each
-    of them."""
+    """Three particles of a rigid body in arbitrary planar motion, with Newton's law for each of
+    them."""
     body = fb.planar("PPR", m=[0, 0, 1], lc=[0, 0, 0], I=[0, 0, 0], l=[0, 0, 1], g=0)
     motion = ([0.1, -0.2, 0.6], [0.4, 0.7, omega], [1.1, -0.8, alpha])
     whole = combined([fb.Inertia.point(m, r) for m, r in zip(_MASSES, _POINTS, strict=True)])
@@ -29,12 +29,12 @@ def thrown_body(omega=1.3, alpha=-2.1):
 
 
 def pushed_along():
-    """A thrown body that does not turn."""
+    """A thrown body with zero angular velocity and acceleration."""
     return thrown_body(omega=0.0, alpha=0.0)
 
 
 def pinned_body():
-    """A body on a pin at O, pushed by a force F at its end, without weight; f is the pin's force on
+    """A body on a pin at O without weight, pushed by a force F at its end; f is the pin's force on
     it."""
     l, lc, m, I = 1.2, 0.5, 3.0, 0.4
     body = fb.planar("R", l=[l], lc=[lc], m=[m], I=[I], g=0)
@@ -57,7 +57,7 @@ def pinned_body():
 
 
 def cut_free():
-    """The free bodies of the arm: every joint force twice, with opposite signs."""
+    """The free bodies of the arm: each joint force occurs twice, with opposite signs."""
     free = fb.quantities(fb.planar("RR"), load=True)
     return free | {
         "F_1": [

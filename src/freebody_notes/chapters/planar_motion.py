@@ -13,7 +13,8 @@ from freebody_textbook.relations.relation import printed_numbers
 
 
 def round_trip():
-    """Torques from accelerations, and back."""
+    """Torques from accelerations by inverse dynamics, and the accelerations from these by forward
+    dynamics."""
     arm = fb.load("2R")
     q, qd, qdd = [0.4, 0.9], [1.2, -0.7], [2.0, 1.5]
     tau = fb.inverse_dynamics(arm, q, qd, qdd)
@@ -21,7 +22,7 @@ def round_trip():
 
 
 def curve():
-    """Any path will do for definitions."""
+    """An arbitrary path, to check the definitions of velocity and acceleration."""
     path = fb.trajectory("3*t^3 + 2*t^2 + 1", "2*t^3 + 4*t")
     x, y = path.position.rows
     x_d, y_d = path.velocity.rows
@@ -38,8 +39,8 @@ def cubic():
 
 
 def rounded_circle(printed: str) -> Outcome:
-    """The amplitudes are printed to three digits: compared at many times, to one unit of the
-    last."""
+    """Outcome of checking velocity and acceleration on a circle whose amplitudes are printed to
+    three digits; compared at many times, within one unit of the last digit."""
     t = np.linspace(0, 2, 201)
     path = fb.trajectory("5*cos(3.14*t)", "5*sin(3.14*t)")
     _, velocity, acceleration = path.at(t)

@@ -12,7 +12,7 @@ from freebody_textbook.relations.relation import printed_numbers
 
 
 def flight():
-    """The bundled quadrotor with g = 9.8 m/s², turned by Z-X-Z angles; its thrusts pushed on it at
+    """The bundled quadrotor with g = 9.8 m/s², its attitude in Z-X-Z angles, the thrusts acting at
     the rotors' frames."""
     flyer = fb.load("quadrotor").replace(gravity=[0, 0, -9.8])
     R = fb.rotation("ZXZ", [np.pi / 4, 0.1, 0.2])
@@ -47,7 +47,8 @@ def euler_angles():
 
 
 def inertia(form: str) -> Outcome:
-    """The form with the data as printed; and which I_x the printed numbers came from."""
+    """Outcome of checking an inertia formula with the data as printed, with a note on the I_x from
+    which the printed numbers follow."""
     values = flight()
     local = (
         values["R"].T @ np.reshape([x for x, _ in printed_numbers(PRINTED_I)], (3, 3)) @ values["R"]
@@ -64,8 +65,8 @@ def inertia(form: str) -> Outcome:
 
 
 def turning(form: str) -> Outcome:
-    """The form; and the printed numbers from thrusts that are turned into global axes once too
-    often."""
+    """Outcome of checking the angular acceleration, with the numbers that follow when the thrusts
+    are rotated into global axes twice."""
     values = flight()
     outcome = Digits(flight).run(form)
     twice = values["R"] @ sum(

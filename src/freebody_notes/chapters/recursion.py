@@ -10,7 +10,7 @@ from freebody_notes.item import Outcome
 
 
 def two_links():
-    """Figure 4.1: OB turns at ω₀, BA by θ̇ relative to it; s leads from B to A."""
+    """The two links of figure 4.1: OB turns at ω₀, BA at θ̇ relative to it; s leads from B to A."""
     free = fb.quantities(fb.planar("RR"))
     meaning = {
         "omega0": "omega1", "omega0_d": "omega1_d", "omega": "omega2", "omega_d": "omega2_d",
@@ -21,7 +21,7 @@ def two_links():
 
 
 def as_vectors():
-    """The same with ω and ω̇ as vectors along z."""
+    """The two links of figure 4.1 with ω and ω̇ as vectors along z."""
     free = two_links()
     z = (0.0, 0.0, 1.0)
     flat = free["omega"]
@@ -33,7 +33,8 @@ def as_vectors():
 
 
 def which_are_vectors(printed: str) -> Outcome:
-    """The printed numbers name equations; each side of those is looked at."""
+    """Outcome of checking which numbered equations are equations between vectors, by the sides of
+    each."""
     forms = {"4.1": "omega", "4.2": "omega_d", "4.3": "v_A", "4.5": "v_A_d"}
     free = two_links()
     lines, holds = [], True
@@ -45,7 +46,8 @@ def which_are_vectors(printed: str) -> Outcome:
 
 
 def with_weights(form: str) -> Outcome:
-    """Check with v̇₀ = 0; and whether the form printed in the notes holds with v̇₀ = −g."""
+    """Outcome of a formula with v̇₀ = 0, with a note whether the printed formula holds for v̇₀ =
+    −g."""
     outcome = EXPLICIT.run(form)
     printed = {
         "f": "f_hi = fc_i + f_ik",
@@ -57,12 +59,12 @@ def with_weights(form: str) -> Outcome:
 
 
 def loaded_start():
-    """The recursion with the base accelerated by −g, and a force f on the tip."""
+    """Quantities of the planar RR arm with the base accelerated by −g and a force f on the tip."""
     return fb.quantities(fb.planar("RR"), load=True, gravity="base")
 
 
 def both_ways():
-    """The torques of the recursion, and of Lagrange's equations."""
+    """The torques from the recursion and from Lagrange's equations."""
     arm = fb.planar("RR")
     swept = fb.quantities(arm, gravity="base")
     return swept | {"tau_L": fb.derive(arm, "lagrange").tau}

@@ -13,7 +13,7 @@ from freebody_textbook.relations.formula_values import Each
 
 
 def thrown_body():
-    """Five particles in one rigid body that flies and turns anyhow: Newton's law holds for each of
+    """Five particles of a rigid body in arbitrary spatial motion, with Newton's law for each of
     them."""
     masses = np.array([2.0, 1.0, 3.0, 1.5, 2.5])
     points = np.random.default_rng(3).normal(size=(5, 3))
@@ -40,7 +40,7 @@ def thrown_body():
 
 
 def rotor():
-    """The gyro's rotor on a ball joint at its centre; a constant ω' in its own axes."""
+    """The gyro's rotor on a ball joint at its centre, with a constant ω' in its own axes."""
     links = (Link("base"), Link("rotor", fb.Inertia.of(1, [0, 0, 0], [10, 0, 0, 5, 0, 5])))
     pivot = Joint("pivot", "spherical", "base", "rotor")
     body = build_model(RobotDescription("rotor", 3, links, (pivot,), (0.0, (0.0, 0.0, -1.0))))
@@ -52,8 +52,8 @@ def rotor():
 
 
 def gyro():
-    """n_1: ω' is constant in the rotor's own axes. n_2: it rolls at a constant 5 rad/s while its
-    ring yaws at 3 rad/s."""
+    """The gyro's moments. n_1: ω' is constant in the rotor's axes. n_2: it rolls at a constant 5
+    rad/s while its ring yaws at 3 rad/s."""
     mounted = fb.load("gyro")
     rates = {"yaw": 3.0, "roll": 5.0}
     roll = mounted.joint_names.index("roll")

@@ -28,7 +28,8 @@ GRAVITY = [0.3, -1.2, -9.7]
 
 @cache
 def arm(gravity: str = "explicit"):
-    """The chain R P R P in modified Denavit-Hartenberg frames, gravity in no special direction."""
+    """An R P R P chain in modified Denavit-Hartenberg frames, with gravity in a general
+    direction."""
     chain = fb.dh(ROWS, convention="modified", gravity=GRAVITY)
     free = fb.quantities(chain, gravity=gravity)
     # without a prime s has global components
@@ -46,21 +47,22 @@ def explicit():
 
 
 def accelerated():
-    """Gravity as acceleration −g of the base; and the torques of Lagrange's equations."""
+    """The R P R P chain with its base accelerated by −g instead of gravity; tau_L: the torques from
+    Lagrange's equations."""
     free = arm("base")
     chain = fb.dh(ROWS, convention="modified", gravity=GRAVITY)
     return free | {"tau_L": fb.derive(chain, "lagrange").tau}
 
 
 def upright():
-    """The same with gravity along −z; h is the height of a centre of mass."""
+    """The R P R P chain with gravity along −z; h1 … h4 are the heights of the centres of mass."""
     free = fb.quantities(fb.dh(ROWS, convention="modified"))
     return free | {f"h{n}": free[f"rc{n}"][2] for n in range(1, 5)}
 
 
 def frames(form: str) -> Outcome:
-    """Outcome of a form of Denavit-Hartenberg frames, held against the modified convention: words
-    leave it open which of the two is meant."""
+    """Outcome of a statement about Denavit-Hartenberg frames, tested in the modified convention, as
+    the notes' words fit standard frames too."""
     row = {"a": 0.4, "alpha": 0.7, "d": 0.1, "theta": 0.0}
     theta = 0.6
     poses = {
@@ -84,7 +86,8 @@ def _axis(convention, T):
 
 
 def direction(form: str) -> Outcome:
-    """Words leave two readings of the matrix; each is put into (6.18)."""
+    """Outcome of a statement about a rotation matrix, whose two possible directions are each tested
+    in (6.18)."""
     if "=" in form:
         return REVOLUTE.run(form)
     readings = {
@@ -103,7 +106,8 @@ def direction(form: str) -> Outcome:
 
 
 def tip_load():
-    """A wrench that the last link exerts on its surroundings, against none."""
+    """Torques of the chain with and without a wrench that its last link exerts on the
+    surroundings."""
     chain = fb.dh(ROWS, convention="modified", gravity=GRAVITY)
     q, qd, qdd = (x[0] for x in fb.random_state(chain, 2, 1))
     f, n = np.array([3.0, -2.0, 5.0]), np.array([0.4, 0.7, -1.1])
@@ -126,9 +130,9 @@ STANDARD = (
 
 
 def standard_frames():
-    """A turning, a sliding and a turning joint in standard frames: motion of each frame from
-    fb.velocity and fb.acceleration in its own axes, torques from fb.inverse_dynamics and from the
-    recursion written out."""
+    """An R P R chain in standard frames: the motion of each frame from fb.velocity and
+    fb.acceleration in its own axes, torques from fb.inverse_dynamics and from the recursion written
+    out."""
     chain = fb.dh(STANDARD, convention="standard", gravity=GRAVITY)
     q, qd, qdd = (x[0] for x in fb.random_state(chain, 7, 1))
     found, before = {"z": np.array([0.0, 0.0, 1.0])}, np.eye(4)
@@ -149,7 +153,8 @@ def standard_frames():
 
 
 def _swept_standard(q, qd, qdd):
-    """Torques by the recursion in standard frames, gravity as acceleration of the base."""
+    """Joint torques of the R P R chain by the recursion in standard frames, with gravity as an
+    acceleration of the base."""
     swept = _outward_standard(q, qd, qdd)
     f = n = np.zeros(3)
     tau, E_next = np.zeros(3), np.eye(3)

@@ -9,8 +9,8 @@ from freebody_notes.checks import Digits, Related
 
 
 def resting_arm():
-    """Links without weight, and a force f = (u, v) on the tip; f1 is the base's force on link 1, f2
-    link 1's on link 2."""
+    """The arm at rest, with links without weight and a force f = (u, v) on the tip; f1 is the
+    base's force on link 1, f2 link 1's on link 2."""
     arm = fb.planar("RR", g=[0, 0])
     free = fb.quantities(arm, load=True, at_rest=True)
     u, v = free["f"]
@@ -18,7 +18,7 @@ def resting_arm():
 
 
 def loaded_arm():
-    """The example: l = 3.5 m and 3 m, both angles 30°, a force on the tip."""
+    """The statics example: l = 3.5 m and 3 m, both angles 30°, a force on the tip."""
     arm = fb.planar("RR", l=[3.5, 3], lc=[0, 0], m=[0, 0], I=[0, 0])
     q, f = np.array([np.pi / 6, np.pi / 6]), np.array([-4.5, -3.0])
     tau = fb.static_torque(arm, q, wrenches={"tip": [*f, 0]})

@@ -13,7 +13,8 @@ from freebody_textbook.relations.quantities import Quantities
 
 
 def closed_form():
-    """The arm's equations sorted; h is what stands with θ̇₁² in τ₂. The notes define no H21."""
+    """The arm's equations of motion in closed form, with h, the coefficient of θ̇₁² in τ₂, and H21
+    = H12, which the notes do not define."""
     free = fb.quantities(fb.planar("RR"))
     h = free["c"][1] / free["theta1_d"] ** 2
     rates = {name: free[f"{name}_d"] for name in ("theta1", "theta2")}
@@ -25,7 +26,7 @@ def closed_form():
 
 
 def as_defined():
-    """The quantities that (3.22)–(3.27) define, and no others."""
+    """The quantities that (3.22)–(3.27) define, without the others of the arm."""
     free = closed_form()
     known = (
         "M",
@@ -57,8 +58,8 @@ def numbers():
 
 
 def unit_rods(printed: str) -> Outcome:
-    """The mass matrix of the form as an answer; and its eigenvalues for two uniform rods of 1 m and
-    1 kg, stretched."""
+    """Outcome of checking the mass matrix, with its eigenvalues for two stretched uniform rods of 1
+    m and 1 kg."""
     outcome = Answer(ARM).run(printed)
     rods = {
         f"{letter}{i}": x

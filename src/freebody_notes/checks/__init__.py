@@ -1,5 +1,5 @@
-"""Ways to execute an item: as an answer to be checked, as a relation, against printed digits, by a
-function, by drawing its figure; or by reading, where there is nothing to execute."""
+"""Ways to check an item of the notes: as an answer about a model, as a relation, against printed
+digits, by a function, or by drawing its figure; statements that cannot be executed are read."""
 
 from collections.abc import Mapping
 from typing import Any

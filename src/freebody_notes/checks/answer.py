@@ -1,4 +1,4 @@
-"""A form handed in as an answer."""
+"""Checks of a formula as a student's answer about a model."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from freebody_textbook.check.spelling.answer_text import AnswerError
 
 @dataclass(frozen=True)
 class Answer:
-    """The form is handed in as a student's answer about a model."""
+    """Check that submits the formula as a student's answer about a model."""
 
     model: str = ARM
     bold: Collection[str] = ()

@@ -1,4 +1,4 @@
-"""A function decides about a form."""
+"""Checks of a formula by a function."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from freebody_notes.item import Outcome
 
 @dataclass(frozen=True)
 class ByFunction:
-    """A function of the form decides."""
+    """Check by a function of the formula, which returns the outcome."""
 
     function: Callable[[str], Outcome]
     bold: Collection[str] = ()

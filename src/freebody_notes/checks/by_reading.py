@@ -1,4 +1,4 @@
-"""Words that are read."""
+"""Checks of statements that cannot be executed."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from freebody_notes.item import Outcome
 
 @dataclass(frozen=True)
 class ByReading:
-    """Words that nothing executes: the form is held against what has to stand there, for the reason
-    given."""
+    """Check of a statement that cannot be executed: it is compared with the expected text, for the
+    given reason."""
 
     right: str = ""
     reason: str = ""

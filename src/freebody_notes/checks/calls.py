@@ -1,4 +1,4 @@
-"""Calls as text: what a check shows is what it runs."""
+"""Calls as text, so that the call shown with a check is the call that runs."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ ARM = 'fb.planar("RR")'
 
 @cache
 def made(text: str) -> Any:
-    """Result of a call: the text that is shown is the text that is run."""
+    """Result of evaluating a call's text, which is also the text shown."""
     return eval(text, {"fb": fb, "np": np})  # the calls are constants of this package
 
 
 @cache
 def source(function: Callable[..., Any]) -> str:
-    """The text of a function without its description."""
+    """Source text of a function without its docstring."""
     lines = textwrap.dedent(inspect.getsource(function)).splitlines()
     start = next((k for k, line in enumerate(lines) if line.strip().startswith('"""')), None)
     if start is not None:

@@ -18,8 +18,8 @@ from freebody_textbook.relations.relation import agrees, relation
 
 @dataclass(frozen=True)
 class Digits:
-    """The left side is computed, the right side are numbers as printed: equal to one unit of their
-    last digit."""
+    """Check of computed numbers on the left side against printed numbers on the right, to one unit
+    of the last digit."""
 
     values: Callable[[], Mapping[str, Any]]
 

@@ -1,4 +1,4 @@
-"""Findings in words: the lines that stand with a verdict."""
+"""Findings of a check in words, for the lines below a verdict."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LONGEST, MOST_TERMS = 160, 24
 
 
 def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
-    """A relation in words."""
+    """The outcome of a tested relation, with lines in words."""
     if found.problem:
         return Outcome(False, (sentence(found.problem),))
     if found.equal:
@@ -46,7 +46,7 @@ def told(found: Relation, values: Mapping[str, Any]) -> Outcome:
 
 
 def sentence(text: str) -> str:
-    """A text as a sentence, with a capital in front and a full stop behind."""
+    """A text as a sentence, capitalised and ending with a full stop."""
     return text[:1].upper() + text[1:].rstrip(".") + "."
 
 
@@ -55,7 +55,7 @@ def _sides(sides: tuple[Any, ...]) -> str:
 
 
 def form(x: Any, values: Mapping[str, Any]) -> Any:
-    """A value as it is printed."""
+    """A value in printable form: the expression of a model's quantity, or text of a number."""
     return values.form(x) if isinstance(values, Quantities) else number(x)
 
 
@@ -82,7 +82,7 @@ def _shown(side: Any, values: Mapping[str, Any]) -> str:
 
 
 def number(x: Any, digits: int = 6) -> str:
-    """Numbers, vectors and matrices in a line."""
+    """Numbers, vectors and matrices as text on one line."""
     if isinstance(x, tuple | list | np.ndarray):
         return f"[{', '.join(number(y, digits) for y in x)}]"
     if isinstance(x, Composed):

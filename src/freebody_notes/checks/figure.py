@@ -1,5 +1,5 @@
-"""A figure executed: drawn from a model, and what has to be in it looked for in the drawing's
-data."""
+"""Checks of a figure: it is drawn from a model, and the expected elements are looked up in the
+drawing's data."""
 
 from __future__ import annotations
 
@@ -27,50 +27,50 @@ _BRACES = str.maketrans("", "", "{}")
 
 @dataclass(frozen=True)
 class Panel:
-    """The elements of a figure by name, in one of its drawings or in any."""
+    """The elements of a figure by name, in one of its panels or in any."""
 
     figure: Figure
 
     def start(self, name: str, panel: int | None = None) -> Array:
-        """The point at which an element begins or stands."""
+        """The position of an element: the starting point of an arrow or line."""
         return np.asarray(places(self.figure.named(name, panel))[0])
 
     def end(self, name: str, panel: int | None = None) -> Array:
-        """The point at which an arrow or a line ends."""
+        """The end point of an arrow or a line."""
         element = self.figure.named(name, panel)
         assert isinstance(element, Arrow | Line)
         return np.asarray(places(element)[-1])
 
     def span(self, name: str, panel: int | None = None) -> Array:
-        """The vector that is drawn."""
+        """The vector from the start to the end of a drawn arrow or line."""
         return self.end(name, panel) - self.start(name, panel)
 
     def of(self, name: str, panel: int | None = None) -> Any:
-        """The quantity that an arrow, a turn or an angle shows."""
+        """The quantity that an arrow, a turn or an angle represents."""
         element: Any = self.figure.named(name, panel)
         found = element.value if hasattr(element, "value") else element.sweep
         return np.asarray(found) if isinstance(found, tuple) else found
 
     def direction(self, name: str, panel: int | None = None) -> float:
-        """The direction (rad) from which an angle is measured."""
+        """The direction (rad) from which a drawn angle is measured."""
         element = self.figure.named(name, panel)
         assert isinstance(element, Arc)
         return element.start
 
     def points(self, name: str, panel: int | None = None) -> Array:
-        """All points of a line."""
+        """All points of a drawn line."""
         return np.asarray(places(self.figure.named(name, panel)))
 
     def along(self, name: str, panel: int | None = None) -> float:
-        """1 where an arrow points along its quantity, -1 where against it."""
+        """1 if an arrow points along the quantity it represents, -1 if against it."""
         shown, value = self.span(name, panel), self.of(name, panel)
         return round(float(shown @ value / (np.linalg.norm(shown) * np.linalg.norm(value))), 9)
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """The form relates the facts that are read off the drawing; needs: names of what has to be in
-    each of its panels, which stand with the item."""
+    """Check of a relation between facts that are read from a drawing; needs: names of the elements
+    required in each panel, given in the item."""
 
     number: str
     facts: Facts
@@ -100,8 +100,8 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Caption:
-    """Words about a figure, each of which promises something that has to be in it; the promises
-    stand with the item."""
+    """Check of a statement about a figure: the elements that it promises, listed in the item, must
+    be in the figure."""
 
     number: str
     promises: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

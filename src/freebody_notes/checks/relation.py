@@ -1,4 +1,4 @@
-"""A form as a relation between quantities."""
+"""Checks of a formula as a relation between quantities."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ _OWN_AXES = re.compile(r"(omega|v|vc|sc|f|n|fc|nc)_?[\dihk]")
 
 @dataclass(frozen=True)
 class Related:
-    """The form is a relation between quantities; `values` is the call that gives them, or a
-    function without arguments.
+    """Check of a formula as a relation between quantities; `values` is the call that gives them, or
+    a function without arguments.
 
     links: the form holds for link i, and is tried at each of these. also: a further relation that
     has to hold, which proves the form in another way, such as by differentiation.
@@ -51,7 +51,8 @@ class Related:
 
     @property
     def primed(self) -> Collection[str]:
-        """Vectors of a model in space, which have components in the axes of their own body."""
+        """Names of vectors of a spatial model that have components in the axes of their own
+        body."""
         if not isinstance(self._values, Quantities) or self._values.layout.symbols.model.dim == 2:
             return ()
         return frozenset(name for name in self.bold if _OWN_AXES.match(name))
@@ -81,7 +82,7 @@ class Related:
         )
 
     def _named(self, form: str, one_of_many: bool) -> Outcome:
-        """The outcome of one equation; where there are several, its lines say which."""
+        """The outcome of one equation; one_of_many: its lines name the equation."""
         outcome = self._one(form)
         name = str(as_printed(form, self.bold, self.primed)) if one_of_many else ""
         if not one_of_many or len(name) > SHORT:
@@ -114,7 +115,8 @@ class Related:
 
 
 def vectors(values: Mapping[str, Any]) -> Collection[str]:
-    """Names of vectors and matrices, also of those given for each of several bodies."""
+    """Names of vectors and matrices among the values, including those given for each of several
+    bodies."""
     made_plain = {name: plain(x) for name, x in values.items()}
     return frozenset(
         name for name, x in made_plain.items() if rank(x[0] if isinstance(x, Each) else x)
@@ -126,7 +128,7 @@ def _for(links: str, line: str) -> str:
 
 
 def _inside(line: str) -> str:
-    """A sentence that goes on after a colon or a comma."""
+    """A sentence in lower case, to follow a colon or comma."""
     return f"{line[0].lower()}{line[1:]}"
 
 

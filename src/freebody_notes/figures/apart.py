@@ -1,5 +1,5 @@
-"""The links of a planar arm drawn apart at the joints, with all that acts on each; inertias beside
-the links."""
+"""The links of a planar arm drawn apart at the joints, with all forces and torques on each, and the
+inertias."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _GAP = 0.34  # of the arm's size
 
 @dataclass
 class DrawnApart(Drawing):
-    """A drawing whose bodies are moved away from where they are."""
+    """A drawing whose bodies are moved away from their true positions."""
 
     moved: dict[int, WorldPoint] = field(default_factory=dict)
     """How far, by the body's number, metres."""
@@ -47,8 +47,8 @@ def apart(seen: Snapshot, show: Sequence[str], note: str) -> DrawnApart:
 
 
 def _gap(seen: Snapshot, body: BodyPlace) -> Array:
-    """Direction from a body to its child, along both, or across them where they are folded
-    together."""
+    """Gap between a body and its child in the free-body drawing: along both, or perpendicular if
+    they are folded together."""
     before, after = seen.heading(seen.pose.bodies[body.parent]), seen.heading(body)
     way = before + after
     if np.linalg.norm(way) < 0.3:
@@ -57,7 +57,7 @@ def _gap(seen: Snapshot, body: BodyPlace) -> Array:
 
 
 def _moved(element: Element, by: Array) -> Element:
-    """An element elsewhere in the plane."""
+    """A drawn element shifted by a vector in the plane."""
     if isinstance(element, Line):
         return replace(element, points=tuple(point(np.add(p, by)) for p in element.points))
     fields = ("start", "end") if isinstance(element, Arrow | Dimension) else ("at",)
@@ -66,7 +66,7 @@ def _moved(element: Element, by: Array) -> Element:
 
 @of_each
 def inertias(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """(m_i, I_i) beside the links."""
+    """Add the labels (m_i, I_i) of a body's mass and moment of inertia beside its link."""
     if body.mass > 0:
         along, names = seen.heading(body), seen.names
         text = f"{names.mass(body.number)}, {names.inertia(body.number)}"

@@ -1,5 +1,5 @@
-"""Plane bodies with an outline instead of a bar: pinned and loaded (1.5), and the three kinds of
-motion (5.1)."""
+"""Figures of plane bodies with an outline: pinned and loaded (1.5), and the three kinds of motion
+(5.1)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def outline(body: BodyPlace, corners: Array, name: str = "body") -> Line:
 
 
 def _rounded(corners: Array, rounds: int = 5) -> Array:
-    """Chaikin's cutting of corners, closed."""
+    """Rounded corners of a closed polygon, by Chaikin's corner cutting."""
     for _ in range(rounds):
         after = np.roll(corners, -1, axis=0)
         corners = np.stack(
@@ -48,8 +48,8 @@ def _rounded(corners: Array, rounds: int = 5) -> Array:
 
 
 def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
-    """A body on a pin at O with the force F; answered: with the pin's reaction f, a_G and α as
-    well."""
+    """Drawing of a body on a pin at O with the force F; answered: with the pin's reaction f, a_G
+    and α too."""
     body, drawing = (
         seen.pose.bodies[0],
         Drawing(FLAT, f"A body rotating about a fixed axis: {note}"),
@@ -82,8 +82,8 @@ def pinned(seen: Snapshot, note: str, answered: bool) -> Drawing:
 
 
 def motions() -> Figure:
-    """Figure 5.1: a body in translation, about a fixed axis, and in general motion, with velocities
-    of its points."""
+    """Figure 5.1: a body in translation, in rotation about a fixed axis, and in general motion,
+    with velocities of its points."""
     quarter = np.pi / 2
     sliding, turning = _last("PP", [0.0, quarter]), _last("R", [0.0])
     moving = _last("PPR", [0.0, quarter, -quarter])
@@ -99,7 +99,7 @@ def motions() -> Figure:
 
 
 def _last(word: str, angles: list[float]) -> Model:
-    """A planar arm of which only the last body has mass and length."""
+    """A planar arm whose last body alone has mass and length; word: the joint types."""
     before = [0.0] * (len(word) - 1)
     return planar(
         word, angles=angles, l=[*before, 1.0], lc=[*before, 0.5], m=[*before, 1.0], I=[*before, 0.1]
@@ -107,7 +107,7 @@ def _last(word: str, angles: list[float]) -> Model:
 
 
 def _moving(model: Model, q: list[float], qd: list[float], kind: str, turned: float) -> Drawing:
-    """A body that hangs on the last joint of a model, with the velocities of points of it."""
+    """Drawing of a body on the last joint of a model, with the velocities of some of its points."""
     seen = snapshot(model, q, qd, [0.0] * model.nv)
     body, drawing = seen.pose.bodies[-1], Drawing(FLAT, f"A body in {kind}")
     axes(drawing, 1.0, share=0.4)

@@ -1,4 +1,4 @@
-"""Which function draws which figure of the notes."""
+"""The functions that draw the notes' figures, by number."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
 
 
 def notes_figure(number: str) -> Figure:
-    """Figure "3.2" (or "fig-3.2") of the notes; raises UnknownNameError.
+    """Draw the figure "3.2" (or "fig-3.2") of the notes; raises UnknownNameError.
 
     Its elements are data: `.named("v_{c1}")` finds one in any of its drawings, `.named("f_{1,2}",
     1)` in the second.

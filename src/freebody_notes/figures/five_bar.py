@@ -97,7 +97,7 @@ def _robot(places: dict[str, Array], angles: Sequence[float], note: str) -> Draw
 
 
 def _lengths(drawing: Drawing, places: dict[str, Array]) -> None:
-    """l_1 to l_4 outside the loop, and both halves of the base."""
+    """Add the labels l_1 to l_4 outside the loop, and of both halves of the base."""
     for name, ends, aside in (
         ("l_1", "AB", 14.0),
         ("l_2", "CD", -14.0),

@@ -24,8 +24,8 @@ def gyro(
     qd: Sequence[float] = (3.0, 5.0),
     qdd: Sequence[float] = (0.0, 0.0),
 ) -> Figure:
-    """Rotor, shaft along X', yaw axis Z'; the parts 5 and 3 rad/s of ω, and n about Y' on the
-    rotor.
+    """Figure 6.2: rotor, shaft along X', yaw axis Z', the components of ω at 5 and 3 rad/s, and the
+    moment n about Y' on the rotor.
 
     q: yaw, roll (rad); qd, qdd: their rates. With constant rates the axis that carries n turns with
     the ring.
@@ -82,7 +82,7 @@ def _moment(model, q: Array, qd: Array, qdd: Array) -> Array:
 
 
 def _ring(x: Array, z: Array) -> tuple[Array, Array]:
-    """The half of the ring behind the rotor and the one before it, places (k, 3)."""
+    """Points (k, 3) of the gyro's ring: the half behind the rotor and the half in front."""
     angles = np.linspace(0.0, 2 * math.pi, 81)
     ring = _RING * (np.outer(np.cos(angles), x) + np.outer(np.sin(angles), z))
     return ring[20:61], np.concatenate([ring[60:], ring[:21]])

@@ -1,4 +1,4 @@
-"""Figures 4.1 and 4.2: velocities from link to link, and one link among others."""
+"""Figures 4.1 and 4.2: velocities from link to link, and one link among its neighbours."""
 
 from __future__ import annotations
 
@@ -50,7 +50,8 @@ def _two_rates(seen: Snapshot) -> Drawing:
 
 
 def _construction(seen: Snapshot) -> Drawing:
-    """Link B-A alone: v_B at both ends, ω × s on top of it at A, their sum v_A."""
+    """Drawing of link B-A alone with v_B at both ends, ω × s added to it at A, and their sum
+    v_A."""
     drawing = Drawing(FLAT, "v_A as the sum of v_B and ω × s")
     body, tip, scale = seen.pose.bodies[1], _tip(seen), _speed_scale(seen)
     structure.axes(drawing, seen.size)
@@ -74,7 +75,7 @@ def _construction(seen: Snapshot) -> Drawing:
 
 
 def _inclination(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """φ, from the direction of x to s."""
+    """Add the angle φ from the x axis to the vector s."""
     reach = 0.15 * seen.size
     end = body.origin + np.array([1.6 * reach, 0.0])
     drawing.add(Line((point(body.origin), point(end)), "reference φ", "guide"))
@@ -103,7 +104,8 @@ def _speed(
 def _turning(
     drawing: Drawing, seen: Snapshot, body: BodyPlace, name: str, share: float = 0.5
 ) -> None:
-    """The angular velocity of a body on its left, around a point at a share of its length."""
+    """Add the angular velocity arrow of a body, drawn on its left side, around the point at a
+    fraction `share` of its length."""
     end, along = seen.end(body), seen.heading(body)
     at = body.origin + share * ((body.com if end is None else end) - body.origin)
     left, value = math.degrees(math.atan2(along[0], -along[1])), float(seen.angular(body)[0])

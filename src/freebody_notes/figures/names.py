@@ -1,4 +1,5 @@
-"""Names by a pattern, where the notes' figures do not call things as the equations of a model."""
+"""Names by a pattern, for figures of the notes that name things differently from the model's
+equations."""
 
 from __future__ import annotations
 
@@ -17,13 +18,14 @@ _DOTS = ("", "\u0307", "\u0308")
 
 
 def between(before: str, n: str) -> str:
-    """Subscript of a force of body `before` on body n."""
+    """Subscript "before,n" of the force that body `before` exerts on body n."""
     return f"{before},{n}"
 
 
 @dataclass(frozen=True)
 class PatternNames(DrawingNames):
-    """Names by a pattern; `index` turns a body's number (0: the ground) into a subscript."""
+    """Names of a figure's parts by a pattern; `index` turns a body's number (0: the ground) into a
+    subscript."""
 
     index: Callable[[int], str] = str
     letters: Callable[[int], str] | None = None
@@ -84,5 +86,5 @@ class PatternNames(DrawingNames):
 
 
 def called(seen: Snapshot, **pattern: Any) -> Snapshot:
-    """A snapshot whose parts are called by a pattern: fields of `PatternNames`."""
+    """A snapshot with its parts renamed by a pattern: fields of `PatternNames`."""
     return replace(seen, names=PatternNames(seen.names.naming, **pattern))

@@ -1,4 +1,4 @@
-"""Parts from which the notes' figures of planar arms are put together."""
+"""Building blocks for the notes' figures of planar arms."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ def two_links(
     qdd: JointVector | None = None,
     wrenches: FrameWrenchTable = None,
 ) -> Snapshot:
-    """The bundled arm 2R at a pose that is seen well; at rest unless rates are given."""
+    """The bundled 2R arm at a pose suitable for figures; at rest unless rates are given."""
     return snapshot(load("2R"), q, qd or [0.0, 0.0], qdd or [0.0, 0.0], wrenches)
 
 
 def panel(seen: Snapshot, note: str, layers: Sequence[Layer], faint: bool = False) -> Drawing:
-    """An arm with some layers, and a line of words below."""
+    """A drawing of an arm with some layers and a caption below."""
     drawing = Drawing(FLAT, f"{seen.model.name}: {note}")
     structure(drawing, seen, faint)
     for layer in layers:

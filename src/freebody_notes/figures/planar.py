@@ -23,7 +23,7 @@ from freebody_notes.figures.panels import GEOMETRY, RATES, SECOND, TIP, panel, t
 
 
 def _single(before: str, n: str) -> str:
-    """A reaction's name as chapters 1 and 2 write it: the joint's number alone."""
+    """Subscript of a reaction force as in chapters 1 and 2: the joint's number alone."""
     return n
 
 
@@ -59,7 +59,7 @@ def statics(q: JointVector = (0.9, 0.75), load: JointVector = TIP) -> Figure:
 
 
 def _tip_force(drawing: Drawing, seen: Snapshot) -> None:
-    """The external force at the tip."""
+    """Add the external force at the tip to a drawing."""
     for load in seen.loads[-1].loads:
         if load.role == "external":
             size = float(np.linalg.norm(load.force))
@@ -89,14 +89,14 @@ def pendulum(
 
 
 def one_link(q: JointVector = (0.85,)) -> Figure:
-    """Figure 5.2: the same bar with l, θ and C."""
+    """Figure 5.2: the pendulum bar with l, θ and C."""
     return Figure(
         "An arm with one degree of freedom", (_bar_panel(_bar(q, (0.0,), (0.0,)), ""),), 1
     )
 
 
 def _bar(q: JointVector, qd: JointVector, qdd: JointVector) -> Snapshot:
-    """A uniform bar of 1 m and 2 kg."""
+    """Snapshot of the pendulum, a uniform bar of 1 m and 2 kg."""
     model = planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[2.0 / 12])
     seen = snapshot(model.replace(name="pendulum"), q, qd, qdd)
     return called(
@@ -115,7 +115,7 @@ def _bar_panel(seen: Snapshot, note: str) -> Drawing:
 
 
 def _velocity(seen: Snapshot) -> tuple[Arrow, Turn]:
-    """v_c of the bar, and its rate."""
+    """The arrow of the bar's velocity v_c, and the arrow of its angular rate."""
     body = seen.pose.bodies[0]
     v = seen.velocity_at(body, body.com)
     end = body.com + 0.35 * seen.size * v / np.linalg.norm(v)
@@ -152,7 +152,7 @@ def recursion(
 def energies(
     q: JointVector | None = None, qd: JointVector = RATES, qdd: JointVector = SECOND
 ) -> Figure:
-    """Figure 5.3: as the upper part of 4.3, with r_c1 and r_c2 from the origin."""
+    """Figure 5.3: the upper part of figure 4.3 with r_c1 and r_c2 from the origin."""
     seen = two_links(q, qd, qdd)
     drawing = panel(seen, "", (*_accelerated(), geometry.of_centres))
     drawing.notes = []
@@ -188,6 +188,6 @@ def fixed_axis(q: JointVector = (0.7,), force: JointVector = (8.0, 30.0)) -> Fig
 
 
 def _together(title: str, *drawings: Drawing) -> Figure:
-    """The drawings brought to one scale."""
+    """A figure of several drawings, brought to one scale."""
     to_one_scale(drawings)
     return Figure(title, drawings)

@@ -1,4 +1,4 @@
-"""Figures of chapter 1 without an arm: a trajectory, the centre of mass of particles."""
+"""Figures of chapter 1 without an arm: a trajectory, and the centre of mass of particles."""
 
 from __future__ import annotations
 
@@ -69,7 +69,8 @@ def centre_of_mass(
 
 
 def _cloud(masses: Array, places: Array, origin: str, letter: str, note: str) -> Drawing:
-    """Particles with their vectors from the origin; their areas go with their masses."""
+    """Drawing of particles with vectors from the origin; the area of each is proportional to its
+    mass."""
     drawing = Drawing(FLAT, f"Particles and their centre of mass {note}")
     size = float(np.ptp(places, axis=0).max())
     axes(drawing, size, share=0.45)

@@ -65,7 +65,7 @@ def zxz(angles: Sequence[float]) -> Array:
 
 
 def _quaternion(R: Array) -> tuple[float, ...]:
-    """w, x, y, z of a rotation by less than half a turn."""
+    """The quaternion w, x, y, z of a rotation matrix by less than half a turn."""
     w = math.sqrt(max(1.0 + np.trace(R), 1e-12)) / 2
     return (
         w,
@@ -78,7 +78,7 @@ def _quaternion(R: Array) -> tuple[float, ...]:
 
 
 def _rotors(seen: Snapshot) -> list[Array]:
-    """Places of the rotors, from the model's frames."""
+    """Positions of the rotors, from the model's frames."""
     body = seen.pose.bodies[0]
     local = [seen.model.tree.frames[f"rotor{k}"][2] for k in (1, 2, 3, 4)]
     return [body.origin + body.rotation @ np.asarray(p, dtype=float) for p in local]
@@ -113,7 +113,7 @@ def _frames(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _forces(drawing: Drawing, seen: Snapshot, thrusts: Array) -> None:
-    """Thrusts to one scale; the weight, several times as large, to its own."""
+    """Add the thrusts, drawn to one scale, and the weight, several times as large, to another."""
     body = seen.pose.bodies[0]
     up = body.rotation[:, 2]
     scale = 0.7 / thrusts.max()

@@ -61,7 +61,7 @@ def free_body(
 
 
 def _box(body: BodyPlace, half: Sequence[float], view: View) -> list[Line]:
-    """The faces of a box around a body that are seen; half: of its edges along the body's axes,
+    """The visible faces of a box around a body; half: half the edge lengths along the body's axes,
     metres."""
     faces = []
     for k in range(3):

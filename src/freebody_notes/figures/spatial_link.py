@@ -1,4 +1,4 @@
-"""Figures 6.4 and 6.5: a link in space with all that acts on it, a sliding joint."""
+"""Figures 6.4 and 6.5: a link in space with all forces and moments on it, and a sliding joint."""
 
 from __future__ import annotations
 
@@ -64,8 +64,8 @@ def link_symbols() -> Figure:
 
 
 def _three_links() -> Model:
-    """An arm whose second link has axes that are not parallel and a centre of mass off the line
-    between them."""
+    """A spatial arm whose second link has axes that are not parallel and a centre of mass off the
+    line between them."""
     parts = {"I": [0.05, 0.0, 0.0, 0.05, 0.0, 0.05]}
     rows = [
         {"a": 0.0, "alpha": 0.0, "d": 0.35, "m": 3.0, "com": [0.0, 0.0, 0.0], **parts},
@@ -80,7 +80,7 @@ def _faint(body: BodyPlace) -> list[Line]:
 
 
 def _axis(drawing: Drawing, body: BodyPlace, name: str, rate: str, value: float) -> None:
-    """The axis of a joint with its unit vector, and the joint's rate on it."""
+    """Add a joint's axis with its unit vector, and the joint's rate along it."""
     if body.axis is None:
         return
     axis = body.axis
@@ -100,7 +100,8 @@ def _axis(drawing: Drawing, body: BodyPlace, name: str, rate: str, value: float)
 
 
 def _loads(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
-    """Forces, one scale for all, and moments with two heads, another."""
+    """Add the forces on a body, in one scale, and the moments as double-headed arrows, in
+    another."""
     names = {
         "reaction": ("f_{i−1,i}", "n_{i−1,i}", "reaction"),
         "counter": ("−f_{i,i+1}", "−n_{i,i+1}", "reaction"),
@@ -120,7 +121,7 @@ def _loads(drawing: Drawing, seen: Snapshot, body: BodyPlace) -> None:
 
 
 def slide() -> Figure:
-    """Figure 6.5: a prismatic joint: frames i-1 and i, d_i along z_i, p^{i-1}_i, c_i, v_{i-1},
+    """Figure 6.5: a prismatic joint with frames i-1 and i, d_i along z_i, p^{i-1}_i, c_i, v_{i-1},
     v_ci."""
     parts = {"I": [0.05, 0.0, 0.0, 0.05, 0.0, 0.05]}
     rows = [

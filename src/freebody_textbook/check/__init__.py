@@ -1,1 +1,1 @@
-"""A user's own equations read, compared exactly with the right ones, and their mistakes named."""
+"""Reading users' equations, exact comparison with the correct ones, and naming their mistakes."""

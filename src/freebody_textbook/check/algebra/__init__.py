@@ -1,1 +1,1 @@
-"""Exact values of answers: quotients, trees of terms, polynomials, finite fields."""
+"""Exact values of answers: quotients, expression trees, polynomials, finite fields."""

@@ -1,5 +1,5 @@
-"""Trees of answers: those of `nodes`, and two leaves of their own. Each node knows the piece of the
-text that it stands for."""
+"""Expression trees of answers: the nodes of `nodes`, and two kinds of leaves. Each node knows the
+piece of text that it was parsed from."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Angle = tuple[tuple[str, int], ...]
 
 
 class Named(Expression):
-    """A name and what it stands for."""
+    """A leaf of an expression tree: a name with its value."""
 
     name: str
     value: Value
@@ -24,7 +24,7 @@ class Named(Expression):
 
 
 class Wave(Expression):
-    """sin or cos of a sum of angles and a constant."""
+    """A leaf of an expression tree: the sin or cos of a sum of angles and a constant."""
 
     function: str
     angle: Angle

@@ -1,4 +1,4 @@
-"""The exact polynomial, or quotient of two, that a tree stands for, within limits that keep hostile
+"""The exact polynomial, or quotient of two, of an expression tree, with limits that keep malicious
 input harmless."""
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ HIGHEST_DEGREE, LARGEST_EXPONENT, MOST_TURNS, MOST_BITS = 60, 12, 12, 500
 
 @dataclass
 class PolynomialReader:
-    """Trees into polynomials of a ring."""
+    """Converts expression trees into polynomials of a ring."""
 
     source: Source
     ring: TrigRing
@@ -49,7 +49,7 @@ class PolynomialReader:
         }
 
     def read(self, node: Expression) -> Trig:
-        """The polynomial of a tree."""
+        """The polynomial of an expression tree."""
         found = self.quotient(node)
         if isinstance(found, Trig):
             return found
@@ -60,14 +60,14 @@ class PolynomialReader:
         )
 
     def quotient(self, node: Expression) -> Value:
-        """The polynomial of a tree, or the quotient of two."""
+        """The polynomial of an expression tree, or the quotient of two."""
         try:
             return evaluate(node, self.rules)
         except NoValue as problem:
             self.source.fail(problem.problem, (problem.node or node).span)
 
     def constant(self, value: Fraction) -> Trig:
-        """The polynomial that a number is."""
+        """The constant polynomial of a number."""
         return Trig(self.ring, self.ring.constant(value), 0)
 
     def _wave(self, node: Wave) -> Trig:
@@ -106,7 +106,8 @@ class PolynomialReader:
         return _check(product if isinstance(product, Trig) else self.constant(Fraction(0)))
 
     def angle(self, node: Expression) -> tuple[Angle, Fraction] | None:
-        """A tree as sum of whole multiples of angles and a constant; None of other multiples."""
+        """An expression tree as a sum of integer multiples of angles and a constant turn; None if a
+        multiple is not an integer."""
         multiples: list[tuple[str, int]] = []
         turn = Fraction(0)
         for powers, coefficient in self.read(node).terms():

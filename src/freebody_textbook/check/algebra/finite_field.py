@@ -34,24 +34,26 @@ SineAndCosine = tuple[int, int]
 
 
 def residue(value: Fraction | int) -> int:
-    """A rational number in the field."""
+    """The residue of a rational number modulo PRIME."""
     value = Fraction(value)
     return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
 
 
 def raised(base: int, exponent: int) -> int:
-    """A power; of 0 a negative one is 0, as no answer that divides by it is right."""
+    """The power base^exponent modulo PRIME; a negative power of 0 is 0, since no correct answer
+    divides by 0."""
     return pow(base, exponent, PRIME) if base % PRIME or exponent >= 0 else 0
 
 
 def plus(a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
-    """The sum of two angles."""
+    """The sine and cosine, modulo PRIME, of the sum of two angles."""
     return (a[0] * b[1] + a[1] * b[0]) % PRIME, (a[1] * b[1] - a[0] * b[0]) % PRIME
 
 
 @dataclass(frozen=True)
 class Point:
-    """Values of all names, and of the sine and cosine of each angle."""
+    """A point of the finite field: values of all names, and of the sine and cosine of each
+    angle."""
 
     values: Mapping[str, int]
     turns: Mapping[str, SineAndCosine]
@@ -61,13 +63,13 @@ class Point:
         values: Mapping[str, int] | None = None,
         turns: Mapping[str, SineAndCosine] | None = None,
     ) -> Point:
-        """Another point that differs in some names or angles."""
+        """A copy of the point with other values of some names or angles."""
         return replace(
             self, values={**self.values, **(values or {})}, turns={**self.turns, **(turns or {})}
         )
 
     def agree(self, a: int, b: int) -> bool:
-        """Whether two values are equal."""
+        """Whether two field values are equal."""
         return (a - b) % PRIME == 0
 
     def number(self, value: Fraction | int) -> int:
@@ -75,31 +77,31 @@ class Point:
         return residue(value)
 
     def plus(self, a: SineAndCosine, b: SineAndCosine) -> SineAndCosine:
-        """Sine and cosine of the sum of two angles."""
+        """Sine and cosine at the point of the sum of two angles."""
         return plus(a, b)
 
     def of(self, x: Value) -> int:
-        """The value of a polynomial or a quotient of two."""
+        """The value at the point of a polynomial or a quotient of two."""
         if isinstance(x, Ratio):
             return self.of(x.above) * raised(self.of(x.below), -1) % PRIME
         return sum(self.term(powers, c) for powers, c in x.terms()) % PRIME
 
     def term(self, powers: Mapping[str, int], coefficient: Fraction) -> int:
-        """Value of one term at the point."""
+        """The value at the point of one term of a polynomial."""
         total = residue(coefficient)
         for name, exponent in powers.items():
             total = total * pow(self.generator(name), exponent, PRIME) % PRIME
         return total
 
     def generator(self, name: str) -> int:
-        """The value of sin_…, cos_… or a name."""
+        """The value at the point of a ring generator: sin_…, cos_… or a name."""
         function, angle = function_of(name), symbol_of(name)
         if function not in WAVES or angle not in self.turns:
             return self.values[name]
         return self.turns[angle][WAVES.index(function)]
 
     def turn(self, angle: Angle, constant: Fraction = Fraction(0)) -> SineAndCosine:
-        """(sin, cos) of a sum of angles."""
+        """(sin, cos) at the point of a sum of angles and a constant."""
         total: SineAndCosine = (0, 1)
         for name, factor in angle:
             s, c = self.turns[name]
@@ -111,7 +113,7 @@ class Point:
         return total
 
     def at(self, node: Expression, known: Mapping[Expression, int] | None = None) -> int:
-        """The value of a tree; `known`: the values of some of its nodes."""
+        """The value at the point of an expression tree; known: values of some of its nodes."""
         return evaluate(node, self._rules, known) % PRIME
 
     @cached_property
@@ -132,7 +134,7 @@ class Point:
 
 
 def random_point(ring: TrigRing, seed: int = 0) -> Point:
-    """A random point of a ring."""
+    """A random point of the finite field for a ring's names."""
     chance = random.Random(f"freebody {seed}")
     values = {name: chance.randrange(2, PRIME) for name in ring.names}
     turns = {}
@@ -144,15 +146,15 @@ def random_point(ring: TrigRing, seed: int = 0) -> Point:
 
 
 def is_square(ring: TrigRing, node: Expression) -> bool:
-    """Whether a tree without functions is a number times a square: it is a quadratic residue at all
-    random points then, or at none, of any other tree at half of them."""
+    """Whether an expression without functions is a number times a square: its values at random
+    points are then all quadratic residues or all non-residues."""
     values = (random_point(ring, k).at(node) for k in range(_POINTS_OF_SQUARE))
     return len({pow(x, (PRIME - 1) // 2, PRIME) for x in values if x}) == 1
 
 
 def rational(value: int, largest: int = 1000) -> Fraction | None:
-    """The fraction with small numerator and denominator that a residue stands for, if there is
-    one."""
+    """The fraction with small numerator and denominator that has a given residue; None if there is
+    none."""
     a, b, u, v = PRIME, value % PRIME, 0, 1
     while b > largest:
         q = a // b
@@ -164,7 +166,8 @@ def rational(value: int, largest: int = 1000) -> Fraction | None:
 
 @dataclass(frozen=True)
 class RealPoint(Point):
-    """A state; what is not given is NaN, which agrees with nothing."""
+    """A point with real values, the numbers of a state; names without a value are NaN, which equals
+    nothing."""
 
     values: Mapping[str, Any]
     turns: Mapping[str, Any]
@@ -173,7 +176,7 @@ class RealPoint(Point):
 
     @classmethod
     def of_state(cls, ring: TrigRing, state: Mapping[str, float]) -> RealPoint:
-        """The point where names have these values; cos 90° is 0."""
+        """The point with a state's values of the names; cos 90° is exactly 0."""
         values = {name: state.get(name, math.nan) for name in ring.names}
         turns = {
             name: tuple(map(float, rational_sin_cos(x))) if math.isfinite(x) else (x, x)
@@ -207,7 +210,7 @@ class RealPoint(Point):
 
 
 class Workspace:
-    """A tree with the values of its nodes."""
+    """An expression tree with the values of all its nodes at a point."""
 
     def __init__(self, root: Expression, point: Point):
         self.root, self.point = root, point
@@ -222,7 +225,7 @@ class Workspace:
 
     @cached_property
     def cofactors(self) -> dict[Expression, int]:
-        """The product of the other factors, for each factor of a product."""
+        """Cofactor of each factor in a product: the product of the others."""
         found: dict[Expression, int] = {}
         for node in self.values:
             if isinstance(node, Product):
@@ -238,8 +241,8 @@ class Workspace:
 
     @cached_property
     def slopes(self) -> dict[Expression, int | None]:
-        """The change of the whole when a node is 1 more, for each node; None below a power or a
-        fraction bar, where the whole is not linear in it."""
+        """Derivative of the whole expression by each node's value; None below a power or in a
+        denominator, where it is not linear."""
         found: dict[Expression, int | None] = {self.root: 1}
         for node in nodes(self.root):
             whole = found[node]
@@ -252,7 +255,8 @@ class Workspace:
         return found
 
     def _slope(self, node: Expression, part: Expression) -> int | None:
-        """The change of a node when one of its parts is 1 more."""
+        """Derivative of a node's value by the value of one of its parts; None if it is not
+        linear."""
         match node:
             case Sum():
                 return 1
@@ -265,7 +269,7 @@ class Workspace:
         return None
 
     def with_value(self, node: Expression, value: int) -> int:
-        """The value of the whole if this node had another one."""
+        """The value of the whole expression if a node had another value."""
         while (slope := self.slopes[node]) is None:
             parent = self.parents[node]
             value = self._above(parent, node, value) % PRIME
@@ -273,7 +277,7 @@ class Workspace:
         return (self.value + slope * (value - self.values[node])) % PRIME
 
     def _above(self, parent: Expression, node: Expression, value: int) -> int:
-        """Value that `parent` would have if `node`, one of its parts, had `value`."""
+        """The value of `parent` if `node`, one of its parts, had `value`."""
         slope = self._slope(parent, node)
         if slope is not None:
             return self.values[parent] + slope * (value - self.values[node])
@@ -285,14 +289,14 @@ class Workspace:
         raise TypeError(type(parent).__name__)
 
     def addends(self) -> Iterator[Expression]:
-        """The terms of all sums, and the whole; brackets in brackets too."""
+        """The terms of all sums, also of sums in brackets, and the whole expression."""
         yield self.root
         for node in self.values:
             if isinstance(node, Sum):
                 yield from node.terms
 
     def addend_of(self, node: Expression) -> Expression:
-        """The smallest term of a sum that a node is in; the whole where there is no sum around
+        """The smallest term of a sum that contains a node; the whole expression if no sum contains
         it."""
         while node is not self.root and not isinstance(self.parents[node], Sum):
             node = self.parents[node]
@@ -300,14 +304,14 @@ class Workspace:
 
 
 class _Nowhere(Point):
-    """A point without values, for finding out only what a tree is made of."""
+    """A point at which every value is 0, for analysing only the structure of an expression."""
 
     def at(self, node: Expression, known: object = None) -> int:
         return 0
 
 
 def without_values(tree: Expression) -> Workspace:
-    """The pieces of a tree and what they stand in."""
+    """The structure of an expression, its nodes and their parents, without values."""
     return Workspace(tree, _Nowhere({}, {}))
 
 

@@ -1,4 +1,4 @@
-"""Quotients of polynomials in answers: their arithmetic, and equality by multiplying crosswise."""
+"""Quotients of polynomials in answers: arithmetic, and equality by cross multiplication."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def pair(x: Value) -> tuple[Trig, Trig]:
 
 
 def over(above: Trig, below: Trig) -> Value:
-    """above / below, a polynomial where it is one; below is not 0."""
+    """The quotient above / below, as a polynomial if the division is exact; below is not 0."""
     if above.is_zero:
         return above
     try:
@@ -63,7 +63,7 @@ def inverted(a: Value) -> Value:
 
 
 def slope(x: Value, along: Callable[[Trig], Trig]) -> Value:
-    """The derivative of a value, of whose polynomials `along` gives it."""
+    """The derivative of a polynomial or quotient; `along` differentiates polynomials."""
     if isinstance(x, Trig):
         return along(x)
     above, below = pair(x)
@@ -71,13 +71,13 @@ def slope(x: Value, along: Callable[[Trig], Trig]) -> Value:
 
 
 def difference(a: Value, b: Value) -> Trig:
-    """The numerator of a - b: 0 where they are equal."""
+    """The numerator of a - b, which is 0 if they are equal."""
     (p, q), (r, s) = pair(a), pair(b)
     return p - r if q == s else _multiplied(p, s) - _multiplied(r, q)
 
 
 def put(x: Trig, images: Mapping[str, Value]) -> Value:
-    """A polynomial with values in the place of some generators."""
+    """A polynomial with values substituted for some generators."""
     by_below: dict[Trig, Trig] = {}
     for powers, coefficient in x.terms():
         rest = {name: k for name, k in powers.items() if name not in images}
@@ -98,7 +98,7 @@ def _one(x: Trig) -> Trig:
 
 
 def generator(x: Value) -> str | None:
-    """The generator of the ring that a polynomial is, if it is one."""
+    """The generator that a polynomial consists of; None if it is anything else."""
     terms = list(x.terms()) if isinstance(x, Trig) else []
     if len(terms) != 1 or terms[0][1] != 1 or sum(terms[0][0].values()) != 1:
         return None

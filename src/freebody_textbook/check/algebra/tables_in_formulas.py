@@ -1,5 +1,5 @@
-"""Vectors and matrices inside a formula, M q̈ + C q̇ + g, worked out entry by entry: each entry is an
-expression of its own, whose pieces stand where they are written."""
+"""Vectors and matrices in a formula such as M q̈ + C q̇ + g, multiplied out entry by entry: each
+entry is an expression whose nodes keep their places in the text."""
 
 from __future__ import annotations
 
@@ -38,9 +38,9 @@ TableShape = tuple[int, int]
 def worked_out(
     node: Expression, others: Mapping[Expression, Matrix], shape: TableShape | None = None
 ) -> Expression:
-    """A tree without vectors and matrices but for the outermost. others: the vectors and matrices
-    that names also stand for; they are taken where nothing else fits. shape: of the vector that it
-    must be, if it can. Raises NoValue."""
+    """An expression with its vectors and matrices multiplied out, so that at most the whole is one.
+    others: vectors or matrices that names may also stand for, used where nothing else fits. shape:
+    of the required vector. Raises NoValue."""
     tables = _Tables(others)
     found = node
     if any(isinstance(x, Matrix | Transposed | Cross | Dot) for x in nodes(node)):
@@ -56,7 +56,7 @@ class _Tables:
         self.made = 0
 
     def at(self, node: Expression) -> Expression:
-        """A scalar expression, or a matrix of them; a vector is a column."""
+        """The value of a node: a scalar expression, or a matrix of them; vectors are columns."""
         match node:
             case Matrix():
                 return _each(node, self._scalar)
@@ -91,12 +91,14 @@ class _Tables:
         return found
 
     def _table(self, node: Expression) -> Expression:
-        """The vector or matrix that a node is or may be, else the expression."""
+        """A node's value as a vector or matrix if it is or may be one, otherwise as a scalar
+        expression."""
         found = self.at(node)
         return found if isinstance(found, Matrix) else self.as_table(found) or found
 
     def as_table(self, node: Expression, shape: TableShape | None = None) -> Matrix | None:
-        """A scalar expression as vector, where one of its factors may be one; 0 as that of 0s."""
+        """A scalar expression as a vector or matrix, if one of its factors may be one; a 0 becomes
+        a vector of zeros."""
         match node:
             case Matrix():
                 return node
@@ -122,7 +124,7 @@ class _Tables:
         return self.others.get(node)
 
     def _scaled(self, node: Product, shape: TableShape | None) -> Matrix | None:
-        """A product of numbers and one vector."""
+        """A product of scalars and one vector, as a vector; None for other products."""
         inner = [self.as_table(factor, shape) for factor in node.factors]
         found = [k for k, table in enumerate(inner) if table is not None]
         if len(found) != 1:
@@ -135,7 +137,7 @@ class _Tables:
         return _each(x, change) if isinstance(x, Matrix) else change(x)
 
     def _new(self, node: Expression) -> Expression:
-        """Another node with the same content: each has one place in a tree."""
+        """A copy of a node: a node may occur only once in a tree."""
         self.made += 1
         if self.made > MOST_PIECES:
             raise NoValue("multiplied out, these vectors and matrices have too many entries", node)
@@ -159,7 +161,7 @@ class _Tables:
         return Matrix(tuple(rows), span=node.span)
 
     def _of_shape(self, term: Expression, shape: TableShape, node: Expression) -> Matrix:
-        """A term of a sum of vectors or matrices."""
+        """A term of a sum of vectors, as a vector of the sum's shape."""
         table = term if isinstance(term, Matrix) else self.as_table(term, shape)
         if table is None and shape == (1, 1):
             table = Matrix(((term,),), span=term.span)
@@ -181,8 +183,8 @@ class _Tables:
         return found
 
     def _between(self, factors: Sequence[Expression], k: int) -> Expression:
-        """A factor; a name that may also be a square matrix is one between two that fit, as I of
-        Jᵀ I J."""
+        """Factor k of a product; a name that may also be a square matrix is one between two
+        matrices that fit, as I in Jᵀ I J."""
         table = self.others.get(factors[k])
         around = [*factors[max(k - 1, 0) : k], *factors[k + 1 : k + 2]]
         if table is None or len(around) < 2 or len(set(_shape(table))) > 1:
@@ -216,8 +218,8 @@ class _Tables:
         return rows[0][0] if (n, p) == (1, 1) else Matrix(rows, span=node.span)
 
     def _fitting(self, a: Expression, b: Expression) -> tuple[Expression, Expression]:
-        """A name that may also be a matrix, in front of a vector, is one; and one that may be a
-        vector, behind a matrix that has as many columns."""
+        """Two neighbouring factors with ambiguous names resolved: a name in front of a vector is a
+        matrix if it may be; one behind a matrix is a vector if its size fits."""
         if isinstance(b, Matrix) and a in self.others and _shape(self.others[a])[1] != 1:
             return self.others[a], b
         if isinstance(a, Matrix) and b in self.others:
@@ -245,7 +247,7 @@ class _Tables:
         raise NoValue(f"{_size(_shape(base))} has no power {node.exponent} here", node)
 
     def _inverse(self, base: Matrix, span: Span) -> Matrix:
-        """Inverse of a matrix by cofactors."""
+        """Inverse of a matrix, by cofactors."""
         below, n = self._determinant(base.rows, span), range(len(base.rows))
 
         def entry(i: int, j: int) -> Expression:
@@ -268,7 +270,7 @@ class _Tables:
         return Sum(tuple(terms), span=span)
 
     def _cross(self, node: Cross) -> Expression:
-        """a × b; in the plane ω × b of a rate, and a number of two vectors."""
+        """The cross product a × b; in the plane ω × b of a rate ω, and a scalar for two vectors."""
         left, right = self._table(node.left), self._table(node.right)
         a, b = _components(left), _components(right)
 
