@@ -1,4 +1,4 @@
-"""A user's own equations compared with those of a model."""
+"""Comparison of a user's own equations with those of a model."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def check(
 
 @dataclass(frozen=True)
 class _WholeAnswer:
-    """An answer with all that is told of it."""
+    """An answer with its notation, state, tolerance and user-defined names."""
 
     document: AnswerDocument
     names: Mapping[str, str]
@@ -130,7 +130,7 @@ class _WholeAnswer:
     tolerance: float | None
 
     def judged(self, where: RightEquations) -> _Judged:
-        """Verdict on the answer in a setting."""
+        """The verdict on the answer under some correct equations."""
         document = self.document
         said = statements(where, document, self.names, self.style, self.at)
         velocity = any(claim.target.kind.is_coefficient for claim in said.claims)
@@ -161,8 +161,8 @@ class _WholeAnswer:
         return _Judged(where, verdict, [claim for claim, _ in judged])
 
     def needed(self, found: _Judged) -> frozenset[str]:
-        """The opposed senses without which fewer lines would be right, or in fewer assemblies: in
-        some a multiplier does nothing."""
+        """The reversed sign conventions that are needed: without them fewer equations would be
+        correct, or correct in fewer assemblies."""
         opposed = found.where.opposed
         without = {x: replace(found.where, opposed=opposed - {x}) for x in opposed}
         return frozenset(
@@ -172,7 +172,7 @@ class _WholeAnswer:
 
 @dataclass(frozen=True)
 class _Judged:
-    """A verdict with the setting in which it holds, and the claim of each equation."""
+    """A verdict with the correct equations used for it, and the claim of each equation."""
 
     where: RightEquations
     verdict: Verdict
@@ -191,23 +191,23 @@ class _Judged:
 
     @property
     def extent(self) -> tuple[int, int]:
-        """The number of equations that are right, and of those that are so in every assembly."""
+        """(number of correct equations, number of those correct in every assembly)."""
         right = [x for x in self.verdict.equations if x.equal]
         return len(right), sum(ONE_ASSEMBLY not in x.note for x in right)
 
     def righted(self, before: _Judged) -> list[Claim]:
-        """The claims that are right here only."""
+        """The claims that are correct in this verdict and wrong in an earlier one."""
         rows = zip(self.claims, self.verdict.equations, before.verdict.equations, strict=False)
         return [claim for claim, own, other in rows if own.equal and not other.equal]
 
     @property
     def is_unexplained(self) -> bool:
-        """Whether something is wrong of which nothing is said."""
+        """Whether some wrong equation has no explanation."""
         return any(map(_says_nothing, self.verdict.equations))
 
     def explained_by(self, other: _Judged, cause: str) -> _Judged:
-        """This answer with `cause` noted at each equation that is wrong and unexplained here but
-        right in `other`."""
+        """A copy of the verdict with `cause` noted at each equation that is wrong and unexplained
+        here but correct in `other`."""
         rows = self.verdict.equations, other.verdict.equations
         if len(rows[0]) != len(rows[1]):
             return self
@@ -218,7 +218,8 @@ class _Judged:
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
 
     def instead_of(self, before: _Judged) -> _Judged:
-        """This answer, with a note at each equation that is right in its own senses only."""
+        """A copy of the verdict with a note at each equation that is correct only under its
+        reversed sign conventions."""
         rows = before.verdict.equations, self.verdict.equations
         equations = senses.noted(self.where, *rows) if len(rows[0]) == len(rows[1]) else rows[1]
         return replace(self, verdict=replace(self.verdict, equations=tuple(equations)))
@@ -232,7 +233,7 @@ def _says_nothing(x: EquationVerdict) -> bool:
 def _leaving_out(
     document: AnswerDocument, source: AnswerText, span: Span, unread: list[UnreadEquation]
 ) -> Iterator[None]:
-    """Note an equation of a document that cannot be judged, and go on."""
+    """Context that records an equation of a document which cannot be judged, and continues."""
     try:
         yield
     except AnswerError as problem:
@@ -244,7 +245,7 @@ def _leaving_out(
 
 
 def document_of(answer: Any, form: str | None) -> AnswerDocument:
-    """An answer as document: a path is that of a file, whose suffix tells the form."""
+    """An answer as a document: a path is read as a file, whose suffix determines its format."""
     if form is not None and form not in FORMS:
         raise UnknownNameError("form", form, "check", FORMS)
     if isinstance(answer, PathLike):
@@ -256,7 +257,7 @@ def document_of(answer: Any, form: str | None) -> AnswerDocument:
 
 
 def text_of(answer: Any) -> str:
-    """An answer as text: strings as they are, SymPy's objects as SymPy prints them, one equation a
+    """An answer as text: strings unchanged, SymPy objects as SymPy prints them, one equation per
     line."""
     if isinstance(answer, str):
         return answer
@@ -273,5 +274,5 @@ def text_of(answer: Any) -> str:
 
 
 def _expression(x: Any) -> str:
-    """A side of SymPy's on one line."""
+    """One side of a SymPy equation as text on one line."""
     return " ".join(str(x).split())

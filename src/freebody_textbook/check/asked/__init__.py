@@ -1,1 +1,2 @@
-"""Quantities that answers are about: each file one group with their names and right values."""
+"""Quantities that an answer may be about: each file has one group, with names and correct
+values."""

@@ -1,4 +1,4 @@
-"""The quantities of a model that answers may be about: all groups together, by name."""
+"""All quantities of a model that answers may be about, by name."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ _ABOUT_THE_JOINT = (
 
 
 class FormulaParameters(QuantityGroup):
-    """Parameters lc1, I1, … where formulas give them."""
+    """The parameters lc1, I1, … that the model gives by formulas."""
 
     def single(self) -> Iterator[NamedTarget]:
         for name, value in self.setting.given.items():
@@ -54,7 +54,8 @@ class FormulaParameters(QuantityGroup):
             yield (name,), AskedQuantity(kinds.PARAMETER, (), lambda x=value: x, thoughts=thoughts)
 
     def _thoughts(self, name: str) -> tuple[Mistaken, ...]:
-        """The mistake of taking a link's moment of inertia about its joint."""
+        """The mistake of using a link's moment of inertia about its joint instead of its centre of
+        mass."""
         lc, m = (letter + name[1:] for letter in ("lc", "m"))
         if name[0] != "I" or not {lc, m} <= self.setting.ring.index.keys():
             return ()
@@ -93,7 +94,8 @@ _SPECIAL: tuple[type[QuantityGroup], ...] = (
 
 @dataclass(frozen=True)
 class Targets:
-    """The quantities of a model by name; `velocity`: also h, h1, … of the notes' form."""
+    """The quantities of a model that answers may be about, by name; `velocity`: includes h, h1, …
+    as in the lecture notes."""
 
     setting: RightEquations
     velocity: bool = False
@@ -110,12 +112,12 @@ class Targets:
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """The names of all quantities, in plain spelling."""
+        """Names of all quantities, in plain spelling."""
         return frozenset([*self.single, *self.tables])
 
     @cached_property
     def alone(self) -> frozenset[str]:
-        """Names that stand for vectors and matrices of bodies only."""
+        """Names that stand only for vectors and matrices, never for one polynomial."""
         return frozenset(name for name in self.tables if name not in self.single)
 
     @cached_property
@@ -128,14 +130,16 @@ class Targets:
 
     @cached_property
     def _special(self) -> list[QuantityGroup]:
-        """Groups that the answer is about, which go before the others."""
+        """Groups of quantities of special kinds of answers, which take precedence over the
+        others."""
         kinds = [kind for kind in _SPECIAL if kind.is_told(self.formulas)]
         kinds = [] if self.setting.is_free_body else kinds
         return [kind(self.setting, self.letters, self.based, self.formulas) for kind in kinds]
 
     @cached_property
     def single(self) -> dict[str, AskedQuantity]:
-        """Quantities that are one polynomial, and the rates of which the answer has names."""
+        """Quantities with one polynomial as value by name, including rates that the answer
+        names."""
         return self._of_groups | {
             name: target
             for name, target in self._rates()
@@ -143,7 +147,7 @@ class Targets:
         }
 
     def _rates(self) -> Iterator[tuple[str, AskedQuantity]]:
-        """The rates of quantities whose names have a dot in the answer, Ṫ1 and v̇_c2x."""
+        """Rates of quantities, Ṫ1 and v̇_c2x, if the answer contains their names."""
         bare = [x.replace(DOT, "").replace("dot", "") for x in self.dotted]
         for name, target in self._of_groups.items() if bare else ():
             written = self._dotted(name) if any(name in x for x in bare) else ()
@@ -159,7 +163,7 @@ class Targets:
             yield from ((x, asked) for x in written)
 
     def _dotted(self, name: str) -> list[str]:
-        """The spellings of a name with one dot that are in the answer."""
+        """Spellings of a name with one dot that occur in the answer."""
         return [x for x in spellings(*numbered(name), 1) if any(x in y for y in self.dotted)]
 
     @cached_property
@@ -174,19 +178,19 @@ class Targets:
 
     @cached_property
     def namesakes(self) -> dict[str, AskedQuantity]:
-        """Quantities by names that others have too."""
+        """Quantities by names that other quantities have too."""
         groups = (*self._special, *self._groups)
         return {name: x for group in groups for names, x in group.namesakes() for name in names}
 
     @cached_property
     def of_bodies(self) -> dict[str, str]:
-        """The vectors and matrices that names stand for in equations of bodies."""
+        """Vectors and matrices that names stand for in equations of bodies."""
         groups = (x.in_equations_of_bodies for x in self._groups)
         return {name: meant for x in groups for name, meant in x.items() if meant in self.tables}
 
     @cached_property
     def tables(self) -> dict[str, QuantityTable]:
-        """Vectors (one column) and matrices of quantities."""
+        """Vectors (as one column) and matrices of quantities, by name."""
         found: dict[str, QuantityTable] = {}
         for group in (*self._groups, *self._special):
             found |= group.tables(self._of_groups)
@@ -194,7 +198,7 @@ class Targets:
 
     @property
     def undriven(self) -> list[AskedQuantity]:
-        """The torques of joints that nothing drives, which are 0."""
+        """The torques, equal to 0, of the joints without a drive."""
         found: dict[tuple[int, ...], AskedQuantity] = {}
         for target in self.single.values():
             if target.idle:
@@ -203,5 +207,5 @@ class Targets:
 
     @cached_property
     def soft(self) -> frozenset[str]:
-        """Names of vectors of bodies that users often give to things of their own."""
+        """Names of bodies' vectors that users often give to quantities of their own."""
         return soft_names(len(self.setting.symbols.model.bodies)) | {*loads.VECTORS, "W", "r"}

@@ -1,4 +1,4 @@
-"""Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+"""Quantities of bodies that are vectors, in the axes that `fb.quantities` uses."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _TRANSPOSED = "This is its transpose, which turns the other way."
 
 
 class QuantitiesOfBodies(QuantityGroup):
-    """ω_2, r_c2, v_c2, f_12, …, whole and by components."""
+    """Vectors and tensors of bodies, ω_2, r_c2, v_c2, f_12, …, whole and by components."""
 
     records = tuple(x for x in BODY_QUANTITIES if not x.is_scalar)
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
@@ -41,13 +41,13 @@ class QuantitiesOfBodies(QuantityGroup):
 
     @cached_property
     def _bodies(self) -> list[dict[str, Any]]:
-        """The values that `fb.quantities` tells of each body, in the order of their numbers."""
+        """Values of `fb.quantities` for each body, in order of the bodies' numbers."""
         values = QuantityValues(self._setting, "base" if self.based else "explicit")
         return [values.of_body(i) for i in self._setting.order]
 
     @cached_property
     def vectors(self) -> dict[str, QuantityTable]:
-        """Vectors of bodies, in the axes in which `fb.quantities` gives them."""
+        """Vectors of bodies by name, in the axes that `fb.quantities` uses."""
         tree = self.setting.equations.symbols.tree
         chain = not branches(tree) and self.setting.system is None
         dim = self.setting.symbols.model.dim
@@ -73,7 +73,8 @@ class QuantitiesOfBodies(QuantityGroup):
     def _rates_in_world(
         self, found: Mapping[str, QuantityTable], n: int
     ) -> dict[str, QuantityTable]:
-        """ṙ_c2 and r̈_c2: derivatives of the world's components, or vectors along the body."""
+        """The vectors ṙ_c2 and r̈_c2 of body n: derivatives of the world components, or vectors in
+        the body's axes."""
         rates: dict[str, QuantityTable] = {}
         for dots, letter in ((1, "v"), (2, "a")):
             column = [
@@ -86,8 +87,8 @@ class QuantitiesOfBodies(QuantityGroup):
         return rates
 
     def _axis(self, found: Mapping[str, QuantityTable], i: int, n: int) -> dict[str, QuantityTable]:
-        """u_n, along which joint n slides, or z_n, about which it turns, as the notes have them; in
-        space in the axes of body n, while z_n may also be the z axis of body n in the world's."""
+        """The unit vector of joint n's axis: u_n of a sliding joint, z_n of a turning one; in space
+        in the axes of body n, where z_n may also be the z axis of body n in world axes."""
         s = self._setting
         if s.turns(i) and s.planar:
             return {}
@@ -103,8 +104,8 @@ class QuantitiesOfBodies(QuantityGroup):
         return {f"{letter}{n}": table}
 
     def _turns(self, count: int) -> dict[str, QuantityTable]:
-        """R_k^i between any two bodies, R_0^2 among them, which turns components in the axes of the
-        first to those of the second: named R20."""
+        """The rotation matrices R_k^i between any two bodies, named R20 for R_0^2, which turns
+        components in the axes of body 0 into those of body 2."""
         bodies = [-1, *self._setting.order]
         return {
             f"R{b}{a}": self._turn(bodies[a], bodies[b], f"from body {a} to body {b}")
@@ -135,7 +136,7 @@ class QuantitiesOfBodies(QuantityGroup):
         return column(kinds.OF_BODY, (self.element(lambda x=x: x) for x in vector), words)
 
     def _table_of(self, record: BodyQuantity, n: int, dim: int) -> QuantityTable:
-        """The entries of one quantity of body n."""
+        """The entries of one vector or tensor of body n as quantities."""
         known, words = record.known.format(**numbers(n)), record.told(n)
 
         def entry(*at: int, axis: str = "") -> AskedQuantity:
@@ -162,14 +163,15 @@ class QuantitiesOfBodies(QuantityGroup):
         return [[entry(k, axis=axis)] for k, axis in enumerate(axes)] if axes else [[entry()]]
 
     def _rates_of_components(self) -> Iterator[NamedTarget]:
-        """v_c2x with dots behind the axis, vc2x_d."""
+        """Rates of vector components, v_c2x with dots after the axis: vc2x_d."""
         for n in range(1, len(self._bodies) + 1):
             for record in (x for x in self.records if any(dots for _, dots in x.names)):
                 for (entry,) in self.vectors.get(next(record.spelt(n)), ()):
                     yield tuple(record.spelt(n, entry.axis)), entry
 
     def _of_the_only_body(self) -> Iterator[NamedTarget]:
-        """ω_x, ω̇_x and M_x of the one body in space that has mass, as of a gyro."""
+        """The components ω_x, ω̇_x and M_x of the only body with mass in a spatial model, such as a
+        gyro."""
         tree = self.setting.equations.symbols.tree
         heavy = [
             n for n in range(1, len(tree.bodies) + 1) if tree.bodies[tree.body_of[n - 1]].masses
@@ -188,8 +190,8 @@ class QuantitiesOfBodies(QuantityGroup):
                 yield tuple(itertools.chain.from_iterable(names)), entry
 
     def _coordinates_of_centres(self) -> Iterator[NamedTarget]:
-        """x_c2, ẋ_c2, ẍ_c2: r_c2, v_c2 and a_c2 by components. In space the last two have those
-        along the body, which are no rates of coordinates."""
+        """Coordinates of the centres of mass, x_c2, ẋ_c2, ẍ_c2: components of r_c2, v_c2 and a_c2.
+        In space the last two are in the body's axes, hence no derivatives of coordinates."""
         of_rates = "rva" if self.setting.symbols.model.dim == 2 else "r"
         for n in range(1, len(self._bodies) + 1):
             for dots, letter in enumerate(of_rates):
@@ -198,18 +200,18 @@ class QuantitiesOfBodies(QuantityGroup):
                     yield tuple(itertools.chain.from_iterable(names)), entry
 
     def _world(self, n: int) -> Matrix:
-        """The orientation of body n."""
+        """The rotation matrix of body n."""
         return self._setting.world[self._setting.order[n - 1]][0]
 
     def _in_world(self, n: int, name: str, row: int) -> Callable[[], Trig]:
-        """A component in the world's axes of what is given in the body's."""
+        """A component in world axes of a body's vector that is given in body axes."""
         return self.element(lambda: dot(self._world(n)[row], self._bodies[n - 1][name]))
 
     def _inertia_in_world(self, n: int, i: int, j: int) -> Callable[[], Trig]:
-        """Entry of a body's inertia in world axes, R I Rᵀ."""
+        """An entry of a body's inertia tensor in world axes, R I Rᵀ."""
         R, of_body = self._world(n), self._bodies[n - 1]
         return self.element(lambda: dot(R[i], times(of_body[f"I{n}"], R[j])))
 
     def _part(self, n: int, name: str, *at: int) -> Callable[[], Trig]:
-        """An entry of what `fb.quantities` tells of body n."""
+        """An entry of a quantity of body n from `fb.quantities`."""
         return self.element(lambda: reduce(getitem, at, self._bodies[n - 1][name]))

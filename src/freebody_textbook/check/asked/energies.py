@@ -1,4 +1,5 @@
-"""Energies of the whole robot and of each body, powers, momenta and angular momenta."""
+"""Quantities of energy: energies of the whole robot and of each body, powers, momenta and angular
+momenta."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ _OF_BODIES = (
 
 
 class EnergyQuantities(QuantityGroup):
-    """T, V, L, T_i, V_i, and the power of the drives."""
+    """The energies T, V, L, T_i and V_i, and the power of the drives."""
 
     def single(self) -> Iterator[NamedTarget]:
         eq = self.setting.equations
@@ -63,7 +64,7 @@ class EnergyQuantities(QuantityGroup):
 
     @cached_property
     def _powers(self) -> dict[str, AskedQuantity]:
-        """The power of all drives, and of each by its number."""
+        """The total power of the drives, and the power of each by its number."""
         words = "the power of the drives"
         found = {"": AskedQuantity(kinds.POWER, (), self._power(*self.numbers), words=words)}
         for i in self.numbers:
@@ -72,7 +73,7 @@ class EnergyQuantities(QuantityGroup):
         return found
 
     def _momentum_names(self, i: int, coordinate: str) -> tuple[str, ...]:
-        """p_θ1, p_q1, p_x, p_1; none where p is a parameter."""
+        """Names of the momentum of coordinate i, p_θ1, p_q1, p_x, p_1; none if p is a parameter."""
         if {"p", "P"} & self.setting.ring.index.keys():
             return ()
         number = atom(coordinate).figures
@@ -80,13 +81,13 @@ class EnergyQuantities(QuantityGroup):
         return (*(f"{p}{x}" for p in "pP" for x in own), f"p{i}")
 
     def _momentum(self, i: int) -> Callable[[], Trig]:
-        """The momentum Σ M_ij q̇_j of a coordinate."""
+        """The momentum Σ M_ij q̇_j that belongs to a coordinate."""
         rates = [self.setting.ring[x + RATE] for x in self.setting.symbols.coordinates]
         row = [self.entry("M", i, j) for j in self.numbers]
         return lambda: sum((m() * v for m, v in zip(row, rates, strict=True)), self.setting.zero)
 
     def _power(self, *joints: int) -> Callable[[], Trig]:
-        """Σ τ_i q̇_i; joints that nothing drives have none."""
+        """The power Σ τ_i q̇_i of some joints' drives; joints without a drive contribute 0."""
         driven = [i for i in joints if i not in self.passive]
         rates = [self.setting.ring[x + RATE] for x in self.setting.symbols.coordinates]
         torques = [self.entry("tau", i) for i in driven]
@@ -100,7 +101,7 @@ class EnergyQuantities(QuantityGroup):
         return lambda: self.setting.element(energy.along(self.setting.equations.symbols.rates))
 
     def _of_body(self, energy: Callable[[Energies, int], Trig], body: int) -> Callable[[], Trig]:
-        """Energy of a body and all that is fixed to it."""
+        """The energy of a body, including everything that is fixed to it."""
 
         s = self._setting
         return self.element(lambda: energy(Energies(s, s.motion), s.tree.body_of[body]))
@@ -121,12 +122,13 @@ _USUAL = {"H": kinds.MASS, "L": kinds.LAGRANGIAN}
 
 
 class AngularMomenta(QuantityGroup):
-    """H_i and L_i of body i, about its centre of mass, its joint or the base's origin; H_Gi about
-    its centre of mass, H_O of the whole robot."""
+    """Angular momenta: H_i and L_i of body i about its centre of mass, its joint or the base's
+    origin; H_Gi about the centre of mass, H_O of the whole robot."""
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer gives one: elsewhere the names are often those of lengths."""
+        """Whether an answer contains an angular momentum; in other answers its names often mean
+        lengths."""
         return _NAMED.found_in(formulas)
 
     @property
@@ -158,12 +160,13 @@ class AngularMomenta(QuantityGroup):
                 yield (name, f"{letter}{point.lower()}{number}"), self._of_body(number, bool(point))
 
     def _is_given(self, letter: str) -> bool:
-        """Whether a notation has a letter for another quantity than usual."""
+        """Whether the notation uses a letter for an unusual quantity."""
         return letter not in self.letters[_USUAL[letter].name]
 
     @cached_property
     def _whole(self) -> AskedQuantity:
-        """The momentum of all bodies about the base's origin; of one body also about its centre."""
+        """The angular momentum of all bodies about the base's origin; of a single body also about
+        its centre of mass."""
         words = "the angular momentum"
         value, bodies = self._sum(*self._bodies.values()), list(self._bodies.values())
         also = ((_CENTRE, self._about_centre(bodies[0])),) if len(bodies) == 1 else ()
@@ -185,21 +188,21 @@ class AngularMomenta(QuantityGroup):
 
     @cached_property
     def _bodies(self) -> dict[str, int]:
-        """The bodies that have a mass, by their numbers."""
+        """Names of the bodies with mass, and their indices."""
         s = self._setting
         single = (i for i in s.order if len(s.tree.bodies[i].masses) == 1)
         return {str(s.numbers[i]): i for i in single}
 
     def _about_centre(self, i: int) -> Callable[[], Trig]:
-        """The angular momentum I ω about the centre of mass."""
+        """The angular momentum I ω of a body about its centre of mass."""
         return self.element(lambda: self._spin(i))
 
     def _about(self, i: int, point: Vector) -> Callable[[], Trig]:
-        """I ω + m r × v, from a point of the plane."""
+        """The angular momentum I ω + m r × v of a body about a point in the plane."""
         return self.element(lambda: self._moment(i, point))
 
     def _sum(self, *bodies: int) -> Callable[[], Trig]:
-        """The sum over bodies about the base's origin."""
+        """The total angular momentum of some bodies about the base's origin."""
         zero = self._setting.symbols.zero
         return self.element(lambda: sum((self._moment(i, (0.0, 0.0)) for i in bodies), zero()))
 

@@ -1,5 +1,5 @@
-"""A body that nothing holds: what answers call its symbols, and its quantities: vectors by
-components in its own axes, p and gravity in the world's, and its energies."""
+"""Quantities of a free body: symbols and their spellings in answers, vectors in body axes, the
+position p and gravity in world axes, energies."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _ANGLES = ("psi", "theta", "phi")
 
 
 def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:
-    """Spellings of a free body's coordinates in answers, with their values."""
+    """Spellings of a free body's coordinates in answers, with the polynomial of each."""
     ring = setting.ring
     for name, letter in angles(setting):
         for dots, ending in enumerate(ENDINGS):
@@ -59,7 +59,7 @@ def symbols(setting: RightEquations) -> Iterator[tuple[str, Trig]]:
 
 
 def _along(setting: RightEquations, k: int, axis: str) -> Iterator[tuple[str, Trig]]:
-    """Spellings of the components of vectors along an axis."""
+    """Spellings of vectors' components along one axis, with the polynomial of each."""
     ring = setting.ring
     for vector, letters, _ in _VECTORS:
         for dots, ending in enumerate(ENDINGS):
@@ -73,19 +73,19 @@ def _along(setting: RightEquations, k: int, axis: str) -> Iterator[tuple[str, Tr
 
 
 def angles(setting: RightEquations) -> Iterator[tuple[str, str]]:
-    """Yaw, pitch and roll with their letters."""
+    """Names of yaw, pitch and roll, each with its letter."""
     return zip(setting.symbols.coordinates[3:PLACES], _ANGLES, strict=True)
 
 
 def waves(setting: RightEquations) -> Iterator[tuple[str, tuple[str, Angle]]]:
-    """cφ, sθ: the function and the angle."""
+    """Abbreviations such as cφ and sθ with the function and the angle that they mean."""
     for name, letter in angles(setting):
         for x, function in (("c", "cos"), ("s", "sin")):
             yield x + letter, (function, ((name, 1),))
 
 
 class FreeBodyQuantities(QuantityGroup):
-    """v, ω, f, n, p, R, I, T, V, L."""
+    """Quantities of a free body: v, ω, f, n, p, R, I, T, V, L."""
 
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"g": "gravity"}
 

@@ -1,4 +1,5 @@
-"""The base of all groups of quantities: the setting, the letters, values in the ring of answers."""
+"""Base class of all groups of quantities: the model's equations, letters, and values as polynomials
+in the answer's symbols."""
 
 from __future__ import annotations
 
@@ -24,15 +25,15 @@ NamedTarget = tuple[tuple[str, ...], AskedQuantity]
 
 
 def entries(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
-    """The entries of matrices, each by the matrix's name and its indices: M12."""
+    """Entries of matrices, each named by the matrix and its indices: M12."""
     for name, table in tables.items():
         for row in table:
             yield from (((name + "".join(map(str, x.index)),), x) for x in row)
 
 
 def components(tables: Mapping[str, QuantityTable]) -> Iterator[NamedTarget]:
-    """The components of vectors, each by the vector's name and its axis, vc1x; and what is one
-    number."""
+    """Components of vectors, each named by the vector and its axis, vc1x; a vector with one entry
+    keeps its name."""
     for name, table in tables.items():
         for row in table:
             yield from (((name + x.axis,), x) for x in row if x.axis or len(table) == 1)
@@ -46,7 +47,7 @@ def column(
     axes: Sequence[str] = "xyz",
     is_angular: bool = False,
 ) -> QuantityTable:
-    """A vector of quantities, told in words."""
+    """A vector of quantities, each described in words."""
     return [
         [AskedQuantity(kind, index, value, axis=axis, words=words, is_angular=is_angular)]
         for axis, value in zip(axes, values, strict=False)
@@ -54,7 +55,7 @@ def column(
 
 
 def matrix(kind: Kind, rows: Iterable[Iterable[Callable[[], Value]]], words: str) -> QuantityTable:
-    """A matrix of quantities; `words` has places for row and column."""
+    """A matrix of quantities; `words` is their description, with places for row and column."""
     return [
         [
             AskedQuantity(kind, (i, j), value, words=words.format(i, j))
@@ -65,13 +66,13 @@ def matrix(kind: Kind, rows: Iterable[Iterable[Callable[[], Value]]], words: str
 
 
 def values(found: Iterable[Trig]) -> list[Callable[[], Value]]:
-    """Functions that give polynomials of the ring of answers."""
+    """Functions that return the given polynomials."""
     return [lambda x=x: x for x in found]
 
 
 class QuantityGroup:
-    """Some quantities of a model; `letters` are those of their kinds, `based` says that the base
-    is accelerated by -g, which then is in all accelerations; formulas: the answer's."""
+    """A group of quantities of a model. letters: those of each kind of quantity. based: the base is
+    accelerated by -g, which all accelerations then include. formulas: those of the answer."""
 
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {}
     """Vectors and matrices by names that others have in the equations of motion."""
@@ -88,61 +89,64 @@ class QuantityGroup:
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer is about a group whose names mean other things elsewhere."""
+        """Whether an answer uses this group, whose names mean other things in most answers."""
         return bool(formulas)
 
     def single(self) -> Iterator[NamedTarget]:
-        """Quantities that are one polynomial."""
+        """Quantities with one polynomial as value, with their names."""
         yield from ()
 
     def namesakes(self) -> Iterator[NamedTarget]:
-        """Quantities by names that others have too: the answer tells which is meant."""
+        """Quantities whose names other quantities have too; the answer decides between them."""
         yield from ()
 
     def tables(self, single: Mapping[str, AskedQuantity]) -> dict[str, QuantityTable]:
-        """Vectors and matrices by name; single: the quantities of all groups."""
+        """Vectors and matrices by name; single: the scalar quantities of all groups."""
         return {}
 
     @property
     def count(self) -> int:
-        """The number of the robot's coordinates."""
+        """The number of coordinates in the robot."""
         return len(self.setting.symbols.coordinates)
 
     @property
     def numbers(self) -> range:
-        """The numbers of the coordinates, from 1."""
+        """Numbers of the coordinates, counted from 1."""
         return range(1, self.count + 1)
 
     @property
     def passive(self) -> tuple[int, ...]:
-        """Joints that nothing drives, from 1."""
+        """Numbers, counted from 1, of the joints without a drive."""
         return tuple(k + 1 for k in self.setting.symbols.model.passive)
 
     def joint(self, i: int) -> str:
-        """The joint of coordinate i, in words; those that follow others have no coordinate."""
+        """Description of the joint of coordinate i; joints that follow others have no
+        coordinate."""
         bodies = enumerate(self.setting.equations.symbols.model.bodies, 1)
         own = [n for n, body in bodies if body.joint.mimic is None]
         return f"joint {own[i - 1]}"
 
     @cached_property
     def _setting(self) -> Setting:
-        """The mechanism as it is derived."""
+        """The mechanism for which the equations are derived."""
         return Setting(self.setting.equations.symbols)
 
     def element(self, value: Callable[[], Any]) -> Callable[[], Trig]:
-        """A number or polynomial of the equations in the ring of answers."""
+        """Function that converts a number or polynomial of the model's equations to the ring of
+        answers."""
         return lambda: self.setting.element(self.setting.equations.symbols.element(value()))
 
     def quotient(self, sides: Callable[[], tuple[Trig, Trig]]) -> Callable[[], Value]:
-        """A quotient of two polynomials of the equations in the ring of answers."""
+        """Function that converts a quotient of two polynomials of the model's equations to the ring
+        of answers."""
         return lambda: over(*map(self.setting.element, sides()))
 
     def coordinate(self, name: str, k: int) -> AskedQuantity:
-        """Quantity that is an entry of q, q̇ or q̈."""
+        """The quantity that is entry k of q, q̇ or q̈."""
         return AskedQuantity(kinds.COORDINATE, (k,), lambda: self.setting.ring[name])
 
     def entry(self, name: str, *index: int) -> Callable[[], Trig]:
-        """An entry of what the equations have by that name."""
+        """Function that returns an entry of a named vector or matrix of the equations."""
 
         def value() -> Trig:
             return sum(map(part, SUMS.get(name, (name,))), self.setting.zero)
@@ -165,7 +169,7 @@ _UNDIVIDED = "It is not divided by the determinant."
 def inverse(
     setting: RightEquations, rows: Sequence[Sequence[Callable[[], Trig]]], words: str
 ) -> QuantityTable:
-    """The entries of the inverse of a matrix, told in words."""
+    """The entries of an inverse matrix as quantities, described in words."""
     n = range(len(rows))
 
     @cache

@@ -1,4 +1,4 @@
-"""Torques, mass matrix, velocity terms and gravity: the equations of motion by their pieces."""
+"""Quantities in the equations of motion: torques, mass matrix, velocity terms and gravity."""
 
 from __future__ import annotations
 
@@ -32,14 +32,16 @@ _OTHER_H = "It has the sign of Spong's h here; the notes' is its negative."
 
 
 class JointQuantities(QuantityGroup):
-    """τ_i, M_ij, C_ij, c_i, g_i, whole vectors and matrices, and q."""
+    """Quantities of the joints: τ_i, M_ij, C_ij, c_i, g_i, the whole vectors and matrices, and
+    q."""
 
     def single(self) -> Iterator[NamedTarget]:
         yield from self._named
 
     @cached_property
     def _named(self) -> list[NamedTarget]:
-        """Made once: a quantity is the same in a vector and alone."""
+        """The quantities with their names, made once so that a quantity is the same object in a
+        vector and alone."""
         return list(self._made())
 
     def _made(self) -> Iterator[NamedTarget]:
@@ -74,7 +76,7 @@ class JointQuantities(QuantityGroup):
 
     @cached_property
     def _inverse(self) -> QuantityTable:
-        """The entries of M⁻¹ of a robot of few joints."""
+        """The entries of M⁻¹, for robots with few joints."""
         if not 1 < self.count <= MOST_ROWS:
             return []
         rows = [[self.entry("M", i, j) for j in self.numbers] for i in self.numbers]
@@ -113,7 +115,7 @@ class JointQuantities(QuantityGroup):
         return found | self._columns_of_coordinates()
 
     def _columns_of_coordinates(self) -> dict[str, QuantityTable]:
-        """q, q̇ and q̈ by their names, of a robot of several joints."""
+        """The vectors q, q̇ and q̈ by name, for robots with several joints."""
         found: dict[str, QuantityTable] = {}
         coordinates = self.setting.symbols.coordinates
         for dots, ending in enumerate(("", RATE, SECOND) if self.count > 1 else ()):
@@ -123,8 +125,8 @@ class JointQuantities(QuantityGroup):
         return found
 
     def _torque_names(self, i: int) -> tuple[str, ...]:
-        """τ_i; without number where it is the only one; F of a driven slide; u where there is one
-        joint, or some are passive."""
+        """Names of the torque of joint i: τ_i; τ if it is the only one; F for a driven sliding
+        joint; u if there is one joint, or some are passive."""
         driven = [k for k in self.numbers if k not in self.passive]
         own = self.setting.symbols.coordinates[i - 1]
         others = [
@@ -138,14 +140,14 @@ class JointQuantities(QuantityGroup):
         return (*(letter + number for number in numbers for letter in letters), *along)
 
     def _rate_of_mass(self, i: int, j: int) -> AskedQuantity:
-        """Quantity that is an entry of Ṁ."""
+        """The quantity that is an entry of Ṁ, the rate of the mass matrix."""
         entry, rates = self.entry("M", i, j), self.setting.symbols.rates
         words = f"entry {i}, {j} of the rate of the mass matrix"
         return AskedQuantity(kinds.MASS_RATE, (i, j), lambda: entry().along(rates), words=words)
 
     def _christoffel(self) -> Iterator[NamedTarget]:
-        """Spong's c_ijk, of which C_kj is the sum over i of c_ijk q̇_i, and Γ_ijk of Murray, Li and
-        Sastry, of which C_ij is the sum over k of Γ_ijk q̇_k: Γ_kji = c_ijk."""
+        """Christoffel symbols: Spong's c_ijk with C_kj = Σ_i c_ijk q̇_i, and Γ_ijk of Murray, Li
+        and Sastry with C_ij = Σ_k Γ_ijk q̇_k; Γ_kji = c_ijk."""
         for i, j, k in itertools.product(self.numbers, repeat=3):
             value = self._symbol_of_christoffel(i - 1, j - 1, k - 1)
             target = AskedQuantity(kinds.CHRISTOFFEL, (k, j, i), value)
@@ -164,7 +166,7 @@ class JointQuantities(QuantityGroup):
 
 
 class VelocityCoefficients(QuantityGroup):
-    """h of (3.25), where other lines are written with it."""
+    """The velocity coefficient h of (3.25), for answers that use it."""
 
     def single(self) -> Iterator[NamedTarget]:
         if not self.setting.equations.is_short:
@@ -177,7 +179,7 @@ class VelocityCoefficients(QuantityGroup):
                     yield (name,), self._coefficient(equation.rhs)
 
     def _coefficient(self, printed: Expression) -> AskedQuantity:
-        """A coefficient, which some books have with the other sign."""
+        """A velocity coefficient as quantity; some books define it with the opposite sign."""
 
         def value() -> Trig:
             return polynomial(self.setting, printed)
@@ -186,7 +188,7 @@ class VelocityCoefficients(QuantityGroup):
 
 
 def polynomial(setting: RightEquations, node: Expression) -> Trig:
-    """A printed expression as polynomial."""
+    """The polynomial of a printed expression."""
     rules = {
         **arithmetic(lambda number: setting.zero + number),
         ex.Symbol: lambda node, at: setting.image(node.name),

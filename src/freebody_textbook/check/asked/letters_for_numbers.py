@@ -1,4 +1,4 @@
-"""Letters for a model's numbers, as answers have them: g; m, I_x and l of a model with one body."""
+"""Letters that answers use for a model's numbers: g; m, I_x and l of a model with one body."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ _LETTERED = LexemePattern("< I | J > < ~_ ~{? ~%axis | ~%axis{1,2} !~%small_lett
 
 
 def as_written(model: Model, formulas: Lexemes, own: Collection[str] = ()) -> Model:
-    """The model with letters for numbers where an answer has such letters; own: names to which the
-    answer gives a meaning of its own."""
+    """The model with symbols in place of numbers for which the answer has letters; own: names that
+    the answer defines itself."""
     lettered = model.dim == 3 and _LETTERED.found_in(formulas)
     model = with_letters(model) if lettered else model
     size, taken = model.gravity_size, {*model.parameters, *own}
@@ -36,8 +36,8 @@ def as_written(model: Model, formulas: Lexemes, own: Collection[str] = ()) -> Mo
 
 
 def with_letters(model: Model) -> Model:
-    """The model with m, Ix, Iy, Iz and l for the numbers of its one body with mass and for the one
-    distance of what pushes it, as answers have them; their values are kept."""
+    """The model with symbols m, Ix, Iy, Iz for the numbers of its only body with mass, and l for
+    the common distance of the thrusts; the values are kept."""
     own = [k for k, body in enumerate(model.bodies) if body.inertias]
     if len(own) != 1 or len(model.bodies[own[0]].inertias) != 1:
         return model
@@ -56,7 +56,8 @@ def with_letters(model: Model) -> Model:
 
 
 def _with_one_arm(model: Model, taken: Collection[str]) -> tuple[Frame, ...]:
-    """The frames, with l for the one distance of those that are mounted along x or y."""
+    """The model's frames, with the symbol l for the common distance of those along x or y at which
+    thrusts act."""
     pushing = set(thrusts_of(model).values())
     shifts = {frame: _shift_of(frame) for frame in pushing}
     distances = {math.hypot(*by) for by in shifts.values() if by is not None}
@@ -76,7 +77,7 @@ def _with_one_arm(model: Model, taken: Collection[str]) -> tuple[Frame, ...]:
 
 
 def _shift_of(frame: Frame) -> tuple[float, ...] | None:
-    """The place of a frame along x or along y of its body; None of one elsewhere or turned."""
+    """Position of a frame on the x or y axis of its body; None if it is elsewhere or rotated."""
     steps = frame.placement.steps
     if len(steps) != 1 or not isinstance(steps[0], Shift):
         return None

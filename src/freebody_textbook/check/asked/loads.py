@@ -1,5 +1,5 @@
-"""A force and a moment at the tip: what answers call them, and the torques that hold them, τ =
-Jᵀ F, with the weights and the motion where an answer has these too (2.50)."""
+"""A force and a moment at the tip: their names in answers, and the torques in equilibrium with
+them, τ = Jᵀ F; with weights and motion if the answer has these (2.50)."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ VECTORS = tuple(name for name in SPELT["f"] if not name.endswith("tip"))
 
 
 def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
-    """Symbols for the load on the tip, where an answer has one."""
+    """Symbols for the load on the tip, if the answer contains one."""
     names = LOADS[model.dim]
     if model.loops:
         return _of_loops(model, formulas)
@@ -64,8 +64,8 @@ def named_in(model: Model, formulas: Lexemes) -> tuple[str, ...]:
 
 
 def _of_loops(model: Model, formulas: Lexemes) -> tuple[str, ...]:
-    """Symbols of a force on a mechanism in the plane: at its tip by components, or along its one
-    slide."""
+    """Symbols of an external force on a planar closed chain: components at its tip, or a force
+    along its only slide."""
     taken = ALONG_SLIDE in model.parameters or _GIVEN.found_in(formulas)
     if model.dim != 2 or taken or "J" in formulas.places:
         return ()
@@ -79,7 +79,8 @@ def _of_loops(model: Model, formulas: Lexemes) -> tuple[str, ...]:
 
 
 def symbols(setting: RightEquations, taken: Collection[str]) -> Iterator[tuple[str, Trig]]:
-    """Spellings of the load's components, with their values; none that is taken."""
+    """Spellings of the load's components, with the polynomial of each, except names that are
+    taken."""
     for name in setting.loads:
         letter, axis = ("f", "") if name == ALONG_SLIDE else name
         for spelling in (f"{x}{axis}" for x in SPELT[letter]):
@@ -101,7 +102,7 @@ _TIP = (
 
 
 def instead_of(model: Model, name: str) -> str:
-    """A sentence on what to write instead of a name in plain spelling, or ""."""
+    """An error hint on what to write instead of a name; "" if there is none."""
     plain = name.strip(DOT).rstrip("'")
     shown = plain if len(plain) < 2 or plain[0] in "dJ" else f"{plain[0]}_{plain[1:]}"
     if model.loops and numbered(plain)[0] in _FORCES:
@@ -121,7 +122,7 @@ _UNTURNED = "This is J F: torques follow from the transpose, τ = Jᵀ F, as vel
 def vectors(
     setting: RightEquations, single: Mapping[str, AskedQuantity]
 ) -> dict[str, QuantityTable]:
-    """F, a column of the force; with its moment W."""
+    """The load as vectors: F, the force; W, force and moment."""
     ring = setting.ring
 
     def component(name: str) -> AskedQuantity:
@@ -145,7 +146,8 @@ def vectors(
 def _of_transpose(
     setting: RightEquations, single: Mapping[str, AskedQuantity], name: str
 ) -> Iterator[Mistaken]:
-    """F = Jᵀ τ, a square J of the position taken for its inverse."""
+    """The mistake F = Jᵀ τ, which uses the transpose of a square Jacobian instead of its inverse
+    transpose."""
     force = setting.force_at_tip
     n = range(1, len(force) + 1)
     if name not in force or len(setting.symbols.coordinates) != len(force):
@@ -167,8 +169,8 @@ def _of_transpose(
 def held_by_loops(
     setting: RightEquations, target: AskedQuantity, besides: Collection[str]
 ) -> AskedQuantity:
-    """The torque of a drive of a closed chain under a force from outside; rates alone tell no
-    motion: they may be those of virtual work."""
+    """The torque of a closed chain's drive under an external force; rates alone do not mean motion,
+    as they occur in virtual work."""
     own = target.index[0] - 1
     acting: ActingLoads = "load"
     if "motion" in besides:
@@ -193,8 +195,8 @@ def held(
     load: Collection[str],
     besides: Collection[str],
 ) -> AskedQuantity:
-    """The torque at a joint that holds the components of a load; besides: what the line tells of,
-    as motion and weights, which then count too."""
+    """The torque of a joint in equilibrium with a load at the tip; besides: effects in the line,
+    such as motion and weights, that are included."""
     (i,) = target.index
     names = [name for name in setting.loads if name in load]
     has_motion = not {"motion", "rate"}.isdisjoint(besides)
@@ -211,7 +213,7 @@ def held(
         return gravity() if has_weight else setting.zero
 
     def product(entry: str) -> Trig:
-        """Entry of J F or Jᵀ F."""
+        """An entry of J F or Jᵀ F, for the load F."""
         total = setting.zero
         for name in names:
             k = setting.loads.index(name) + 1

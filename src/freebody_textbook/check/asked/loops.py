@@ -1,5 +1,5 @@
-"""Closed chains and trees: the equations of loops, independent coordinates, and the forces in
-joints and loops by the multipliers."""
+"""Quantities of closed chains and trees: loop equations, independent coordinates, and forces in
+joints and loops by Lagrange multipliers."""
 
 from __future__ import annotations
 
@@ -42,7 +42,8 @@ from freebody_textbook.relations.quantities import branches
 
 
 class LoopQuantities(QuantityGroup):
-    """Φ, Φ_q, their rates, what Φ_q q̈ must be, and λ."""
+    """Quantities of loops: Φ, Φ_q, their rates, the required value of Φ_q q̈, and the multipliers
+    λ."""
 
     def single(self) -> Iterator[NamedTarget]:
         for i, (x,) in enumerate(self._tables.get("Phi", []), 1):
@@ -55,13 +56,13 @@ class LoopQuantities(QuantityGroup):
                 yield (f"Phiq{i}{j}",), entry
 
     def _velocity_term(self, i: int) -> Iterator[Mistaken]:
-        """The velocity term of a joint, which c_i may be besides."""
+        """The alternative reading of c_i as the velocity term of joint i."""
         if i in self.numbers:
             note = f"It is read as the velocity term of {self.joint(i)}."
             yield note, self.entry(kinds.VELOCITY.name, i)
 
     def _second(self, rate: AskedQuantity) -> AskedQuantity:
-        """The second derivative of a loop equation."""
+        """The second time derivative of a loop equation."""
         words = rate.words.replace("the rate", "the second derivative", 1)
         value = rate.polynomial().along(self.setting.symbols.rates)
         return AskedQuantity(kinds.LOOP_RATE, rate.index, lambda: value, words=words)
@@ -118,7 +119,8 @@ class LoopQuantities(QuantityGroup):
 
 
 def _in_words(name: str) -> str:
-    """The name of a loop's equation: closing_pin.fy is that of 'closing_pin' along y."""
+    """Description of a loop equation by its name: closing_pin.fy is that of 'closing_pin' along
+    y."""
     loop, _, part = name.rpartition(".")
     if part in ("m", "tension"):
         return f"{loop!r} for its {'angle' if part == 'm' else 'length'}"
@@ -130,7 +132,8 @@ _H, _M = (LexemePattern(f"!-%latin {letter} _? {{? < %counted | %low_digit >") f
 
 
 class ReducedQuantities(QuantityGroup):
-    """n, N, γ and u of a closed chain in the plane or in space."""
+    """Quantities of a closed chain in independent coordinates, in the plane or in space: n, N, γ
+    and u."""
 
     def single(self) -> Iterator[NamedTarget]:
         if self.setting.system is None:
@@ -177,7 +180,8 @@ class ReducedQuantities(QuantityGroup):
         return reduction_of(self.setting)
 
     def _applied(self, i: int) -> AskedQuantity:
-        """n_i: the drive, less what the velocities, the weights, springs and friction need."""
+        """The generalized force n_i: the drive's, minus the terms of velocities, weights, springs
+        and friction."""
 
         def value() -> Trig:
             tau, rest = self.entry("tau", i), [self.entry(x, i)() for x in ("c", "g", "drives")]
@@ -189,7 +193,7 @@ class ReducedQuantities(QuantityGroup):
 
     @cached_property
     def _drift(self) -> QuantityTable:
-        """Drift γ, the accelerations q̈ where ü = 0."""
+        """The drift γ: the accelerations q̈ for ü = 0."""
         return [[self._drift_of(k)] for k in self.numbers] if self._reduction else []
 
     def _drift_of(self, k: int) -> AskedQuantity:
@@ -203,7 +207,8 @@ class ReducedQuantities(QuantityGroup):
 
 
 class ReducedMass(QuantityGroup):
-    """H_ij of NᵀM N, in answers that call it H and that of the cut chain M."""
+    """The reduced mass matrix H_ij = (NᵀM N)_ij, for answers that call it H and the cut chain's
+    matrix M."""
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
@@ -226,7 +231,7 @@ class ReducedMass(QuantityGroup):
 
 
 def reduction_of(setting: RightEquations) -> Reduction | None:
-    """A closed chain in independent coordinates."""
+    """The reduction of a closed chain to independent coordinates; None if there is none."""
     system = setting.system if setting.turned is None else None
     return system and system.reduction
 
@@ -238,8 +243,7 @@ _BodyRow = tuple[Expression, Iterable[Any], int, str]
 
 
 class BodiesOfTrees(QuantityGroup):
-    """f_24, s_c3 and the like where the bodies do not form one chain: named as derivations name
-    them."""
+    """Quantities of bodies, f_24, s_c3 and the like, in trees: named as in the derivations."""
 
     def single(self) -> Iterator[NamedTarget]:
         yield from components(self._vectors)
@@ -300,11 +304,11 @@ class BodiesOfTrees(QuantityGroup):
 
 
 class LoopForceSystem(QuantityGroup):
-    """A λ = k, the equations of the passive joints for the multipliers."""
+    """Quantities of A λ = k, the equations of the passive joints for the multipliers."""
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer has A λ."""
+        """Whether an answer contains A λ."""
         return _SYSTEM.found_in(formulas)
 
     def single(self) -> Iterator[NamedTarget]:
@@ -334,6 +338,6 @@ class LoopForceSystem(QuantityGroup):
         return {"A": A, "k": [[self._right(x, i)] for i, x in enumerate(system.right, 1)]}
 
     def _right(self, x: Trig, i: int) -> AskedQuantity:
-        """Quantity that is an entry of k, the right side of A λ = k."""
+        """The quantity that is an entry of k, the right side of A λ = k."""
         words = f"entry {i} of k, A λ = k"
         return AskedQuantity(kinds.OF_INDEPENDENT, (i,), self.element(lambda: x), words=words)

@@ -1,5 +1,5 @@
-"""Further quantities of bodies: vectors in the axes of any body, Jacobians of centres of mass,
-Kane's partial velocities and generalized forces, statics of an arm with a force on its tip."""
+"""Further quantities of bodies: vectors in any body's axes, Jacobians of centres of mass, Kane's
+partial velocities and generalized forces, statics of an arm with a force on its tip."""
 
 from __future__ import annotations
 
@@ -28,7 +28,8 @@ _WORLD = "This would be right in the world's axes; here the components are along
 
 
 class QuantitiesInFrames(QuantitiesOfBodies):
-    """Vectors of bodies with a frame: their plain names end with its mark, see `FRAMES`."""
+    """Vectors of bodies in the axes of a named frame; the frame's mark ends their plain names, see
+    `FRAMES`."""
 
     def single(self) -> Iterator[NamedTarget]:
         for name, table in self._framed.items():
@@ -57,7 +58,8 @@ class QuantitiesInFrames(QuantitiesOfBodies):
         return found | {name + FRAMES[0]: table for name, table in ground.items()}
 
     def _seen(self, table: QuantityTable, n: int, frame: int, is_place: bool) -> QuantityTable:
-        """A vector along the axes of a body; of a place how it lies from that body's origin."""
+        """A vector of body n in the axes of another body; a position is relative to that body's
+        origin."""
         if len(table) == 1 or (frame == 0 and self.setting.is_planar):
             return table
         if table[0][0].in_world is not None and frame == n:
@@ -87,7 +89,7 @@ class QuantitiesInFrames(QuantitiesOfBodies):
         ]  # fmt: skip
 
     def _axis_of(self, frame: int, k: int, i: int) -> Trig:
-        """Component i, in the world, of the k-th axis of a body."""
+        """World component i of the k-th axis of a body."""
         return self.element(lambda: self._world(frame)[i][k] if frame else float(i == k))()
 
 
@@ -98,7 +100,8 @@ _ANGULAR = ("Jomega{n}", "Jw{n}", "JA{n}")
 
 
 class CentreJacobians(QuantitiesOfBodies):
-    """J_ci or J_vi, with v_ci = J_vi q̇, and J_ωi, with ω_i = J_ωi q̇."""
+    """Jacobians of the centres of mass: J_ci or J_vi with v_ci = J_vi q̇, and J_ωi with ω_i = J_ωi
+    q̇."""
 
     def single(self) -> Iterator[NamedTarget]:
         yield from entries(self._tables)
@@ -128,7 +131,7 @@ class CentreJacobians(QuantitiesOfBodies):
     def _slopes(
         self, rows: list[Callable[[], Trig]], names: Sequence[str], words: str
     ) -> QuantityTable:
-        """The derivatives of some values by coordinates or rates."""
+        """Jacobian entries: the derivatives of some values by coordinates or rates."""
         slopes = [[lambda row=row, x=x: row().derivative(x) for x in names] for row in rows]
         return matrix(kinds.OF_BODY, slopes, f"entry {{}}, {{}} of {words}")
 
@@ -143,12 +146,13 @@ _LETTERS = ("vc", "vG", "omega", "w")
 
 
 class KaneQuantities(QuantitiesOfBodies):
-    """v_c2,1 and ω_2,1, the factors of a rate in velocities, and F_1 and F_1*, of open chains."""
+    """Kane's partial velocities v_c2,1 and ω_2,1, the coefficients of a rate in velocities, and the
+    generalized forces F_1 and F_1*, for open chains."""
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer has v_c2,1, ∂v_c2/∂θ̇1 or F_1*. Elsewhere F_1 is a force and ω_21
-        perhaps that of body 2 as seen from body 1."""
+        """Whether an answer contains v_c2,1, ∂v_c2/∂θ̇1 or F_1*. In other answers F_1 is a force,
+        and ω_21 may be the angular velocity of body 2 relative to body 1."""
         return _PARTIALS.found_in(formulas)
 
     def single(self) -> Iterator[NamedTarget]:
@@ -172,7 +176,7 @@ class KaneQuantities(QuantitiesOfBodies):
         return found
 
     def _partial(self, entry: AskedQuantity, r: int) -> AskedQuantity:
-        """The factor of rate r in a component of a velocity."""
+        """The coefficient of rate r in a component of a velocity."""
 
         def by(ending: str, k: int, value: Callable[[], Value] = entry.compute) -> PartialRate:
             name = self.setting.symbols.coordinates[k - 1] + ending
@@ -195,7 +199,7 @@ class KaneQuantities(QuantitiesOfBodies):
 
     # ------------------------------------------------------------ generalized forces
     def _active(self, i: int) -> AskedQuantity:
-        """F_i: the torque of the drive, friction and springs, weights."""
+        """Kane's generalized active force F_i: drive torque, friction, springs and weights."""
         tau, applied = self._parts(i)
         plain = self.setting.zero if i in self.passive else None
 
@@ -214,7 +218,7 @@ class KaneQuantities(QuantitiesOfBodies):
         )  # fmt: skip
 
     def _inertia(self, i: int) -> AskedQuantity:
-        """F_i*: the opposite of mass times acceleration."""
+        """Kane's generalized inertia force F_i*: minus mass times acceleration."""
         tau, applied = self._parts(i)
         law = "The inertia force is the opposite: F* = −(Σ m a · ∂v/∂q̇ + …)."
         opposite = (law, lambda: tau() + applied())
@@ -227,7 +231,8 @@ class KaneQuantities(QuantitiesOfBodies):
         )
 
     def _parts(self, i: int) -> tuple[Callable[[], Trig], Callable[[], Trig]]:
-        """The torque that the motion needs, and the forces that no drive applies."""
+        """Functions that return the joint torque required for the motion, and the generalized force
+        of gravity, springs and friction."""
         gravity, resisting = self.entry("g", i), self.entry("drives", i)
         return self.entry("tau", i), lambda: -gravity() - resisting()
 
@@ -240,13 +245,14 @@ MOVES = LexemePattern(
 
 
 class BodiesAtRest(QuantitiesOfBodies):
-    """f_12, n_12 and τ_i of an arm at rest; f is the force on its tip, from outside."""
+    """The joint forces f_12, n_12 and the torques τ_i of an arm at rest; f is the external force on
+    its tip."""
 
     records = tuple(record for record in BODY_QUANTITIES if record.reaction)
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer has forces in joints, a force at the tip, and nothing that moves."""
+        """Whether an answer has joint forces, a force at the tip, and no motion."""
         forces = JOINT_FORCE.found_in(formulas) and not MOMENT.found_in(formulas)
         return forces and not MOVES.found_in(formulas)
 

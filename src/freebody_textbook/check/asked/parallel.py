@@ -1,5 +1,5 @@
-"""Parallel robots: J_a ẋ + J_b θ̇ = 0 between the tip and the drives, also written J_x ẋ = J_q q̇ or
-A ẋ = B q̇."""
+"""Quantities of parallel robots: J_a ẋ + J_b θ̇ = 0 between tip and drives, also written J_x ẋ =
+J_q q̇ or A ẋ = B q̇."""
 
 from __future__ import annotations
 
@@ -40,11 +40,11 @@ _TRANSPOSED = "This is the entry of the transpose."
 
 
 class ParallelQuantities(QuantityGroup):
-    """J_a, J_b, their determinants, and J = -J_a⁻¹ J_b."""
+    """The Jacobians J_a, J_b of a parallel robot, their determinants, and J = -J_a⁻¹ J_b."""
 
     @classmethod
     def is_told(cls, formulas: Lexemes) -> bool:
-        """Whether an answer is about J_a and J_b by these names, or has A ẋ = B θ̇."""
+        """Whether an answer contains J_a and J_b by these names, or A ẋ = B θ̇."""
         *pairs, (A, B) = _PAIRS.values()
         told = any(LexemePattern(x).found_in(formulas) for pair in pairs for x in pair)
         both = f"{A} %not_equals{{1,40}} = %not_equals{{0,6}} {B}"
@@ -59,7 +59,8 @@ class ParallelQuantities(QuantityGroup):
 
     @cached_property
     def _sign(self) -> int:
-        """1 of J_a ẋ + J_b θ̇ = 0, -1 of J_a ẋ = J_b θ̇, 0 where the answer says neither."""
+        """Sign convention in the answer: 1 for J_a ẋ + J_b θ̇ = 0, -1 for J_a ẋ = J_b θ̇, 0 if it
+        does not show."""
         a, b = _PAIRS[self._names]
         ways = f"{a} %not_equals{{0,30}} = &? {b} | = &? {a} @inverse {b}"
         if LexemePattern(ways).found_in(self.formulas):
@@ -78,7 +79,7 @@ class ParallelQuantities(QuantityGroup):
 
     @cached_property
     def _tables(self) -> dict[str, QuantityTable]:
-        """Quantities that are entries of J_a, J_b and J, by name of the matrix."""
+        """The entries of J_a, J_b and J as quantities, by the matrix's name."""
         if self._found is None:
             return {}
         a, b = self._names
@@ -119,7 +120,7 @@ class ParallelQuantities(QuantityGroup):
         ]
 
     def _of_tip(self, i: int, k: int) -> AskedQuantity:
-        """Quantity that is an entry of the Jacobian J of tip and drives."""
+        """The quantity that is an entry of the Jacobian J between drives and tip."""
         assert self._found is not None
         x = self._found.J[i][k]
         value = self.quotient(lambda: (x.above, x.below))
@@ -154,7 +155,7 @@ class ParallelQuantities(QuantityGroup):
         return {**found, "v": tip}
 
     def _rate_of_tip(self, k: int, row: str) -> AskedQuantity:
-        """Quantity that is a rate of the tip."""
+        """The quantity that is a component of the tip's velocity."""
         assert self._found is not None
         symbols = self.setting.equations.symbols
         J = Kinematics(symbols, self._found.frame).J[ROWS[symbols.model.dim].index(row)]
@@ -163,5 +164,5 @@ class ParallelQuantities(QuantityGroup):
 
 
 def _shown(name: str) -> str:
-    """The name of a matrix as it is printed, J_a."""
+    """Printed name of a matrix, such as J_a."""
     return f"J_{name[1:]}" if len(name) > 1 else name

@@ -1,4 +1,4 @@
-"""A quantity that can be asked, as a record."""
+"""A quantity that an answer may be about, as a record."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ with these and the motion; "" of lines without such a force."""
 
 @dataclass(frozen=True)
 class AskedQuantity:
-    """A quantity that can be asked: its kind, indices from 1, and how to compute the right
-    value."""
+    """A quantity that an answer may be about: its kind, its indices from 1, and how to compute the
+    correct value."""
 
     kind: Kind
     index: tuple[int, ...]
@@ -50,14 +50,14 @@ class AskedQuantity:
     """Other values that are right, each with what is said of it."""
 
     def polynomial(self) -> Trig:
-        """The right value of what is none of the quotients."""
+        """The correct value, for a quantity that is a polynomial and no quotient."""
         value = self.compute()
         assert isinstance(value, Trig)
         return value
 
     @property
     def title(self) -> str:
-        """Name of the quantity in words."""
+        """Description of the quantity in words."""
         return self.words or self.kind.titled(self.index, self.joint)
 
 

@@ -1,5 +1,5 @@
-"""The equations with which an answer is compared: the model's, in a ring wide enough for what users
-write by mistake."""
+"""The model's equations with which an answer is compared, in a ring that also contains symbols
+users write by mistake."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ FORCES = tuple(f"{letter}_{axis}" for letter in "fn" for axis in XYZ)
 
 @dataclass(frozen=True)
 class RightEquations:
-    """The equations, and their symbols over the wider ring."""
+    """The correct equations, and their symbols in the larger ring of answers."""
 
     equations: Equations
     symbols: Symbols
@@ -73,22 +73,23 @@ class RightEquations:
 
     @cached_property
     def layout(self) -> Layout:
-        """The form in which polynomials are printed."""
+        """The layout for printing polynomials."""
         return Layout(self.symbols)
 
     @property
     def order(self) -> Order:
-        """The order of the symbols, and what they are."""
+        """The order of symbols in print, and the meaning of each."""
         return self.layout.order
 
     @property
     def ring(self) -> TrigRing:
-        """Ring of the polynomials of answers."""
+        """The ring of polynomials that answers are read in."""
         return self.symbols.ring
 
     @cached_property
     def system(self) -> FirstKind | None:
-        """The equations with multipliers of a closed chain; torques are those of them."""
+        """A closed chain's equations with multipliers, which its torques refer to; None for open
+        chains."""
         symbols = self.equations.symbols
         loops = LoopEquations(symbols) if symbols.model.loops else None
         return loops and FirstKind(loops, self.equations)
@@ -100,13 +101,13 @@ class RightEquations:
 
     @cached_property
     def is_free_body(self) -> bool:
-        """Whether the robot is one body that nothing holds."""
+        """Whether the robot is a single free body."""
         symbols = self.equations.symbols
         return _is_free_body(symbols.given or symbols.model)
 
     @property
     def loads(self) -> tuple[str, ...]:
-        """Symbols of a force and a moment at the tip, where an answer has them."""
+        """Symbols of a force and a moment at the tip, if the answer has them."""
         symbols = self.equations.symbols
         if self.is_free_body:
             return ()
@@ -114,25 +115,26 @@ class RightEquations:
 
     @property
     def force_at_tip(self) -> tuple[str, ...]:
-        """The components of a load that are a force's, without those of a moment."""
+        """The force components of the load, without the moment."""
         return tuple(x for x in self.loads if x[0] == "f")
 
     def turns(self, name: str) -> bool:
-        """Whether a coordinate, or that of which it is the rate, is an angle."""
+        """Whether a coordinate, or the coordinate of a rate, is an angle."""
         return undotted(name) in self.ring.angles
 
     def held(self, acting: ActingLoads) -> list[Trig]:
-        """The generalized forces that drives and loops of a closed chain need for a force that its
-        tip or its slide exerts, and for the weights and the motion where these are told."""
+        """The generalized forces of drives and loops in a closed chain that exerts a force at its
+        tip or slide; with weights and motion as `acting` says."""
         return [self._told(x, acting) + y for x, y in zip(self._all, self._by_load, strict=True)]
 
     @cached_property
     def _all(self) -> list[Trig]:
-        """The generalized forces without a load."""
+        """The generalized forces of the equations of motion, without a load."""
         return [self.element(x) for x in self.all_of("tau")]
 
     def _told(self, force: Trig, acting: ActingLoads) -> Trig:
-        """The terms of a force that count."""
+        """The terms of a generalized force that `acting` includes: all, those at rest, or those
+        without weights."""
         still, weightless = acting in ("weight", "load"), acting == "load"
 
         def counts(name: str) -> bool:
@@ -146,7 +148,7 @@ class RightEquations:
 
     @cached_property
     def _by_load(self) -> list[Trig]:
-        """The generalized forces that the load needs."""
+        """The generalized forces that balance the load."""
         symbols, found = self.equations.symbols, [self.zero for _ in self.symbols.coordinates]
         for name in self.loads:
             force = self.image(name)
@@ -155,7 +157,7 @@ class RightEquations:
         return found
 
     def _arms(self, load: str, symbols: Symbols) -> list[Trig]:
-        """The generalized forces of a load of 1."""
+        """The generalized forces of a unit load."""
         if load == ALONG_SLIDE:
             slides = slides_of(symbols.model)
             return [symbols.element(float(k in slides)) for k in range(len(symbols.coordinates))]
@@ -163,14 +165,14 @@ class RightEquations:
 
     @cached_property
     def rates(self) -> dict[str, Trig]:
-        """The rates of all that moves, of what only answers name too."""
+        """Time derivatives of all variable symbols, also those that occur only in answers."""
         ring = self.ring
         pairs = [(x, x + RATE) for x in ring.names] + [(x + RATE, x + SECOND) for x in ring.names]
         own = {x: ring[rate] for x, rate in pairs if {x, rate} <= ring.index.keys()}
         return own | dict(self.symbols.rates)
 
     def rate(self, x: Value) -> Value:
-        """The time derivative of a value; raises AnswerError where that is not known."""
+        """The time derivative of a polynomial or quotient; raises AnswerError if it is unknown."""
         for name in sorted(generators_in(*pair(x))):
             changes = name in self._of_unknown_rate or atom(name).dots == 2
             if (changes or is_multiplier(name)) and name not in self.rates:
@@ -179,21 +181,22 @@ class RightEquations:
 
     @cached_property
     def _of_unknown_rate(self) -> frozenset[str]:
-        """Names of the forces from outside, of whose rates nothing is known."""
+        """Names of the external forces, whose rates are unknown."""
         return frozenset(FORCES if self.is_free_body else self.loads)
 
     @property
     def joints(self) -> int:
-        """The highest number a joint's coordinate carries."""
+        """The highest joint number in a coordinate's name."""
         return max((int(atom(x).figures or 0) for x in self.symbols.coordinates), default=0)
 
     @property
     def zero(self) -> Trig:
-        """The polynomial 0 of the ring of answers."""
+        """The zero polynomial in the ring of answers."""
         return self.symbols.zero()
 
     def element(self, x: Trig) -> Trig:
-        """A polynomial of the equations in the wider ring, and in the answer's coordinates."""
+        """A polynomial of the equations converted to the larger ring and to the answer's
+        coordinates."""
         if not self._images:
             return self.ring.polynomial(x.terms())
         found = self.zero
@@ -205,13 +208,14 @@ class RightEquations:
         return found
 
     def image(self, name: str) -> Trig:
-        """The polynomial in the answer's symbols that a symbol of the equations is."""
+        """The polynomial in the answer's symbols that replaces a symbol of the equations."""
         kept = self._images.get(name)
         return self.ring.polynomial([({name: 1}, Fraction(1))]) if kept is None else kept
 
     @cached_property
     def _images(self) -> dict[str, Trig]:
-        """The model's coordinates and rates by those of the answer."""
+        """The model's coordinates and rates as polynomials in the answer's coordinates and
+        rates."""
         images = dict(self.given)
         images |= {x: -self.ring[x] for x in self.opposed if x in self.ring.index}
         names = self.symbols.coordinates
@@ -231,12 +235,12 @@ class RightEquations:
 
     @cached_property
     def given(self) -> dict[str, Trig]:
-        """The values of parameters that are given by formulas."""
+        """Values of the parameters that are given by formulas."""
         return self.symbols.followed(formulas_of("check", self.symbols, self.formulas))
 
     def all_of(self, name: str) -> Any:
-        """tau, c or g (Bᵀ τ), M or C (Bᵀ M B), T or V of the equations, for the answer's
-        coordinates."""
+        """A quantity of the equations by name, in the answer's coordinates: tau, c or g (Bᵀ τ), M
+        or C (Bᵀ M B), T or V."""
         found: Any = self.system.forces if self.system and name == "tau" else None
         if found is None:
             found = getattr(self.equations, name)
@@ -249,8 +253,8 @@ class RightEquations:
         return rows
 
     def forces(self, values: Sequence[Any]) -> list[Any]:
-        """Generalized forces of the model's coordinates as those of the answer's: Bᵀ τ. Of a
-        matrix's rows the same."""
+        """Generalized forces converted from the model's coordinates to the answer's, Bᵀ τ; a matrix
+        is converted row by row."""
         if self.turned is None:
             return list(values)
         B, n = self.turned, range(len(values))
@@ -258,28 +262,28 @@ class RightEquations:
 
     @cached_property
     def units(self) -> Mapping[str, str]:
-        """Units of the model's parameters by their places in it."""
+        """Units of the model's parameters, by parameter name."""
         return {name: row.unit for name, row in catalogue(self.symbols.model).rows.items()}
 
     def parameter(self, name: str) -> Trig | None:
-        """The polynomial that a parameter's name stands for: its symbol, or 0 where that is its
-        value; None of no parameter."""
+        """The polynomial of a parameter's name: its symbol, or 0 if its value is 0; None if there
+        is no such parameter."""
         if name in self.zeros:
             return self.zero
         return self.ring[name] if name in self.ring.index else None
 
     def form(self, x: Value) -> str:
-        """A polynomial, or a quotient of two, as one prints it."""
+        """Printed text of a polynomial or a quotient of two."""
         return str(x.form(self.layout) if isinstance(x, Ratio) else self.layout.form(x))
 
 
 def loop_equation(i: int) -> str:
-    """The name of a loop's equation, counted from 1."""
+    """The name of loop equation i, counted from 1."""
     return f"{LOOP.name}{i}"
 
 
 def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
-    """The sum of values, or of rows of them, each times its factor."""
+    """The sum of values, or of rows of values, multiplied by factors."""
     if isinstance(values[0], list | tuple):
         columns = zip(*values, strict=True)
         return [_combined(factors, column) for column in columns]
@@ -289,7 +293,7 @@ def _combined(factors: Sequence[int], values: Sequence[Any]) -> Any:
 def in_notation(
     equations: Equations, notation: BookNotation, absolute: bool = False
 ) -> RightEquations:
-    """The setting of a model's equations for answers in a notation."""
+    """The correct equations of a model for answers in a book's notation."""
     model, given = equations.symbols.model, equations.symbols.given or equations.symbols.model
     following = names_by_formulas(model)
     zeros = [x for x, value in given.parameters.items() if value == 0 and x not in following]
@@ -299,14 +303,14 @@ def in_notation(
 
 
 def slides_of(model: Model) -> list[int]:
-    """The coordinates of slides that nothing drives."""
+    """Indices of sliding coordinates without a drive."""
     made = symbols(model, follows=False)
     return [k for k in model.passive if made.coordinates[k] not in made.ring.angles]
 
 
 def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
-    """The closed-form equations; of a closed chain those of the tree that is left when its loops
-    are cut, over a ring that holds the multipliers. loads: symbols of a load on the tip."""
+    """The model's equations in closed form; for a closed chain those of the tree with its loops
+    cut, in a ring with multipliers. loads: symbols of a load on the tip."""
     if _is_free_body(model):
         lettered = with_letters(model)
         return Equations(
@@ -319,15 +323,16 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
 
 
 def _is_free_body(model: Model) -> bool:
-    """Whether a model is one free body without a load: with one, answers are not read."""
+    """Whether a model is a single free body without parts attached; answers about others are not
+    read."""
     return len(model.bodies) == 1 and are_free(model) and len(model.bodies[0].inertias) == 1
 
 
 def setting(
     equations: Equations, zeros: Collection[str] = (), turned: Weights | None = None
 ) -> RightEquations:
-    """The setting of a model's equations; `zeros`: names of parameters that are 0 in them; turned:
-    see `RightEquations`."""
+    """The correct equations of a model; `zeros`: names of parameters whose value is 0; turned: see
+    `RightEquations`."""
     symbols = equations.symbols
     ring = symbols.ring
     foreign: list[str] = []

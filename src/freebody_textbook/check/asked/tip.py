@@ -1,4 +1,4 @@
-"""The tip: its position, velocity and acceleration, and the Jacobian."""
+"""Quantities of the tip: position, velocity, acceleration, and the Jacobian."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _MOTION = (
 
 
 class TipQuantities(QuantityGroup):
-    """Quantities of the tip: x, y, r, J, J̇, det J."""
+    """The tip's quantities: x, y, r, J, J̇, det J."""
 
     in_equations_of_bodies: ClassVar[Mapping[str, str]] = {"J": "JP"}
 
@@ -64,9 +64,9 @@ class TipQuantities(QuantityGroup):
         return found | dict.fromkeys(names, self._inverse) | {"Lambda": self._operational}
 
     def _of_twists(self, tip: Kinematics, axes: str) -> QuantityTable:
-        """The space Jacobian J_s and the body Jacobian J_b of Lynch and Park (5.11), (5.18): above
-        the angular velocity, below the velocity of the body's point at the world's origin, in the
-        world's axes; or of the hand's origin, in its own."""
+        """The space Jacobian J_s and body Jacobian J_b of Lynch and Park (5.11), (5.18), angular
+        rows first; the linear rows are the velocity of the body's point at the world's origin, in
+        world axes, or of the hand's origin, in its own."""
 
         space = self.setting.equations.symbols.tree.space
 
@@ -87,7 +87,7 @@ class TipQuantities(QuantityGroup):
 
     @cached_property
     def _inverse(self) -> QuantityTable:
-        """The entries of J⁻¹ where a few of J's rows make it square."""
+        """The entries of J⁻¹, if some rows of J make it square."""
         rows = self._square(self._tip) if self._tip is not None else None
         if rows is None or len(rows) > MOST_ROWS:
             return []
@@ -99,7 +99,7 @@ class TipQuantities(QuantityGroup):
 
     @cached_property
     def _operational(self) -> QuantityTable:
-        """Λ = J⁻ᵀ M J⁻¹, the mass matrix at the tip."""
+        """The mass matrix at the tip, Λ = J⁻ᵀ M J⁻¹."""
         n = range(len(self._inverse))
 
         def entry(i: int, j: int) -> AskedQuantity:
@@ -117,7 +117,7 @@ class TipQuantities(QuantityGroup):
         return [[entry(i, j) for j in n] for i in n]
 
     def _entry(self, i: int, j: int) -> Callable[[], Trig]:
-        """Value of an entry of the tip's Jacobian J."""
+        """Function that returns an entry of the tip's Jacobian J."""
         assert self._tip is not None
         J = self._tip.J
         return self.element(lambda: self.setting.forces(J[i - 1])[j - 1])
@@ -128,7 +128,7 @@ class TipQuantities(QuantityGroup):
         return None if symbols.model.tip is None else Kinematics(symbols, symbols.model.tip)
 
     def _tip_vectors(self, tip: Kinematics) -> dict[str, QuantityTable]:
-        """r, ṙ, r̈ and J̇, whose rows are those of the position."""
+        """The tip's vectors r, ṙ, r̈, and J̇ with the rows of the position."""
         dim = self.setting.symbols.model.dim
         found: dict[str, QuantityTable] = {}
         for dots, (kind, vector) in enumerate(_MOTION):
@@ -151,7 +151,7 @@ class TipQuantities(QuantityGroup):
     def _of_columns(
         self, kind: Kind, count: int, rows: Callable[[], Sequence[Sequence[Trig]]], words: str
     ) -> QuantityTable:
-        """A matrix with a column for each coordinate of the answer."""
+        """A matrix of quantities with one column per coordinate of the answer."""
         own = [
             [
                 self.element(lambda i=i, j=j: self.setting.forces(rows()[i])[j])
@@ -163,7 +163,7 @@ class TipQuantities(QuantityGroup):
 
     @property
     def _rows(self) -> range:
-        """The numbers of the Jacobian's rows, from 1."""
+        """Numbers of the Jacobian's rows, counted from 1."""
         return range(1, 4 if self.setting.is_planar else 7)
 
     def _of_tip(self, tip: Kinematics) -> Iterator[NamedTarget]:
@@ -194,7 +194,8 @@ class TipQuantities(QuantityGroup):
             yield from self._axes(self._tip, ("", "", "a"))
 
     def _axes(self, tip: Kinematics, letters_of: Sequence[str]) -> Iterator[NamedTarget]:
-        """The axes of the hand, columns of its orientation, by the letters of each."""
+        """The axes of the hand, which are columns of its rotation matrix, by the letters of
+        each."""
         for j, letters in enumerate(letters_of if not self.setting.is_planar else ()):
             for i, axis in enumerate("xyz"):
                 value = self.element(lambda i=i, j=j: tip.rotation[i][j])
@@ -203,8 +204,8 @@ class TipQuantities(QuantityGroup):
                 yield names, AskedQuantity(kinds.HAND_AXIS, (), value, words=words)
 
     def _square(self, tip: Kinematics) -> range | None:
-        """The rows of the Jacobian that make it square: in space of three joints those of the
-        position, of a wrist those of the orientation."""
+        """The rows that make the Jacobian square: in space with three joints the position's, for a
+        wrist the orientation's; None if there are none."""
         if self.setting.is_planar:
             return range(self.count) if self.count in (2, 3) else None
         if self.count == 6:

@@ -1,1 +1,1 @@
-"""The claims of an answer: its equations, with names and definitions of its own."""
+"""The claims of an answer: its equations, with the names it defines."""

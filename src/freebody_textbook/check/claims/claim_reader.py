@@ -1,5 +1,5 @@
-"""The claims of an answer's lines: the quantity that each is about, and the expression given for
-it."""
+"""Reading claims from an answer's lines: the quantity that each is about, and the expression given
+for it."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ _ACROSS = "a component that a plane does not have"
 
 
 class ClaimReader(OwnDefinitions, UnnamedEquations):
-    """The reader that makes claims of lines."""
+    """Reads claims from an answer's lines."""
 
     def claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """The claims of one equation, which stands after others."""
+        """The claims of one equation; before: the claims of earlier lines."""
         found = self._claims(line, before)
         by_loops = self.is_loaded and self.setting.system is not None
         if by_loops and not all(claim.target.acting for claim in found):
@@ -47,7 +47,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return found
 
     def _claims(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """The claims of one equation, whatever acts on the robot."""
+        """The claims of one equation, without regard to a load on the robot."""
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
         self._refuse_motion(line)
@@ -79,7 +79,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         subjects: Sequence[Token | Named | Matrix | None],
         named: list[Token | Named | Matrix],
     ) -> tuple[list[Token | Named | Matrix], list[Sequence[Token]]]:
-        """The quantities that a line is about, and the sides by which it gives them."""
+        """The quantities that a line is about, and the sides that give their values."""
         other: list[Sequence[Token]] = [
             side for side, subject in zip(line, subjects, strict=True) if subject is None
         ]
@@ -95,8 +95,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return named, other
 
     def _refuse_motion(self, line: AnswerLine) -> None:
-        """Refuse what moves beside virtual displacements: read as rates, what does no work along
-        the motion would vanish."""
+        """Raise an error if a line mixes motion with virtual displacements: these are read as
+        rates, so that terms without work along the motion would vanish."""
         variations = self.vocabulary.variations
         if variations.isdisjoint(token.start for token in line.names):
             return
@@ -109,13 +109,13 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
                 )
 
     def _is_moving(self, token: Token) -> bool:
-        """Whether rates or accelerations are in what a name stands for."""
+        """Whether the value of a name contains rates or accelerations."""
         node = self.parse((token,))
         return any(_rates(x.value) != "none" for x in nodes(node) if isinstance(x, Named))
 
     def _restates_a_parameter(self, line: AnswerLine) -> bool:
-        """Whether a line says of a parameter what its value is, let g = 9.81 m/s²: nothing is
-        checked."""
+        """Whether a line only repeats a parameter's value, such as let g = 9.81 m/s²; nothing is
+        checked then."""
         name = generator(self.vocabulary.symbols.get(line.subject, self.setting.zero))
         value = self.setting.symbols.model.parameters.get(name or "")
         if len(line) != 2 or value is None or line.written_with:
@@ -134,20 +134,20 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _stated(
         self, named: Sequence[Token | Named | Matrix], side: Sequence[Token], as_vector: bool
     ) -> list[Claim]:
-        """The claims of a side about the quantities that it is equal to; as_vector: another side is
-        one, by its entries."""
+        """The claims that each quantity named equals a side; as_vector: another side is a vector
+        with its entries."""
         node = self.parse(side, self._shape_of(named[0], as_vector))
         return [claim for subject in named for claim in self._pairs(subject, node)]
 
     def _has_own_axes(self, name: str) -> bool:
-        """Whether a name is that of a vector in the axes of its body: of ω3 = ω2 = [...] the
-        entries are those of ω3."""
+        """Whether a name is a vector in its own body's axes: in ω3 = ω2 = [...] the entries are
+        those of ω3."""
         table = self.targets.tables.get(name)
         return table is not None and table[0][0].in_world is not None
 
     def _closes(self, subject: Token | Named | Matrix, side: Sequence[Token], count: int) -> bool:
-        """Whether a side is the 0 of Φ1 = … = 0, which says that the loop is closed, or of
-        det J = … = 0, which says where the arm is singular."""
+        """Whether a side is the 0 of Φ1 = … = 0, which states that the loop is closed, or of det J
+        = … = 0, a condition for singular poses."""
         if not isinstance(subject, Token):
             return False
         asked = self.asked(subject.text)
@@ -156,7 +156,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
     def _is_of_joints(self, subject: Token | Named | Matrix) -> bool:
         """Whether a subject is a whole vector or matrix of the equations of motion, in which g is
-        too; in what is said of g itself g is the gravitational acceleration."""
+        the gravity vector; elsewhere g is the gravitational acceleration."""
         own = isinstance(subject, Token) and subject.text in self.vocabulary.told
         if not isinstance(subject, Token) or subject.text in self.targets.single or own:
             return False
@@ -164,7 +164,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return kind.of == "joints" and kind.tells != "weight"
 
     def _shape_of(self, subject: Token | Named | Matrix, as_vector: bool) -> TableShape | None:
-        """The shape of a vector or matrix, if it cannot be one number."""
+        """The shape of a subject that must be a vector or matrix; None if it may be a scalar."""
         if isinstance(subject, Matrix):
             return len(subject.rows), len(subject.rows[0])
         if isinstance(subject, Named) or (subject.text in self.targets.single and not as_vector):
@@ -175,8 +175,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return None if table is None else (len(table), len(table[0]))
 
     def _subject(self, side: Sequence[Token]) -> Token | Named | Matrix | None:
-        """The quantity, the derivative of one, or the vector or matrix of quantities that a side
-        is, if it is one alone."""
+        """The quantity, its derivative, or the vector or matrix of quantities that makes up a whole
+        side; None if the side is anything else."""
         if len(side) == 1 and side[0].text in self.vocabulary.told:
             return side[0]
         if len(side) == 1 and side[0].kind == "name" and side[0].text in self.targets.names:
@@ -196,7 +196,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return node if isinstance(node, Named) and self._is_quantity(node) else None
 
     def _is_quantity(self, node: Expression) -> bool:
-        """Whether a node is a quantity by name, or a derivative."""
+        """Whether a node is a named quantity or a derivative."""
         if not isinstance(node, Named):
             return False
         return node.is_derivative or (
@@ -204,7 +204,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         )
 
     def _pairs(self, name: Token | Named | Matrix, node: Expression) -> list[Claim]:
-        """The claims of name = node, entry by entry where it is a vector or matrix."""
+        """The claims of an equation name = node, entry by entry for vectors and matrices."""
         label = self.source[name.span]
         if isinstance(name, Matrix):
             return self._entry_by_entry(name, node)
@@ -234,15 +234,15 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _zeros(
         self, name: str, table: Sequence[Sequence[AskedQuantity]] | None, node: Expression
     ) -> Expression:
-        """The vector of zeros that a plain 0 stands for where a vector is asked for, else what is
-        written."""
+        """A vector of zeros if the node is a plain 0 and a vector is required; otherwise the
+        node."""
         if not (isinstance(node, Number) and table and self.may_be_vector(name, node)):
             return node
         return node if node.value else Matrix(((node,),) * len(table), span=node.span)
 
     def _of_own_name(self, name: Token, label: str, node: Expression) -> list[Claim]:
-        """The claims about a name of the user's own for an expression of quantities, by more than
-        these."""
+        """The claims about a user's own name that stands for an expression of quantities, given by
+        several expressions."""
         matrix = self.vocabulary.matrices.get(name.text)
         if matrix is None:
             value = self.vocabulary.symbols[name.text]
@@ -263,8 +263,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
     def _meant(
         self, name: str, single: AskedQuantity | None, node: Expression
     ) -> AskedQuantity | None:
-        """The one of two quantities with one name, such as the potential energy and the power P,
-        that has the unit of the answer, or is right, or has such rates as the answer."""
+        """The quantity meant by a name that two share, such as the potential energy and the power
+        P: the one whose unit, value or rates fit the answer."""
         other = self.targets.namesakes.get(name)
         if other is None or isinstance(node, Matrix) or functions_of(node):
             return single
@@ -277,8 +277,8 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return other if _rates(value) in other.kind.rates else single
 
     def _table_of_bodies(self, name: str, node: Matrix) -> list[list[AskedQuantity]] | None:
-        """The vector that a name stands for in equations of bodies, where a side says that: g = [0;
-        -g] tells the gravitational acceleration, not the terms of torques."""
+        """The vector that a name stands for in equations of bodies if the given side shows it: g =
+        [0; -g] is the gravitational acceleration, not the torques of gravity."""
         table = self.targets.tables.get(self.targets.of_bodies.get(name, ""), [])
         right = [x for row in table for x in row]
         given = [x for row in node.rows for x in row]
@@ -289,7 +289,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         return table if same else None
 
     def _entry_by_entry(self, named: Matrix, node: Expression) -> list[Claim]:
-        """The claims of [τ1; τ2] = node."""
+        """The claims of an equation such as [τ1; τ2] = node, one for each entry."""
         if not isinstance(node, Matrix) or [len(x) for x in node.rows] != [
             len(x) for x in named.rows
         ]:
@@ -306,7 +306,7 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
         ]
 
     def _in_space(self, table: list[list[AskedQuantity]]) -> list[list[AskedQuantity]]:
-        """A vector of the plane, or a Jacobian of one, with the rows that are 0 there."""
+        """A planar vector or Jacobian extended by its rows of zeros in space."""
         none = AskedQuantity(kinds.OF_BODY, (), lambda: self.setting.zero, words=_ACROSS)
         across = [none] * len(table[0])
         rows = [*table, across] if len(table) == 2 else [across, across, *table]
@@ -338,12 +338,12 @@ class ClaimReader(OwnDefinitions, UnnamedEquations):
 
 
 def _own(value: Callable[[], Value], *index: int) -> AskedQuantity:
-    """Quantity that is a name of the user's own, or an entry of such a name."""
+    """A quantity made of a user's own name, or of an entry of it."""
     return AskedQuantity(kinds.OWN, index, value, words="as the name is explained")
 
 
 def _rates(value: Value) -> Literal["one", "some", "none"]:
-    """The rates in a value: one in each term, some or none."""
+    """Number of rates in each term of a value: one in every term, some, or none."""
     above, below = pair(value)
     terms = [[(atom(x).dots, k) for x, k in p.items() if atom(x).dots] for p, _ in above.terms()]
     if below.is_constant and terms and all(row == [(1, 1)] for row in terms):
@@ -352,6 +352,6 @@ def _rates(value: Value) -> Literal["one", "some", "none"]:
 
 
 def _is_of_body(table: list[list[AskedQuantity]]) -> bool:
-    """Whether a table of quantities is a vector in the plane or a Jacobian of one, or an angular
-    one, which has one row there."""
+    """Whether a table of quantities is a planar vector, a Jacobian of one, or an angular one, which
+    has a single row."""
     return len(table) < 3 and all(x.kind.of == "bodies" for row in table for x in row)

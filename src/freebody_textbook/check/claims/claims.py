@@ -1,4 +1,4 @@
-"""An answer's text as equations: which quantity each line is about, and the expression given for
+"""An answer's text as claims: which quantity each line is about, and the expression given for
 it."""
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ MOST_EQUATIONS = 100
 
 @dataclass(frozen=True)
 class Statements:
-    """All that a document says: claims in its order, the names of its own that no statement uses as
-    they are written, and the equations that were not read."""
+    """All statements of a document: its claims in order, user-defined names that no claim uses, and
+    equations that could not be read."""
 
     claims: list[Claim]
     unused: tuple[str, ...]
@@ -50,7 +50,7 @@ def _names(
     names: Mapping[str, str],
     notation: BookNotation,
 ) -> tuple[Targets, Vocabulary]:
-    """Quantities and all names that an answer may be written with."""
+    """The quantities and all names that may occur in an answer."""
     formulas = document.lexemes
     coefficients = (
         setting.turned is None
@@ -75,7 +75,7 @@ def _names(
 
 
 def _refuse_none_or_too_many(lines: Sequence[AnswerLine], has_others: bool) -> None:
-    """Refuse an answer without an equation or anything else, and one with too many."""
+    """Raise an error for an answer that has no equation and nothing else, or too many equations."""
     if not lines and not has_others:
         raise AnswerError(
             "the answer is empty; write an equation such as H12 = m2*(lc2^2 + l1*lc2*cos(theta2)) "
@@ -94,7 +94,7 @@ def statements(
     notation: BookNotation,
     at: Mapping[str, Any] | str | None = None,
 ) -> Statements:
-    """All that an answer states; at: the state of its numbers."""
+    """All statements of an answer; at: the state for its numbers."""
     targets, vocabulary = _names(setting, document, names, notation)
     states = StateReader(vocabulary, targets)
     document, poses = singular_poses.taken_from(document, vocabulary, targets)
@@ -138,8 +138,8 @@ def _claims(
     pending: Collection[str],
     symbols: Collection[str],
 ) -> list[Claim]:
-    """The claims of lines, but for those written with names that no line which can be read gives;
-    pending: names without value, symbols: those that had one before."""
+    """The claims of lines whose names all have values. pending: names without a value; symbols:
+    names that had a meaning before."""
     by_line: dict[AnswerLine, list[Claim]] = {}
     for line in lines:
         with reading.passing_over(line):
@@ -158,8 +158,8 @@ def _claims(
 def _definitions(
     claimed: ClaimReader, reading: DocumentReader, lines: Sequence[AnswerLine], pending: set[str]
 ) -> list[AnswerLine]:
-    """The lines that introduce names, in whatever order they stand; `pending` loses the names that
-    get a value."""
+    """The lines that define names, in any order; names that get a value are removed from
+    `pending`."""
     own: list[AnswerLine] = []
     waiting = [line for line in lines if line not in reading.failed]
     while True:
@@ -174,7 +174,8 @@ def _definitions(
 
 
 def _refuse_names(source: Source, line: AnswerLine, without_value: Collection[str]) -> None:
-    """Refuse a line that is written with a name that no line gives, or none that can be read."""
+    """Raise an error for a line that uses a name without a definition, or with one that could not
+    be read."""
     for token in line.written_with:
         if token.text in without_value:
             source.fail(
@@ -183,7 +184,7 @@ def _refuse_names(source: Source, line: AnswerLine, without_value: Collection[st
 
 
 def _without_circles(reading: DocumentReader, found: Sequence[Claim]) -> list[Claim]:
-    """The claims of a document but for those given by themselves, which are told."""
+    """The claims of a document without those that are defined by themselves, which are reported."""
     kept: list[Claim] = []
     for claim in found:
         try:
@@ -201,7 +202,7 @@ def _refuse_nothing(
     own: Sequence[AnswerLine],
     unread: Sequence[UnreadEquation],
 ) -> NoReturn:
-    """Raise the error that nothing was found to be checked."""
+    """Raise the error that an answer contains nothing to be checked."""
     if unread:
         first = unread[0]
         raise AnswerError(f"no equation could be read; {first.where}: {first.reason}")
@@ -223,15 +224,15 @@ def _refuse_nothing(
 def _unused(
     source: Source, own: Sequence[AnswerLine], lines: Sequence[AnswerLine]
 ) -> tuple[str, ...]:
-    """The names that lines introduce and no other line uses."""
+    """Names that a line defines and no other line uses."""
     used = {x.text for y in lines for x in (y.written_with if y in own else y.names)}
     unused = (source[line[0][0].span] for line in own if line.subject not in used)
     return tuple(dict.fromkeys(unused))
 
 
 def _new_names(reading: DocumentReader, vocabulary: Vocabulary) -> list[str]:
-    """Names before a = that mean nothing else: the user introduces them. Letters of vectors are
-    noted as given."""
+    """Names left of = that have no other meaning: the user defines them. Letters of vectors are
+    recorded as defined."""
     source, lexemes = reading.source, reading.source.lexemes
     places = {lexemes.at(piece.start) for piece in reading.pieces}
     places |= {match.stop for match in _BEFORE_NAME.all(lexemes)}

@@ -1,4 +1,5 @@
-"""Sides of equations into trees and values, with the model's quantities by name."""
+"""Reading sides of equations as expression trees and values, with the model's quantities by
+name."""
 
 from __future__ import annotations
 
@@ -46,7 +47,7 @@ _OF_ANGLES = (Wave, Number, Sum, Negative, Product, Power, Quotient)
 
 
 class FormulaReader:
-    """The reader of sides, which makes trees and values of them."""
+    """Reads sides of equations as expression trees and values."""
 
     def __init__(
         self,
@@ -77,7 +78,7 @@ class FormulaReader:
         of the tip's position; else they are what stands in the equations of motion."""
 
     def parse(self, side: Sequence[Token], shape: TableShape | None = None) -> Expression:
-        """A side as tree; shape: of the vector that it must be."""
+        """The expression tree of a side; shape: of the vector that it must be."""
         parser = AnswerParser(
             self.source, side, self.vocabulary, self._quantity, self.targets.single, self.table
         )
@@ -88,16 +89,17 @@ class FormulaReader:
             self.source.fail(problem.problem, (problem.node or node).span)
 
     def define(self, name: str, node: Expression, given: tuple[AskedQuantity, ...]) -> None:
-        """A name of the user's own for what a tree is; given: the quantities in it."""
+        """Define a user's own name as the value of an expression tree; given: the quantities in
+        it."""
         stays = isinstance(node, Matrix) or functions_of(node)
         self.vocabulary.define(name, node if stays else self.quotient(node), given)
 
     def is_about_bodies(self, line: AnswerLine) -> bool:
-        """Whether a line has a name of a body's quantity in it."""
+        """Whether a line contains the name of a body's quantity."""
         return any(map(self._tells_of_bodies, line.names)) or self.setting.is_free_body
 
     def _tells_of_bodies(self, token: Token) -> bool:
-        """Whether a name is that of a vector of a body or the tip, or of an energy."""
+        """Whether a name is a vector of a body or of the tip, or an energy."""
         name, vocabulary = token.text, self.vocabulary
         is_wave = name in vocabulary.waves and name not in self.targets.single
         if is_wave or name in vocabulary.symbols:
@@ -106,12 +108,14 @@ class FormulaReader:
         return asked is not None and asked.kind.of == "bodies"
 
     def asked(self, name: str) -> AskedQuantity | None:
-        """The quantity of a name, or the first entry of the vector or matrix."""
+        """The quantity of a name, or the first entry of its vector or matrix; None if there is
+        none."""
         table = self.targets.tables.get(name, [[None]])
         return self.targets.single.get(name, table[0][0])
 
     def table(self, name: str, span: Span) -> Matrix | None:
-        """The entries of a vector or matrix, each with its name."""
+        """The vector or matrix of a name, with a named node for each entry; None if it is
+        neither."""
         if name in self.vocabulary.matrices:
             return replace(self.vocabulary.matrices[name], span=span)
         if name in self.vocabulary.uses and name in self.vocabulary.symbols:
