@@ -1,5 +1,5 @@
-"""The symbols of each link of a planar arm in the notes, one record each: the letter, other
-spellings of it in answers, and the unit."""
+"""The symbols of each link of a planar arm in the lecture notes, one record each: letter, other
+spellings in answers, and unit."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from freebody.expressions.quantities.units import Unit
 
 @dataclass(frozen=True)
 class LinkSymbol:
-    """A parameter or coordinate of link k, as l_k."""
+    """A parameter or coordinate of link k, such as l_k."""
 
     letter: str
     unit: Unit
@@ -24,7 +24,7 @@ class LinkSymbol:
     """Whether it is a coordinate."""
 
     def spelt(self, k: int | str) -> Iterator[str]:
-        """The names of the symbol with a number."""
+        """Spellings of the symbol with a link's number."""
         yield from (f"{letter}{k}" for letter in (self.letter, *self.also))
         yield from (form.format(k=k) for form in self.behind if k)
 

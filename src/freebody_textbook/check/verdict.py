@@ -1,4 +1,4 @@
-"""The verdict of `check`: equal, or where an answer differs and why."""
+"""The verdict of `check`: equal, or where and why an answer differs."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Mistake:
 
 @dataclass(frozen=True)
 class Example:
-    """Numbers for the symbols at which the answer and the right one differ."""
+    """Numbers for the symbols at which the answer and the correct one differ."""
 
     values: Mapping[str, float]
     yours: float
@@ -55,7 +55,7 @@ class EquationVerdict:
 
     @property
     def text(self) -> str:
-        """The whole verdict in words."""
+        """The whole verdict on the equation in words."""
         where = f"{self.where}: " if self.where else ""
         if self.equal:
             return f"{where}{self.name} is right.{' ' if self.note else ''}{self.note}"
@@ -71,7 +71,7 @@ class EquationVerdict:
 
 @dataclass(frozen=True)
 class UnreadEquation:
-    """An equation of a document that was passed over."""
+    """An equation of a document that was skipped."""
 
     at: int
     """The place in the text, by which equations are put in order."""
@@ -112,12 +112,12 @@ class Verdict(InWords):
 
     @property
     def findings(self) -> tuple[Mistake, ...]:
-        """The mistakes of all equations."""
+        """The mistakes in all equations."""
         return tuple(finding for equation in self.equations for finding in equation.findings)
 
     @property
     def causes(self) -> tuple[str, ...]:
-        """The thoughts that may be behind wrong equations."""
+        """Misconceptions that may explain wrong equations."""
         return tuple(cause for equation in self.equations for cause in equation.causes)
 
     @property

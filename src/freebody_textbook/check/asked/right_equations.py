@@ -323,7 +323,7 @@ def equations_of(model: Model, loads: tuple[str, ...] = ()) -> Equations:
 
 
 def _is_free_body(model: Model) -> bool:
-    """Whether a model is a single free body without parts attached; answers about others are not
+    """Whether a model is a single free body without a payload; with one, answers about it are not
     read."""
     return len(model.bodies) == 1 and are_free(model) and len(model.bodies[0].inertias) == 1
 

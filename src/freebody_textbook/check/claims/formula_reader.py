@@ -141,19 +141,19 @@ class FormulaReader:
         )
 
     def _has_rows_of_load(self, name: str) -> bool:
-        """Whether a matrix has a row for each component of the load that the line has."""
+        """Whether a matrix has one row per component of the load in the line."""
         table = self.targets.tables.get(name)
         return self.is_loaded and table is not None and table[0][0].kind.has_rows_of_tip
 
     def in_axes(self, target: AskedQuantity) -> AskedQuantity:
-        """A component in the axes that the line is read in."""
+        """A vector component in the axes that the line uses."""
         if target.in_world is None or not self.common_axes:
             return target
         return replace(target, compute=target.in_world)
 
     def in_some_axes(self, side: Sequence[Token], stated: Callable[[], list[Claim]]) -> list[Claim]:
-        """The claims of a side; where they are wrong of vectors in the axes of their bodies and
-        right of the vectors themselves, those: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
+        """The claims of a side; if they are wrong with vectors in their bodies' axes and correct
+        with all vectors in common axes, the latter: f12 - f23 + m2 g = m2 v̇c2 needs no axes."""
         found = stated()
         bodies = self._bodies_without_axes(side)
         if not bodies or all_right(found):
@@ -166,8 +166,9 @@ class FormulaReader:
         return again if all_right(again) or len(bodies) > 1 else found
 
     def _bodies_without_axes(self, side: Sequence[Token]) -> frozenset[int]:
-        """The bodies in whose axes vectors of a side would be, if it may be a relation between
-        vectors of whatever axes: in space, none turned or in a frame, no components."""
+        """The bodies whose vectors may be meant in common axes: the side may be a relation between
+        vectors in arbitrary axes, in space, without rotation matrices, frame marks or
+        components."""
         names = {token.text for token in side if token.kind == "name"}
         tables = [x for name in names if (x := self.targets.tables.get(name))]
         turned = any(x[-1] in FRAMES or (x[0] == "R" and x in self.targets.tables) for x in names)
@@ -177,18 +178,18 @@ class FormulaReader:
         return frozenset(x[0][0].index[0] for x in tables if x[0][0].in_world is not None)
 
     def is_own(self, name: str) -> bool:
-        """Whether a name stands for something of the user's, by none of the quantities, though a
-        quantity may be called so too."""
+        """Whether the user defined a name by none of the model's quantities, though a quantity may
+        have that name too."""
         formula = self.setting.given.get(name)
         by_formula = formula is not None and self.vocabulary.symbols.get(name) is formula
         return self.vocabulary.uses.get(name) == () and not by_formula
 
     def value(self, node: Expression) -> Trig:
-        """The polynomial that a tree is."""
+        """The polynomial value of an expression tree."""
         return PolynomialReader(self.source, self.setting.ring).read(node)
 
     def quotient(self, node: Expression) -> Value:
-        """A tree as polynomial, or as quotient of two."""
+        """The value of an expression tree: a polynomial, or a quotient of two."""
         return PolynomialReader(self.source, self.setting.ring).quotient(node)
 
     def _quantity(self, name: str) -> Value | None:
@@ -202,7 +203,8 @@ class FormulaReader:
         return self.setting.zero if target.idle else self.with_load(target).compute()
 
     def with_load(self, target: AskedQuantity) -> AskedQuantity:
-        """A quantity, or the torque that holds the force at the tip where the line has one."""
+        """A quantity; if it is a torque and the line has a load at the tip, the torque in
+        equilibrium with it."""
         if not self.is_loaded or not target.kind.is_drive or target.idle:
             return target
         if self.setting.system is not None:
@@ -210,22 +212,22 @@ class FormulaReader:
         return held(self.setting, self.targets.single, target, self.load, self.besides)
 
     def begin(self, line: AnswerLine) -> None:
-        """Note what a line is about."""
+        """Record the load, the effects and the axes that a line uses."""
         if self.load:
             self.is_loaded = bool(self._load_of(line))
             self.besides = self._told_of(line)
 
     @cached_property
     def load(self) -> frozenset[str]:
-        """The components of a force or moment at the tip that the answer has."""
+        """The components of a force or moment at the tip that occur in the answer."""
         return frozenset[str]().union(*map(self._load_of, self.lines))
 
     def _load_of(self, line: AnswerLine) -> frozenset[str]:
-        """The components of a force or moment at the tip that a line has."""
+        """The components of a force or moment at the tip that occur in a line."""
         return frozenset(x for name in line.names for x in self._in_name(name.text)[1])
 
     def _told_of(self, line: AnswerLine) -> frozenset[str]:
-        """The effects that a line's quantities tell of besides a load: "rate", "motion",
+        """The effects besides a load that a line's quantities include: "rate", "motion",
         "weight"."""
         variations = self.vocabulary.variations
         varied = (x.text for x in line.names if x.start in variations)
@@ -234,12 +236,12 @@ class FormulaReader:
         return frozenset(weighs.union(*(self._in_name(name)[0] for name in others)))
 
     def _has_weight(self, name: str) -> bool:
-        """Whether the weights do work along a virtual displacement, as in δV."""
+        """Whether a virtual displacement implies work of the weights, as δV does."""
         asked, gravity = self.targets.single.get(name), self.setting.order.gravity
         return asked is not None and any(gravity in x for x, _ in asked.polynomial().terms())
 
     def _in_name(self, name: str) -> tuple[set[str], set[str]]:
-        """The effects that a name tells of, and the components of the load that it holds."""
+        """The effects that a name implies, and the load components that it contains."""
         setting, value = self.setting, self.vocabulary.symbols.get(name)
         if name in self.vocabulary.waves:
             return set(), set()
@@ -256,7 +258,7 @@ class FormulaReader:
         return {asked.kind.tells}, set(setting.loads[:rows])
 
     def claim(self, label: str, target: AskedQuantity, node: Expression) -> Claim:
-        """The claim that a quantity has the value of a tree."""
+        """The claim that a quantity equals an expression."""
         used = tuple(uses(node, self.targets.single, self.vocabulary))
         if functions_of(node):  # compared in numbers
             target = self.with_load(target)
@@ -266,7 +268,8 @@ class FormulaReader:
         return Claim(label, asked or self.with_load(target), node, value, self.source, used)
 
     def along_legs(self, target: AskedQuantity) -> list[AskedQuantity]:
-        """A coordinate of a closed chain's tip along its other legs, where it is x + Φ or x - Φ."""
+        """Alternative values of a tip coordinate in a closed chain, along its other legs: x + Φ or
+        x - Φ with a loop equation Φ."""
         if not target.kind.has_legs or self.setting.system is None:
             return []
         x, note = target.polynomial(), "Along the other leg: it holds where the loops are closed."
@@ -279,7 +282,7 @@ class FormulaReader:
         return [replace(target, compute=lambda y=y: y, note=note) for y in ways]
 
     def says_that_the_base_moves(self, line: AnswerLine) -> bool:
-        """Whether an equation is v̇0 = -g: gravity as an acceleration of the base."""
+        """Whether a line is v̇0 = -g, that is gravity as an acceleration of the base."""
         if len(line) != 2 or line.subject.removesuffix(FRAMES[0]) not in spellings("v", "0", 1):
             return False
         self.of_bodies = True
@@ -291,8 +294,8 @@ class FormulaReader:
         return all((self.value(x) + self.value(y)).is_zero for x, y in pairs)
 
     def is_of_angles(self, line: AnswerLine) -> bool:
-        """Whether a line is an identity of sines and cosines, s12 = s1 c2 + c1 s2: it holds, or is
-        about nothing else. s12 = sin(θ1+θ2) only says what s12 is, and sin θ2 = 0 where."""
+        """Whether a line is an identity of sines and cosines, such as s12 = s1 c2 + c1 s2. s12 =
+        sin(θ1+θ2) only defines s12, and sin θ2 = 0 gives a pose."""
         waves = any(x.kind == "function" or x.text in self.vocabulary.waves for x in line.tokens)
         if len(line) != 2 or not waves or any(map(self.is_matrix, line)):
             return False
@@ -307,26 +310,26 @@ class FormulaReader:
         return may_be_wrong or difference(*map(self.quotient, sides)).is_zero
 
     def is_matrix(self, side: Sequence[Token]) -> bool:
-        """Whether a side begins with a vector or matrix."""
+        """Whether a side begins with a vector or a matrix."""
         return opens_table(side) or self._function(side[0]) in _TABLES
 
     def _function(self, token: Token) -> str:
-        """The function that a token names, else ""."""
+        """The name of a function, if a token is one; otherwise ""."""
         return self.vocabulary.functions[token.text] if token.kind == "function" else ""
 
 
 def entry_label(label: str, target: AskedQuantity) -> str:
-    """c of joint 2 is c2; the second entry of vc1 is vc1y."""
+    """The label of an entry in a message: c of joint 2 is c2, the second entry of vc1 is vc1y."""
     return label + (target.axis or "".join(map(str, target.index)))
 
 
 def _has_number(sides: Sequence[Expression]) -> bool:
-    """Whether a side is a number, as of an equation that is solved for a pose."""
+    """Whether a side is a plain number, as in an equation to be solved for a pose."""
     return any(isinstance(x, Number) for x in sides)
 
 
 def all_right(claims: Sequence[Claim]) -> bool:
-    """Whether claims hold as they stand."""
+    """Whether all claims are correct as they stand."""
     return all(difference(x.value, x.target.compute()).is_zero for x in claims)
 
 

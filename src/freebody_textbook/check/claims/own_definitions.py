@@ -1,5 +1,5 @@
-"""Lines that introduce names of the user's own, or tell a coordinate, a rate or an acceleration by
-the robot's quantities."""
+"""Lines that define users' own names, or give a coordinate, rate or acceleration by the robot's
+quantities."""
 
 from __future__ import annotations
 
@@ -39,11 +39,11 @@ _IN_NUMBERS = "by the forces on the body"
 
 
 class SolvedQuantities(FormulaReader):
-    """Reader of lines that are solved for what moves."""
+    """Reads lines that are solved for a coordinate, rate or acceleration."""
 
     def is_solved(self, line: AnswerLine) -> bool:
-        """Whether a line tells a coordinate, a rate, an acceleration, or the sine or cosine of an
-        angle by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
+        """Whether a line gives a coordinate, rate, acceleration, or the sine or cosine of an angle
+        by the robot's quantities: θ̈1 = (τ1 - …)/H11, cos θ2 = (x² + …)/(2 l1 l2)."""
         first = line[0][0]
         if len(line) != 2 or len(line[0]) != 1 or self.is_matrix(line[1]):
             return False
@@ -56,7 +56,7 @@ class SolvedQuantities(FormulaReader):
         return self._is_of_motion(line, names)
 
     def _is_of_motion(self, line: AnswerLine, names: Collection[str]) -> bool:
-        """Whether a line with one name on its left tells a coordinate, rate or acceleration by the
+        """Whether a line with one name on its left gives a coordinate, rate or acceleration by the
         names on its right."""
         first = line[0][0]
         value = self.vocabulary.symbols.get(first.text)
@@ -78,7 +78,7 @@ class SolvedQuantities(FormulaReader):
         return by_quantities or (atom(moving).dots == 2 and bool(names))
 
     def _is_position(self, line: AnswerLine) -> bool:
-        """Whether a line tells a coordinate, or the sine or cosine of one, by inverse functions."""
+        """Whether a line gives a coordinate, or its sine or cosine, by inverse functions."""
         first, functions = line[0][0].text, self.vocabulary.functions
         if not any(
             x.kind == "function" and functions[x.text] in INVERSE_FUNCTIONS for x in line[1]
@@ -88,7 +88,8 @@ class SolvedQuantities(FormulaReader):
         return first in self.vocabulary.waves or moving in self.setting.symbols.coordinates
 
     def _moving(self, value: Value | None) -> str:
-        """The coordinate, rate or acceleration that a value is, or nothing."""
+        """The name of the coordinate, rate or acceleration that a value consists of; "" if it is
+        anything else."""
         name = "" if value is None else generator(value) or ""
         known = {x + d for x in self.setting.symbols.coordinates for d in ("", RATE, SECOND)}
         if self.setting.system is not None:
@@ -98,16 +99,16 @@ class SolvedQuantities(FormulaReader):
         return name if name in known else ""
 
     def _is_sum(self, value: Value | None) -> bool:
-        """Whether a name stands for a sum of coordinates or rates of a closed chain, such as the
-        angle of a coupler."""
+        """Whether a value is a sum of coordinates or of rates in a closed chain, such as a
+        coupler's angle."""
         if self.setting.system is None or not isinstance(value, Trig) or value.is_zero:
             return False
         parts = (value.ring.polynomial([(x, Fraction(1))]) for x, _ in value.terms())
         return all(map(self._moving, parts))
 
     def solved_for(self, line: AnswerLine) -> Claim:
-        """The claim of a line about a coordinate or what belongs to it, by the robot's
-        quantities."""
+        """The claim of a line that is solved for a coordinate, its rate, acceleration, sine or
+        cosine."""
         first, node = line[0][0], self.parse(line[1])
         value = self.quotient(self.parse(line[0]))
         name = self._moving(value)
@@ -129,7 +130,7 @@ class SolvedQuantities(FormulaReader):
         return self.claim(self.source[first.span], target, node)
 
     def _position(self, line: AnswerLine, name: str, value: Value, node: Expression) -> Claim:
-        """The claim of a line that tells a coordinate by inverse functions."""
+        """The claim of a line that gives a coordinate by inverse functions."""
         label = self.source[line[0][0].span]
         for part in nodes(node):
             if isinstance(part, Wave) and any(x == name for x, _ in part.angle):
@@ -142,11 +143,12 @@ class SolvedQuantities(FormulaReader):
 
 
 class OwnDefinitions(SolvedQuantities):
-    """Tells definitions from what is to be checked, and notes their values."""
+    """Distinguishes definitions from lines to be checked, and stores the defined values."""
 
     @cached_property
     def letters_of_vectors(self) -> frozenset[str]:
-        """Letters such as v that lines give as vectors by their entries: v1 = 0 is one too."""
+        """Letters such as v that lines define as vectors by their entries; a line v1 = 0 then means
+        a zero vector."""
         return frozenset(
             line.subject[0]
             for line in self.lines
@@ -155,7 +157,7 @@ class OwnDefinitions(SolvedQuantities):
         )
 
     def _subjects(self, is_own: Callable[[AnswerLine], bool]) -> set[str]:
-        """The subjects of lines that are something of the user's own, wherever these stand."""
+        """Left sides of the lines that satisfy `is_own`, anywhere in the answer."""
         found = set[str]()
         for line in self.lines:
             with suppress(AnswerError):  # told where the line is read
@@ -165,12 +167,12 @@ class OwnDefinitions(SolvedQuantities):
 
     @property
     def own_scalars(self) -> set[str]:
-        """Names of vectors that lines give as one number."""
+        """Names of vectors that lines define as scalars."""
         return self._subjects(self._is_own_scalar)
 
     def own_coefficients(self, pending: Collection[str]) -> set[str]:
-        """Names of velocity coefficients that lines give and others use, wherever these stand;
-        pending: names that wait for their own lines."""
+        """Names of velocity coefficients that lines define and others use, in any order; pending:
+        names whose definition has not been read."""
         given = {x.subject: x for x in self.lines}
         return {
             name
@@ -179,8 +181,8 @@ class OwnDefinitions(SolvedQuantities):
         }
 
     def definitions(self, line: AnswerLine) -> list[AnswerLine]:
-        """The line, if it introduces a name of the user's own, or an h that other lines use: its
-        value is noted."""
+        """The line, if it defines a user's own name or an h that other lines use; its value is
+        stored. Otherwise an empty list."""
         name = line.subject
         self.of_bodies = self.is_about_bodies(line)
         self.begin(line)
@@ -210,7 +212,8 @@ class OwnDefinitions(SolvedQuantities):
         return [line]
 
     def _refuse_symbol(self, name: str, line: AnswerLine) -> None:
-        """Refuse to define a symbol of the model, but where a loop's equation is solved for it."""
+        """Raise an error if a line redefines a symbol of the model, unless it is a loop equation
+        solved for the symbol."""
         own, given = self.vocabulary.symbols.get(name), self._given(line[1])
         if own is not None and given is not None and difference(own, given).is_zero:
             self.source.fail("both sides are the same: there is nothing to check", line[1][0].span)
@@ -224,7 +227,7 @@ class OwnDefinitions(SolvedQuantities):
         )
 
     def _repeats_a_formula(self, name: str, line: AnswerLine) -> bool:
-        """Whether a line says of a parameter that a formula gives only what that formula says."""
+        """Whether a line repeats the formula by which the model defines a parameter."""
         meant = self.vocabulary.symbols.get(name)
         if meant is None or meant not in self.setting.given.values():
             return False
@@ -232,7 +235,7 @@ class OwnDefinitions(SolvedQuantities):
         return not isinstance(node, Matrix) and difference(self.quotient(node), meant).is_zero
 
     def _is_still(self, value: Value | None) -> bool:
-        """Whether a value is made of parameters alone."""
+        """Whether a value contains only parameters."""
         moving = self.setting.symbols.rates
         return value is not None and all(
             x.derivative(name).is_zero for x in pair(value) for name in moving
@@ -240,13 +243,13 @@ class OwnDefinitions(SolvedQuantities):
 
     @property
     def own_coordinates(self) -> set[str]:
-        """Names of coordinates that lines give to numbers of their own, as θ_1 = m_1 l_c1² + I_1,
-        where the coordinates go by other names."""
+        """Names of coordinates that the answer defines as numbers, as θ_1 = m_1 l_c1² + I_1, when
+        its coordinates have other names."""
         return self._subjects(self._is_own_coordinate)
 
     def _is_own_coordinate(self, line: AnswerLine) -> bool:
-        """Whether a line gives a number of parameters to a coordinate's name, where the coordinate
-        goes by another one."""
+        """Whether a line defines a coordinate's name as a combination of parameters, when the
+        coordinate has another name in the answer."""
         symbols = self.vocabulary.symbols
         value = symbols.get(line.subject)
         if len(line) != 2 or not isinstance(value, Trig) or not self._is_coordinate(value):
@@ -259,7 +262,7 @@ class OwnDefinitions(SolvedQuantities):
         return any(value == self.setting.ring[x] for x in self.setting.symbols.coordinates)
 
     def _is_wave(self, name: str, line: AnswerLine) -> bool:
-        """Whether a line says of s12 or c12 only what it stands for anyway."""
+        """Whether a line only defines s12 or c12 as the sine or cosine that it means anyway."""
         node = self.parse(line[1])
         if isinstance(node, Matrix):
             return False
@@ -267,16 +270,15 @@ class OwnDefinitions(SolvedQuantities):
         return difference(self.quotient(node), self.value(meant)).is_zero
 
     def _is_free(self, name: str) -> bool:
-        """Whether a name stands for nothing of the model: for nothing, or for what only other
-        models have."""
+        """Whether a name is unused in this model: it has no meaning, or one only in other
+        models."""
         if name in self.setting.foreign:
             return True
         return self.vocabulary.symbols.get(name, self.setting.zero).is_zero
 
     def _is_own_number(self, line: AnswerLine) -> bool:
-        """Whether a letter that some books have for one of the quantities stands for something of
-        the user's own: one number for a matrix or vector, or what other lines use and has other
-        units."""
+        """Whether a letter that some books use for a quantity is the user's own: a scalar in place
+        of a matrix or vector, or a value with other units that other lines use."""
         name = line.subject
         letter, _ = numbered(name)
         target = self.targets.single.get(name)
@@ -299,8 +301,8 @@ class OwnDefinitions(SolvedQuantities):
         return self._is_other_number(line, target, soft)
 
     def _is_other_number(self, line: AnswerLine, target: AskedQuantity, soft: bool) -> bool:
-        """Whether a line gives a quantity's name to a number that the quantity cannot be; soft:
-        whether the name is often another's."""
+        """Whether a line gives a quantity's name a value that the quantity cannot have; soft:
+        whether the name is often used for something else."""
         given = self._given(line[1])
         if isinstance(given, Ratio):
             return not target.kind.is_quotient
@@ -313,14 +315,14 @@ class OwnDefinitions(SolvedQuantities):
         return is_of_another_kind(self.setting, given, target.polynomial())
 
     def _given(self, side: Sequence[Token]) -> Value | None:
-        """The value of a side that is no vector or matrix, and holds no root."""
+        """The value of a side that is a scalar without roots; None otherwise."""
         node = self.parse(side)
         by_number = isinstance(node, Matrix) or functions_of(node)
         return None if by_number else self.quotient(node)
 
     def _is_own_scalar(self, line: AnswerLine) -> bool:
-        """Whether a name of a body's vector is given to one number, or the letter of another vector
-        with which other lines are written, as a ratio n."""
+        """Whether a line defines the name of a body's vector as a scalar, or a vector's letter that
+        other lines use, such as a ratio n."""
         name = line.subject
         if name in self.targets.single:
             return False
@@ -331,15 +333,15 @@ class OwnDefinitions(SolvedQuantities):
         return not (self._is_zero_vector(line) or isinstance(self.parse(line[1]), Matrix))
 
     def _is_zero_vector(self, line: AnswerLine) -> bool:
-        """Whether a line says v1 = 0 of a letter that other lines give as a vector."""
+        """Whether a line is v1 = 0, with a letter that other lines define as a vector."""
         node = self.parse(line[1])
         return (
             isinstance(node, Number) and not node.value and self.may_be_vector(line.subject, node)
         )
 
     def may_be_vector(self, name: str, node: Number) -> bool:
-        """Whether one number may be a vector: 0 of one that vanishes, or where other lines give the
-        letter as vectors."""
+        """Whether a plain number may be a vector: a 0, for a vector that vanishes or a letter that
+        other lines define as a vector."""
         if name[0] in self.letters_of_vectors:
             return True
         table = self.targets.tables.get(name, [])
@@ -349,11 +351,11 @@ class OwnDefinitions(SolvedQuantities):
         )
 
     def _is_own_h(self, line: AnswerLine) -> bool:
-        """Whether a line defines a velocity coefficient that other lines are written with."""
+        """Whether a line defines a velocity coefficient that other lines use."""
         target = self.targets.single.get(line.subject)
         return target is not None and target.kind.is_coefficient and self._is_used(line)
 
     def _is_used(self, line: AnswerLine) -> bool:
-        """Whether another line is written with a line's subject, not merely about it."""
+        """Whether another line uses the name that a line defines, on its right side."""
         others = (x for x in self.lines if x != line)
         return any(token.text == line.subject for x in others for token in x.written_with)

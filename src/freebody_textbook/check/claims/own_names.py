@@ -1,4 +1,4 @@
-"""Names of the user's own, or of a notation, and what they stand for."""
+"""Users' own names and those of a book's notation, with their meanings."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _NUMBERED = (*(x.letter for x in LINK_SYMBOLS), "q")
 
 
 def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation) -> None:
-    """The names of a notation, all at once, as one may stand for what another is called here; none
-    where the model has such names itself."""
+    """Enter the names of a book's notation together, as they may swap meanings with names used
+    here; none are entered if the model uses such names itself."""
     here = Vocabulary(vocabulary.setting, targets.names, targets.alone)
     symbols = vocabulary.setting.symbols
     lettering = Lettering(notation, frozenset(symbols.model.parameters), symbols.coordinates)
@@ -53,14 +53,14 @@ def of_notation(vocabulary: Vocabulary, targets: Targets, notation: BookNotation
 
 
 def _is_printed(name: str, target: AskedQuantity, notation: BookNotation) -> bool:
-    """Whether a notation prints a quantity by that name."""
+    """Whether a book's notation prints a quantity with this name."""
     letters = notation.letters.get(target.kind.name, ())
     printed = target.kind.name in notation.printed_kinds
     return printed and name == f"{letters[0]}{atom(name).figures}" != letters[0]
 
 
 def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) -> None:
-    """The user's names, all at once too; one may stand for what others do."""
+    """Enter the names that a user gives, together, since one may take another's meaning."""
     here, waiting = vocabulary.copy(), dict(names)
     while waiting:
         problem = None
@@ -77,8 +77,7 @@ def of_user(vocabulary: Vocabulary, targets: Targets, names: Mapping[str, str]) 
 
 
 def as_texts(names: object) -> dict[str, str]:
-    """The names and meanings that a user gives, of which a number is one too; raises
-    AnswerError."""
+    """Names and meanings given by a user, as texts; meanings may be numbers; raises AnswerError."""
     if not isinstance(names, Mapping):
         raise AnswerError(f"names: {names!r} is no dict such as {{'L1': 'l1'}}")
     for name, meaning in names.items():
@@ -90,9 +89,9 @@ def as_texts(names: object) -> dict[str, str]:
 def _rename(
     vocabulary: Vocabulary, targets: Targets, name: str, meaning: str, here: Vocabulary
 ) -> bool:
-    """A name of the user's own, for a symbol (and its rates), for a family of them, for an
-    expression, or a letter for the cosines and sines of all angles; whether there is such a thing.
-    here: what the meaning is written with."""
+    """Enter a user's own name for a symbol (with its rates), a family of symbols, an expression, or
+    a letter for the cosines and sines of all angles; returns False if the meaning is unknown. here:
+    the names used in meanings."""
     plain = _plain(name)
     if plain in (*FUNCTIONS, "pi", "t"):
         raise AnswerError(f"names: {name!r} has a meaning of its own and cannot be another name")
@@ -117,8 +116,8 @@ def _rename(
 def _define(
     vocabulary: Vocabulary, targets: Targets, plain: str, meaning: AnswerText, here: Vocabulary
 ) -> None:
-    """A name of the user's own for an expression and its rates, or for a vector or matrix and a
-    vector's components."""
+    """Define a user's own name as an expression with its rates, or as a vector or matrix with its
+    components."""
 
     def quantity(name: str) -> Trig | None:
         return targets.single[name].polynomial() if name in targets.single else None
@@ -159,7 +158,8 @@ def _define(
 
 
 def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target: str) -> None:
-    """A name of the user's own for a quantity, and for its rates."""
+    """Define a user's own name for a quantity and for its rates; False if there is no such
+    quantity."""
     for dots in range(3):
         theirs = next((x for x in spellings(target, "", dots) if x in targets.names), None)
         for spelling in spellings(name, "", dots) if theirs else ():
@@ -167,7 +167,7 @@ def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target
 
 
 def _rates(vocabulary: Vocabulary, value: Value) -> Iterator[Trig]:
-    """The rates of a value, as far as it moves."""
+    """The first and higher time derivatives of a value, until one is constant."""
     ring = vocabulary.setting.ring
     rates = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
     rates |= vocabulary.setting.symbols.rates

@@ -1,4 +1,5 @@
-"""Equations no side of which is a quantity: torques inside, loops, passive joints, identities."""
+"""Equations with no quantity alone on a side: torques within sums, loop equations, passive joints,
+identities."""
 
 from __future__ import annotations
 
@@ -38,11 +39,12 @@ _MOST_COORDINATES = 2
 
 
 class UnnamedEquations(FormulaReader):
-    """Reads the statements of equations no side of which is a quantity."""
+    """Reads equations with no quantity alone on a side."""
 
     def unnamed(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """An equation that holds one τ_i somewhere, solved for it; without any, that of a passive
-        joint, or an equation between other quantities."""
+        """The claims of an equation without a quantity alone on a side: it is solved for its only
+        torque τ_i; without torques it is the equation of a passive joint, or a relation between
+        other quantities."""
         if len(line) > 2:  # 0 = a = b
             pairs = (AnswerLine((line[0], side)) for side in line[1:])
             return [claim for pair in pairs for claim in self.unnamed(pair, before)]
@@ -58,7 +60,7 @@ class UnnamedEquations(FormulaReader):
         return self._of_joints(line, before)
 
     def _of_joints(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """The claims of an equation with two sides about a robot with joints."""
+        """The claims of a two-sided equation about a robot with joints."""
         asked = self._asked(line)
         torques = {target for target in asked.values() if target.kind.is_drive and not target.idle}
         told = frozenset(asked.values()) | self._behind_own_names(line)
@@ -78,15 +80,15 @@ class UnnamedEquations(FormulaReader):
         return {x: self.targets.single[x] for x in names if x in self.targets.single}
 
     def _behind_own_names(self, line: AnswerLine) -> frozenset[AskedQuantity]:
-        """The quantities by which names of the user's own in a line are given."""
+        """The quantities in the definitions of users' own names in a line."""
         uses = self.vocabulary.uses
         return frozenset(x for name in line.names for x in uses.get(name.text, ()))
 
     def _is_between(
         self, line: AnswerLine, asked: Set[AskedQuantity], torques: Set[AskedQuantity]
     ) -> bool:
-        """Whether a line is one between quantities or vectors, as of several torques, and no
-        equation of motion."""
+        """Whether a line is a relation between quantities or vectors, such as several torques, and
+        no equation of motion."""
         if len(torques) > 1:
             return True
         named = [token.text for token in line.names if self._is_vector(token)]
@@ -98,8 +100,8 @@ class UnnamedEquations(FormulaReader):
         return bool(asked or vectors) and not torques and not self._tells_of_motion(line)
 
     def _by_loops(self, line: AnswerLine, between: bool, asked: bool) -> list[Claim]:
-        """The claims of a line without torques about a closed chain, if it is of its loops or
-        between quantities."""
+        """The claims of a torque-free line about a closed chain, if it is a loop equation or a
+        relation between quantities."""
         if self.setting.system is None:
             return []
         if along := self._along_legs(line):
@@ -112,7 +114,7 @@ class UnnamedEquations(FormulaReader):
         return [] if closing is None else [closing]
 
     def _of_torque(self, line: AnswerLine, torques: Mapping[str, AskedQuantity]) -> list[Claim]:
-        """An equation that has one torque, solved for that torque."""
+        """The claims of an equation with one torque, solved for it."""
         if len(set(torques.values())) != 1:
             self.source.fail(
                 "neither side is one of the quantities that are checked",
@@ -132,7 +134,7 @@ class UnnamedEquations(FormulaReader):
         return [Claim(name, self.with_load(target), node, value, self.source, tuple(used))]
 
     def _of_passive(self, line: AnswerLine, before: Sequence[Claim]) -> list[Claim]:
-        """The claim of a line between quantities, if that is the equation of a passive joint."""
+        """The claim of a relation that turns out to be the equation of a passive joint."""
         if any(isinstance(x, Matrix) for x in map(self.parse, line)):
             return []
         value = self._difference(line)[1]
@@ -141,8 +143,8 @@ class UnnamedEquations(FormulaReader):
         return [self._unpowered(line, before)] if any(same) else []
 
     def _others(self, line: AnswerLine, name: str) -> Expression | None:
-        """The terms beside a torque in a sum of both sides, with the signs that they have when the
-        torque alone stands on the left; None where it has a factor."""
+        """The other terms when an equation is solved for a torque by moving terms; None if the
+        torque has a factor."""
         left, right = map(self.parse, line)
         terms = [*_terms(left), *_terms(Negative(right, span=right.span))]
         own = [x for x in terms if name in (getattr(y, "name", "") for y in nodes(x))]
@@ -155,14 +157,15 @@ class UnnamedEquations(FormulaReader):
         return Sum(tuple(others), span=around(left, right))
 
     def _is_reduced(self, line: AnswerLine) -> bool:
-        """Whether an equation of motion has quotients in it, as in independent coordinates."""
+        """Whether an equation of motion contains quotients, as in independent coordinates."""
         try:
             return isinstance(self._difference(line)[1], Ratio)
         except AnswerError:  # too long to be multiplied out
             return True
 
     def _says_nothing(self, line: AnswerLine) -> bool:
-        """Whether the sides are equal whatever values its quantities have, as in T + V = V + T."""
+        """Whether the sides are equal whatever the values of the quantities, as in T + V = V +
+        T."""
         sides = list(map(self.parse, line))
         parts = [x for side in sides for x in nodes(side) if isinstance(x, Named)]
         if any(x.is_derivative for x in parts):
@@ -193,22 +196,22 @@ class UnnamedEquations(FormulaReader):
             self.replaced, self.vocabulary = {}, kept
 
     def _is_vector(self, token: Token) -> bool:
-        """Whether a symbol is the name of a vector or matrix, such as C in C q̇ = …"""
+        """Whether a token is the name of a vector or matrix, such as C in C q̇."""
         table = self.targets.tables.get(token.text)
         if table is None or token.text in self.vocabulary.symbols:
             return False
         return not table[0][0].kind.is_coordinate
 
     def _tells_of_motion(self, line: AnswerLine) -> bool:
-        """Whether accelerations of coordinates or multipliers stand in it, as in an equation of
-        motion."""
+        """Whether a line contains accelerations of coordinates or multipliers, as equations of
+        motion do."""
         values = [self.vocabulary.symbols.get(x.text) for x in line.names]
         names = generators_in(*(x for x in values if isinstance(x, Trig)))
         return any(atom(x).dots == 2 or is_multiplier(x) for x in names)
 
     def _closing(self, line: AnswerLine) -> Claim | None:
-        """A loop equation without its name, l1 c1 + l2 c12 - d - l3 c3 = 0, or its first or second
-        derivative, times any number; None of an equation in which something presses."""
+        """The claim of a loop equation without name, l1 c1 + l2 c12 - d - l3 c3 = 0, or of its
+        first or second derivative, times any number; None if the equation contains forces."""
         node, value = self._difference(line)
         if isinstance(node, Wave):
             self.source.fail(
@@ -237,8 +240,8 @@ class UnnamedEquations(FormulaReader):
         return self.claim(f"The loop equation {self.source[node.span]}", target, node)
 
     def _along_legs(self, line: AnswerLine) -> list[Claim]:
-        """A relation of the tip that holds along one of the legs, such as
-        (x - l1 c1)² + (y - l1 s1)² = l3²; nothing where it holds along none."""
+        """The claim of a relation for the tip that holds along one leg, such as (x - l1 c1)² + (y -
+        l1 s1)² = l3²; empty if it holds along none."""
         single = self.targets.single
         inside = {x.text for x in line.names if x.text in single}
         tip = sorted(name for name in inside if single[name].kind.has_legs)[:_MOST_COORDINATES]
@@ -253,14 +256,15 @@ class UnnamedEquations(FormulaReader):
             self.replaced = {}
 
     def _agrees(self, line: AnswerLine, names: Sequence[str], values: Sequence[Trig]) -> bool:
-        """Whether the sides are equal where quantities have such values."""
+        """Whether the sides are equal when the named quantities have the given values."""
         self.replaced = {
             self.targets.single[name]: x for name, x in zip(names, values, strict=True)
         }
         return self._difference(line)[1].is_zero
 
     def _difference(self, line: AnswerLine) -> tuple[Expression, Value]:
-        """The left side less the right; where one is 0 the other, with its own sign."""
+        """(expression, value) of the left side minus the right; if one side is 0, the other side
+        with its own sign."""
         left, right = map(self.parse, line)
         values = self.quotient(left), self.quotient(right)
         node: Expression = Sum((left, Negative(right, span=right.span)), span=around(left, right))
@@ -270,16 +274,19 @@ class UnnamedEquations(FormulaReader):
         return node, self.quotient(node)
 
     def _of_bodies(self, line: AnswerLine) -> list[Claim]:
-        """The claims of a line about bodies, if it is between vectors or holds in any motion."""
+        """The claims of a line about bodies, if it is a relation between vectors or holds in any
+        motion."""
         stated = self._identities(line) if self.of_bodies else []
         return stated if all_right(stated) or len(stated) > 1 else []
 
     def _identities(self, line: AnswerLine) -> list[Claim]:
-        """An equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1, entry by entry."""
+        """The claims of a vector equation between quantities of bodies, f01 - f12 + m1 g = m1 v̇c1,
+        one per entry."""
         return self.in_some_axes(line.tokens, lambda: self._between(line))
 
     def _between(self, line: AnswerLine) -> list[Claim]:
-        """The claims of an equation between quantities of bodies, with components in given axes."""
+        """The claims of an equation between quantities of bodies, with vector components in the
+        given axes."""
         left, right = map(self.parse, line[:2])
         if isinstance(left, Matrix) != isinstance(right, Matrix):
             table, k = (left, 1) if isinstance(left, Matrix) else (right, 0)
@@ -297,7 +304,7 @@ class UnnamedEquations(FormulaReader):
         return [self._identity(label, x, y) for x, y in pairs]
 
     def of_angles(self, line: AnswerLine) -> Claim:
-        """An identity of sines and cosines."""
+        """The claim of an identity of sines and cosines."""
         left, right = map(self.parse, line)
         value = self.quotient(left)
         target = AskedQuantity(
@@ -309,7 +316,8 @@ class UnnamedEquations(FormulaReader):
         return Claim(label, target, right, self.quotient(right), self.source, whole=whole)
 
     def _identity(self, label: str, left: Expression, right: Expression) -> Claim:
-        """The claim of one entry: the side that says more is compared with the other."""
+        """The claim of one entry in an identity: the side with more terms is compared with the
+        other."""
         is_result = isinstance(right, Number) and right.value and self.numbers.state_at(right.span)
         if isinstance(right, Number) and not is_result:
             left, right = right, left
@@ -332,7 +340,7 @@ class UnnamedEquations(FormulaReader):
         return Claim(label, target, right, other, self.source, whole=whole)
 
     def _unpowered(self, line: AnswerLine, before: Sequence[Claim]) -> Claim:
-        """An equation without torque: that of a joint which nothing drives."""
+        """The claim of an equation without torque, as the equation of a joint without a drive."""
         node, value = self._difference(line)
         if self.setting.system is not None:  # one that is reduced by the loops is none of a joint
             value = self.value(node)
@@ -347,7 +355,8 @@ class UnnamedEquations(FormulaReader):
         return self.claim(f"The equation of joint {joint[0]}", target, node)
 
     def _solved(self, line: AnswerLine, target: AskedQuantity) -> Value | None:
-        """τ of a + k τ = 0; None where k is 0, or τ stands in other ways too."""
+        """The value of τ from an equation a + k τ = 0; None if k is 0 or the equation is not linear
+        in τ."""
         values: list[Value] = []
         for k in range(3):
             self.replaced = {target: self.setting.zero + k}
@@ -361,7 +370,7 @@ class UnnamedEquations(FormulaReader):
 
 
 def _terms(x: Expression) -> list[Expression]:
-    """The terms of a sum, of one that is subtracted with the other sign."""
+    """Terms of a sum, with subtracted ones negated."""
     if isinstance(x, Sum):
         return [y for term in x.terms for y in _terms(term)]
     if isinstance(x, Negative) and isinstance(x.operand, Sum | Negative):
@@ -370,5 +379,5 @@ def _terms(x: Expression) -> list[Expression]:
 
 
 def _turned(x: Expression) -> Expression:
-    """A term with the other sign."""
+    """A term with its sign reversed."""
     return x.operand if isinstance(x, Negative) else Negative(x, span=x.span)

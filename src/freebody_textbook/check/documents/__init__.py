@@ -1,4 +1,4 @@
-"""Forms in which an answer may be written: a table of records, a file each."""
+"""File formats of answers, one file each, and the table of their records."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ FORMS: dict[str, DocumentForm] = {
 
 
 def form_of(file_name: str) -> DocumentForm:
-    """The form of a file, by its suffix; of an unknown suffix plain text."""
+    """The format of a file, by its suffix; plain text if the suffix is unknown."""
     for form in FORMS.values():
         if file_name.lower().endswith(form.suffixes):
             return form

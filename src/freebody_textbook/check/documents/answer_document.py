@@ -1,4 +1,4 @@
-"""An answer as a document: which of its characters are formulas, each at its own place."""
+"""An answer as a document, with the places of its formulas."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LARGEST = 400_000
 
 @dataclass(frozen=True)
 class FormulaPiece:
-    """A stretch of a document with formulas."""
+    """A stretch of a document that contains formulas."""
 
     start: int
     end: int
@@ -29,7 +29,7 @@ class FormulaPiece:
 
 @dataclass(frozen=True)
 class AnswerDocument:
-    """A text as it was written, and the same with blanks for all that is not formula."""
+    """A document's text as written, and a copy in which everything but formulas is blank."""
 
     written: str
     formulas: str
@@ -52,18 +52,18 @@ class AnswerDocument:
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """The lexemes of its formulas."""
+        """The lexemes in the document's formulas."""
         return AnswerText(self.formulas).lexemes
 
     @property
     def tells_lines(self) -> bool:
-        """Whether a verdict says the line of each equation."""
+        """Whether verdicts state the line number of each equation."""
         return self.told and "\n" in self.written.strip()
 
 
 @dataclass(frozen=True)
 class DocumentForm:
-    """A way to write an answer."""
+    """A file format of answers."""
 
     name: str
     words: str
@@ -72,9 +72,9 @@ class DocumentForm:
 
 
 def plain_characters(text: str) -> str:
-    """A text with its own commands put in, accents decomposed, mathematical letters plain, the line
-    ends of any system as one character, = for all signs of definition, and blanks for the numbers
-    of equations and of questions; raises AnswerError where it is too long."""
+    """A text in normalised characters: own LaTeX commands expanded, accents decomposed,
+    mathematical letters plain, line ends "\\n", = for all definition signs, blanks for equation and
+    question numbers; raises AnswerError if it is too long."""
     if len(text) > LARGEST:
         raise AnswerError(f"the answer has {len(text)} characters; at most {LARGEST} are read")
     plain = decomposed(expanded(text.replace("\r\n", "\n").replace("\r", "\n")))
@@ -106,7 +106,7 @@ bullets."""
 
 @dataclass
 class Blanks:
-    """A text that is changed character by character, its length kept."""
+    """A text that can be changed while its length is kept."""
 
     text: str
     characters: list[str] = field(init=False)
@@ -118,21 +118,22 @@ class Blanks:
         return "".join(self.characters)
 
     def put(self, start: int, end: int, new: str = "") -> None:
-        """Something at least as short in place of a stretch, blanks behind it; line ends stay."""
+        """Replace a stretch by a text that is at most as long, padded with blanks; line ends are
+        kept."""
         for k in range(start, end):
             if self.characters[k] != "\n":
                 self.characters[k] = " "
         self.characters[start : start + len(new)] = new
 
     def only(self, kept: list[Span], span: Span | None = None) -> None:
-        """Blanks everywhere else in a stretch; `kept` in order."""
+        """Replace everything in a stretch by blanks except the spans `kept`, which are in order."""
         at, stop = span or (0, len(self.characters))
         for start, end in [*kept, (stop, stop)]:
             self.put(at, max(at, start))
             at = max(at, end)
 
     def inside(self, span: Span) -> str:
-        """Text of a stretch of the document."""
+        """The current text of a stretch."""
         return "".join(self.characters[slice(*span)])
 
     def replace(
@@ -142,7 +143,7 @@ class Blanks:
         span: Span | None = None,
         group: int = 0,
     ) -> None:
-        """Put something in place of a group of every match in a stretch, which is read alone."""
+        """Replace a group of every match in a stretch; matches do not see beyond the stretch."""
         start, end = span or (0, len(self.characters))
         for match in pattern.finditer(self.inside((start, end))):
             first, behind = match.span(group)
@@ -150,7 +151,8 @@ class Blanks:
 
 
 def between(text: str, opening: str, closing: str) -> list[Span]:
-    """The stretches between pairs of two marks, without these, in time proportional to the text."""
+    """The stretches between pairs of an opening and a closing mark, excluding the marks; takes
+    linear time."""
     found, at = [], 0
     while (start := text.find(opening, at)) >= 0:
         end = text.find(closing, start + len(opening))

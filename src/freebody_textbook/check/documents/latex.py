@@ -1,4 +1,4 @@
-"""LaTeX: a document, or formulas as they stand in one."""
+"""Reading LaTeX: whole documents, or single formulas."""
 
 from __future__ import annotations
 
@@ -59,8 +59,8 @@ _ARRAY = re.compile(r"\\(begin|end)\s*\{array\}(?:\s*\{[^{}]{0,40}\})?")
 
 
 def read(text: str) -> AnswerDocument:
-    """The formulas between dollar signs and in displays; where there are none, all of it as plain
-    text."""
+    """Document of a LaTeX text: formulas between dollar signs and in displays; without any, all of
+    it is read as plain text."""
     written = plain_characters(text)
     whole = Blanks(written)
     whole.replace(_COMMENT, group=1)
@@ -81,7 +81,7 @@ def read(text: str) -> AnswerDocument:
 
 
 def formulas(text: str) -> list[Span]:
-    """The stretches in displays and between dollar signs, in order, none inside another."""
+    """Spans of displays and of formulas between dollar signs, in order, without nesting."""
     found: list[Span] = []
     for name in _DISPLAYS:
         for star in ("", "*"):
@@ -115,7 +115,8 @@ def _outermost(spans: list[Span]) -> list[Span]:
 
 
 def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
-    """Formulas without what says nothing, `whole` changed in place; a piece for each equation."""
+    """Blank out LaTeX markup without meaning within formulas of `whole`; returns a piece for each
+    equation."""
     for start, end in found:
         for k in range(start, end):  # in a formula the end of a line is none
             if whole.characters[k] == "\n":
@@ -137,7 +138,7 @@ def clean(whole: Blanks, found: list[Span]) -> list[FormulaPiece]:
 
 
 def _open_boxes(whole: Blanks) -> None:
-    """Formulas without the boxes and braces around them."""
+    """Blank out boxes and outer braces around formulas."""
     text = str(whole)
     braces = closing_braces(text)
     for match in _AROUND.finditer(text):
@@ -157,7 +158,7 @@ def _open_boxes(whole: Blanks) -> None:
 
 
 def _open_arrays(whole: Blanks) -> None:
-    """Arrays of equations without their begin and end."""
+    """Blank out the begin and end of arrays of equations."""
     text = str(whole)
     opened: list[re.Match[str]] = []
     for match in _ARRAY.finditer(text):
@@ -171,8 +172,8 @@ def _open_arrays(whole: Blanks) -> None:
 
 
 def _join_rows(whole: Blanks, text: str, span: Span) -> None:
-    """A display without the ends of rows that stand between brackets, and without what aligns the
-    next row, but in matrices; between square brackets the next row begins with & or +."""
+    """Blank out row ends within brackets and the alignment of continued rows, except in matrices;
+    between square brackets a continued row begins with & or +."""
     opened: list[str] = []
     for match in _BRACKETS.finditer(text, *span):
         mark, aligned = match[0][0], match["next"] is not None
@@ -190,8 +191,8 @@ def _join_rows(whole: Blanks, text: str, span: Span) -> None:
 
 
 def _take_words(whole: Blanks) -> None:
-    """Put a comma, which ends a line, in place of words set as text; but not between operators,
-    where they stand for a term."""
+    """Replace words set as text by a comma, which ends a line; between operators they stay, as they
+    stand for a term."""
     text = str(whole)
     for match in _TEXT.finditer(text):
         words = match[1][1:-1].strip()
@@ -203,7 +204,8 @@ def _take_words(whole: Blanks) -> None:
 
 
 def rows(text: str, span: Span) -> Iterator[Span]:
-    """A display cut where a row with an equals sign begins; rows of matrices are none."""
+    """A display split into rows, each starting where a row has an equals sign; rows of matrices are
+    not split."""
     depth, start = 0, span[0]
     for match in _ENVIRONMENT.finditer(text, *span):
         if match[1]:

@@ -1,5 +1,5 @@
-"""A text's own LaTeX commands, \\newcommand and \\def, put in where they are used: text for text,
-nothing is run, and what grows without end is refused."""
+"""Expanding a document's own LaTeX commands, \\newcommand and \\def: text is substituted, nothing
+is executed, and unlimited growth is refused."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _PLACE = re.compile(r"#([1-9])")
 
 @dataclass(frozen=True)
 class _Macro:
-    """The text that a command stands for; #1 is its first argument, which may have a default."""
+    """A LaTeX command's replacement text; #1 is its first argument, which may have a default."""
 
     body: str
     arguments: int = 0
@@ -39,7 +39,7 @@ class _Macro:
 
 
 def expanded(text: str) -> str:
-    """The text without definitions, each of its own commands as what it stands for.
+    """A text with its command definitions removed and its own commands expanded.
 
     A command is known behind its definition. Raises AnswerError for commands that stand for
     themselves, or that make the text too long.
@@ -54,7 +54,7 @@ class _Expansion:
     size: int = 0
 
     def of(self, text: str, depth: int) -> str:
-        """The text with the commands that are known so far."""
+        """A text with the commands expanded that are defined so far."""
         parts, braces = list[str](), closing_braces(text)
         at = kept = 0
         while (match := _COMMAND.search(text, at)) is not None:
@@ -73,7 +73,8 @@ class _Expansion:
         return "".join([*parts, text[kept:]])
 
     def _define(self, text: str, found: re.Match[str], braces: Mapping[int, int]) -> int:
-        """Note what a command stands for; where the definition ends, 0 where it is none."""
+        """Store a command definition; returns the place where the definition ends, 0 if there is
+        none."""
         end = braces.get(found.end(), 0)
         line = text[max(0, found.start() - _LONGEST_LINE) : found.start()].rpartition("\n")[2]
         if not end or _COMMENT.search(line):
@@ -90,7 +91,7 @@ class _Expansion:
     def _used(
         self, text: str, command: re.Match[str], braces: Mapping[int, int], depth: int
     ) -> tuple[str, int]:
-        """The text that a command stands for at a place, and where its arguments end."""
+        """The expansion of a command at a place, and where its arguments end."""
         macro, at = self.macros[command[1]], command.end()
         given: list[str] = []
         if macro.default is not None:
@@ -114,7 +115,8 @@ class _Expansion:
 
 
 def _argument(text: str, at: int, braces: Mapping[int, int]) -> tuple[str, int]:
-    """A group in braces, or the next command or character, and where it ends."""
+    """A command's argument, a group in braces or the next command or character, and where it
+    ends."""
     while text[at : at + 1].isspace():
         at += 1
     if at in braces:
@@ -125,7 +127,7 @@ def _argument(text: str, at: int, braces: Mapping[int, int]) -> tuple[str, int]:
 
 
 def closing_braces(text: str) -> dict[int, int]:
-    """The place at which each brace is closed, by the place at which it opens."""
+    """The position of the matching closing brace, by that of the opening one."""
     found, opened = dict[int, int](), list[int]()
     for match in _BRACE.finditer(text):
         if match[0] == "{":

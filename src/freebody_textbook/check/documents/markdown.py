@@ -1,4 +1,5 @@
-"""Markdown: formulas between dollar signs, in fences, in tables and on lines of their own."""
+"""Reading Markdown: formulas between dollar signs, in fences, in tables and on lines of their
+own."""
 
 from __future__ import annotations
 
@@ -44,7 +45,8 @@ _ROW = re.compile(r"[ \t]*\|")
 
 
 def read(text: str) -> AnswerDocument:
-    """Formulas are LaTeX; fences called python are code, other fences and lines are plain text."""
+    """Document of a Markdown text: formulas are LaTeX, fences named python are code, other fences
+    and lines are plain text."""
     written = plain_characters(_with_tables(text))
     whole, said, pieces, prose = parted(written)
     return AnswerDocument(
@@ -53,8 +55,8 @@ def read(text: str) -> AnswerDocument:
 
 
 def parted(written: str) -> tuple[Blanks, Blanks, list[FormulaPiece], list[Span]]:
-    """The text without what is no formula, without what says nothing, its pieces, and its lines of
-    words."""
+    """A Markdown text split: (text with only formulas, text with only what states something,
+    formula pieces, spans of prose)."""
     whole = Blanks(written)
     for start, end in between(written, "<!--", "-->"):
         whole.put(start - 4, end + 3)
@@ -98,8 +100,8 @@ def _fences(text: str) -> list[tuple[int, int, str, Span]]:
 def _lines(
     whole: Blanks, text: str, span: Span, pieces: list[FormulaPiece], prose: list[Span]
 ) -> list[Span]:
-    """The formulas between dollar signs and in displays; of lines without any, that may hold
-    formulas among words, a paragraph is a piece."""
+    """Formula spans in a stretch of Markdown: between dollar signs and in displays; a paragraph
+    without these that may contain formulas is added to `pieces` as one piece."""
     start = span[0]
     formulas = [(start + a, start + b) for a, b in latex.formulas(text[slice(*span)])]
     rest = Blanks(text[slice(*span)])
@@ -126,7 +128,8 @@ def _lines(
 
 
 def _keep(whole: Blanks, line: Span, formulas: list[Span], k: int) -> int:
-    """Blanks in a line but for its formulas, from the k-th on; the number of the last of them."""
+    """Blank out a line except for its formulas, starting from the k-th; returns the index of the
+    line's last formula."""
     at = line[0]
     while k < len(formulas) and formulas[k][0] < line[1]:
         start, end = formulas[k]
@@ -140,8 +143,9 @@ def _keep(whole: Blanks, line: Span, formulas: list[Span], k: int) -> int:
 
 
 def _with_tables(text: str) -> str:
-    """A text with its tables of numbers as equations, a row a line: below θ1 [°] | G2 [N m] the row
-    30 | 3.05 is θ1 = 30 °, G2 = 3.05 N m; G2 | 3.05 N m is G2 = 3.05 N m."""
+    """A text with its numeric tables converted to equations, one line per row: below the head θ1
+    [°] | G2 [N m] the row 30 | 3.05 becomes θ1 = 30 °, G2 = 3.05 N m; G2 | 3.05 N m becomes G2 =
+    3.05 N m."""
     lines = text.split("\n")
     for k in range(1, len(lines)):
         if _TABLE_RULE.fullmatch(lines[k]) and (head := _cells(lines[k - 1])):
@@ -150,7 +154,7 @@ def _with_tables(text: str) -> str:
 
 
 def _read_table(lines: list[str], rule: int, head: list[str]) -> None:
-    """Put equations in place of the rows below a rule."""
+    """Replace the table rows below a rule by equations."""
     names = [_CELL_NAME.match(cell) for cell in head]
     found: dict[int, str] = {}
     for k in range(rule + 1, len(lines)):

@@ -1,4 +1,4 @@
-"""Notebooks of Jupyter: cells of Markdown, and cells of code whose assignments are equations."""
+"""Reading Jupyter notebooks: Markdown cells, and code cells whose assignments are equations."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from freebody_textbook.check.spelling.answer_text import AnswerError
 
 
 def read(text: str) -> AnswerDocument:
-    """The document of a notebook's cells, one after the other; outputs are not read."""
+    """Document of a notebook: its cells in order, without outputs."""
     written, formulas, said = "", "", ""
     pieces: list[FormulaPiece] = []
     prose: list[Span] = []
@@ -69,7 +69,7 @@ def _cells(text: str) -> list[tuple[str, str]]:
 
 
 def _joined(source: Any) -> str:
-    """A cell's text, which is a string or a list of lines."""
+    """Text of a notebook cell whose source is a string or a list of lines."""
     if isinstance(source, list):
         return "".join(line for line in source if isinstance(line, str))
     if isinstance(source, str):

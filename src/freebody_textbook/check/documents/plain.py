@@ -1,5 +1,5 @@
-"""Plain text: equations on lines of their own, or among words, which are told from the names of the
-robot's.
+"""Reading plain text: equations on lines of their own or among words, which are distinguished from
+the robot's names.
 
 Words are taken away only where no term can be lost: in front of an equation, or where a sentence
 holds no equals sign and does not begin with an operator, as what continues an equation would.
@@ -28,14 +28,15 @@ _IN_FORMULAS = LexemePattern("%in_formulas | %apart < %minus | – > %apart | -%
 
 
 def read(text: str) -> AnswerDocument:
-    """The document of a text that may be formula everywhere; words are found by the vocabulary."""
+    """Document of a plain text, any part of which may be a formula; words are recognised later by
+    the vocabulary."""
     plain = plain_characters(text)
     whole = FormulaPiece(0, len(plain))
     return AnswerDocument(plain, plain, (whole,), tuple(lines(plain, 0, len(plain))), strict=True)
 
 
 def lines(text: str, start: int, end: int) -> list[Span]:
-    """The lines between two places."""
+    """Spans of the lines between two positions of a text."""
     found = []
     while start < end:
         stop = text.find("\n", start, end)
@@ -50,8 +51,8 @@ FORM = DocumentForm("text", "plain text, an equation a line", (".txt",), read)
 
 @dataclass(frozen=True)
 class Sentence:
-    """A stretch between stops: where what is no words begins, and whether words stood before or
-    behind."""
+    """A stretch between punctuation marks: where its part that is no words begins, and whether
+    words precede or follow."""
 
     start: int
     kept: int
@@ -61,12 +62,12 @@ class Sentence:
 
     @property
     def is_empty(self) -> bool:
-        """Whether nothing but words stood there."""
+        """Whether the stretch contained only words."""
         return self.kept == self.end
 
 
 def sentences(lexemes: Lexemes, line: Span, is_name: Callable[[range], bool]) -> Iterator[Sentence]:
-    """The stretches of a line that words stand in, without the words in front of equations."""
+    """The stretches of a line that contain words, without the words in front of equations."""
     for within, start, end in _stretches(lexemes, line):
         words = [
             range(match.start, match.stop)
@@ -102,14 +103,14 @@ def _parts(match: Match) -> Iterator[range]:
 
 
 def _is_word(match: Match) -> bool:
-    """Whether a run of lexemes is made of letters alone: no superscripts, such as that of a
-    transpose."""
+    """Whether a run of lexemes consists of letters, without superscripts such as a transpose's."""
     items = match.lexemes[match.start : match.stop]
     return all(category(x.text) != "Lm" for x in items if x.kind == "letter")
 
 
 def _last_name(lexemes: Lexemes, within: range, k: int) -> int:
-    """The lexeme with which the name begins that stands right before a lexeme, or that lexeme."""
+    """The index of the first lexeme of the name that directly precedes lexeme k; k if there is
+    none."""
     first = k
     while first > within.start and (
         lexemes[first - 1].kind in ("letter", "digit", "low", "command")
@@ -122,7 +123,7 @@ def _last_name(lexemes: Lexemes, within: range, k: int) -> int:
 
 
 def _is_formula(lexemes: Lexemes, start: int, stop: int) -> bool:
-    """Whether an operator among or behind words tells that they are part of a formula."""
+    """Whether an operator among or after words shows that they are part of a formula."""
     behind = stop
     while behind < len(lexemes) and lexemes[behind].kind == "line":
         behind += 1
@@ -131,8 +132,8 @@ def _is_formula(lexemes: Lexemes, start: int, stop: int) -> bool:
 
 
 def _stretches(lexemes: Lexemes, line: Span) -> Iterator[tuple[range, int, int]]:
-    """A line cut at commas, semicolons and stops outside of brackets: the lexemes of each piece,
-    and where it begins and ends."""
+    """A line split at commas, semicolons and stops outside of brackets: lexemes, start and end of
+    each piece."""
     start, within, depths = line[0], lexemes.between(*line), lexemes.depths
     first, outside = within.start, depths[within.start]
     for k in within:
@@ -145,5 +146,5 @@ def _stretches(lexemes: Lexemes, line: Span) -> Iterator[tuple[range, int, int]]
 
 
 def _stops(lexemes: Lexemes, k: int) -> bool:
-    """Whether a blank or the end of the line follows."""
+    """Whether punctuation at lexeme k ends a stretch: a blank or the line's end follows."""
     return k + 1 >= len(lexemes) or lexemes[k + 1].apart or lexemes[k + 1].kind == "line"

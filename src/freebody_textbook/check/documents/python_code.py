@@ -1,4 +1,5 @@
-"""Python as students write it with SymPy: assignments are equations. It is read, never run."""
+"""Reading Python code as students write it with SymPy: assignments are equations. The code is
+parsed as text, never executed."""
 
 from __future__ import annotations
 
@@ -49,8 +50,8 @@ _METHODS = re.compile(r"\.(?:simplify|expand|doit|trigsimp)\(\s*\)")
 
 
 def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
-    """A piece for each assignment, `whole` changed in place: nothing else of the code is left. In
-    `said` all is left that states something."""
+    """Formula pieces for the assignments in code; everything else is blanked out in `whole`, and in
+    `said` everything that states nothing."""
     pieces = []
     kept: list[Span] = []
     for text in (whole, said):
@@ -86,14 +87,14 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
 
 
 def _counted_from_one(match: re.Match[str]) -> str:
-    """The name of an entry whose indices are counted from 0."""
+    """The name of an array entry with its indices, counted from 0 in the code, counted from 1."""
     name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
     return name.ljust(len(match[0]), FILL)
 
 
 def _statement_alone(said: Blanks, start: int, end: int) -> None:
-    """A statement without what stands in brackets and strings, the arguments of functions, and
-    without questions, a == b; Eq(a, b) states that a = b."""
+    """Blank out arguments in brackets, strings and comparisons a == b of a statement; Eq(a, b)
+    becomes an equation a = b."""
     text = said.inside((start, end))
     equations = list(_EQUATION.finditer(text))
     said.replace(_EQUATION, "=", (start, end), group=2)
@@ -112,7 +113,7 @@ def _statement_alone(said: Blanks, start: int, end: int) -> None:
 
 
 def _plain(whole: Blanks, start: int, end: int) -> None:
-    """Put formulas in place of SymPy's functions."""
+    """Replace SymPy's functions by formulas."""
     span = (start, end)
     for pattern in (_MODULES, _WRAPPERS, _METHODS):
         whole.replace(pattern, "", span)
@@ -122,7 +123,7 @@ def _plain(whole: Blanks, start: int, end: int) -> None:
 
 
 def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
-    """diff(x, y) for each x.diff(y), and jacobian likewise."""
+    """Replace x.diff(y) by diff(x, y), and jacobian likewise."""
     for method in _OF_METHODS:
         while True:
             inside = whole.inside((start, end))
@@ -134,7 +135,7 @@ def _functions_for_methods(whole: Blanks, start: int, end: int) -> None:
 
 
 def _begun(text: str, end: int) -> int:
-    """The place at which the name or the call begins that ends at a place."""
+    """The start of the name or call that ends at a position."""
     at = end
     while at and text[at - 1] == FILL:
         at -= 1
@@ -151,7 +152,7 @@ def _begun(text: str, end: int) -> int:
 
 
 def _statements(code: str) -> Iterator[Span]:
-    """The statements of code: lines without comments, those inside brackets joined."""
+    """Spans of a code's statements, without comments; lines within brackets are joined."""
     depth, start, at = 0, 0, 0
     while at < len(code):
         c = code[at]
@@ -177,7 +178,7 @@ def _statements(code: str) -> Iterator[Span]:
 
 
 def read(text: str) -> AnswerDocument:
-    """The document of a text that is all code."""
+    """Document of a text that consists of code."""
     written = plain_characters(text)
     whole, said = Blanks(written), Blanks(written)
     pieces = clean(whole, said, (0, len(written)))

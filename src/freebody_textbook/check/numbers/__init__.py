@@ -1,1 +1,1 @@
-"""Numbers of answers: their units, and the states that they hold at."""
+"""Numbers in answers: their units, and the states they refer to."""

@@ -1,5 +1,5 @@
-"""States at which answers in numbers hold: θ₁ = 30°, θ̇₁ = 2 rad/s, m₁ = 1.5 kg, as they are written
-or given by at=; and what a document says of its results: units, tolerances and states."""
+"""States for answers in numbers: θ₁ = 30°, θ̇₁ = 2 rad/s, m₁ = 1.5 kg, as written in a document or
+given as at=; and the units, tolerances and states of a document's results."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _NEXT = LexemePattern("%line* < , | ; | and >? %line* and?")
 
 @dataclass(frozen=True)
 class GivenValue:
-    """The value of a symbol, in SI units and in those in which it is given."""
+    """The value of a symbol, in SI units and in the units written."""
 
     value: float
     written: float
@@ -51,7 +51,7 @@ class GivenValue:
 
     @property
     def is_converted(self) -> bool:
-        """Whether the value is given in another unit than that of SI."""
+        """Whether the value is written in another unit than the SI unit."""
         return self.unit is not None and self.unit.factor != 1.0
 
 
@@ -65,7 +65,7 @@ _GivenItem = TypeVar("_GivenItem")
 
 
 def in_words(state: GivenState) -> str:
-    """Text of a state: θ₁ = 30°, θ̇₁ = 2 rad/s."""
+    """Text of a state, such as θ₁ = 30°, θ̇₁ = 2 rad/s."""
     return ", ".join(f"{sym(name)} = {_with_unit(x)}" for name, x in state.items())
 
 
@@ -76,14 +76,14 @@ def _with_unit(given: GivenValue) -> str:
 
 @dataclass(frozen=True)
 class StateReader:
-    """Reads assignments to the model's symbols."""
+    """Reads assignments of values to the model's symbols."""
 
     vocabulary: Vocabulary
     targets: Targets
 
     # ------------------------------------------------------------ at=
     def given(self, at: Mapping[str, Any] | str | None) -> GivenState:
-        """The state that at= says: text, or numbers and text by name; raises AnswerError."""
+        """The state given as at=, a text, or numbers and texts by name; raises AnswerError."""
         if at is None:
             return {}
         if isinstance(at, str):
@@ -130,8 +130,8 @@ class StateReader:
 
     # ------------------------------------------------------------ text
     def list_at(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int]:
-        """The assignments that stand there, and the lexeme behind the last one; none: {} and
-        `at`."""
+        """The assignments that begin at a lexeme, and the index of the lexeme after the last; ({},
+        `at`) if there are none."""
         found: dict[str, GivenValue] = {}
         end = at
         while (one := self._one(source, at)) is not None:
@@ -141,7 +141,8 @@ class StateReader:
         return found, end
 
     def _one(self, source: Source, at: int) -> tuple[dict[str, GivenValue], int] | None:
-        """θ1 = θ2 = 30°, at rest, or in equilibrium, where nothing is accelerated either."""
+        """One assignment, θ1 = θ2 = 30°, or "at rest", or "in equilibrium" where accelerations are
+        0 too; None if there is none."""
         lexemes = source.lexemes
         rest = AT_REST.at(lexemes, _BETWEEN.end(lexemes, at))
         if rest:
@@ -172,15 +173,16 @@ class StateReader:
         return state, end
 
     def _named(self, source: Source, at: int) -> tuple[list[str], int] | None:
-        """The generators that a name, or a list of names, stands for, and the lexeme behind it."""
+        """The symbols that a name or a list of names means, and the lexeme after it; None if there
+        is none."""
         several = _listed(source, at, lambda k: self._names(source, k))
         if several is None:
             return self._names(source, at)
         return [name for own in several[0] for name in own], several[1]
 
     def _values(self, source: Source, at: int, count: int) -> tuple[list[GivenValue], int] | None:
-        """A value for each of some symbols, or one for all, and the lexeme behind it: 30°,
-        [30, 45]°."""
+        """The values of several symbols, or one value for all, and the lexeme after them: 30°, [30,
+        45]°."""
         several = _listed(source, at, lambda k: self._value(source, k))
         if several is None:
             number = _VALUE.at(source.lexemes, at)
@@ -198,7 +200,7 @@ class StateReader:
         return [GivenValue(x.written * unit[0].factor, x.written, unit[0]) for x in values], unit[1]
 
     def _value(self, source: Source, at: int) -> tuple[GivenValue, int] | None:
-        """A number with its unit, and the lexeme behind it."""
+        """A number with its unit, and the lexeme after it."""
         value = _VALUE.at(source.lexemes, at)
         number = self._number(source, value.span) if value else None
         if value is None or number is None:
@@ -208,7 +210,7 @@ class StateReader:
         return given, unit[1] if unit else value.stop
 
     def _names(self, source: Source, at: int) -> tuple[list[str], int] | None:
-        """The generators that a name stands for, q̇ for all rates, and the lexeme behind it."""
+        """The symbols of one name (q̇ means all rates), and the lexeme after it."""
         lexemes = source.lexemes
         if at >= len(lexemes) or not words.begins(x := lexemes[at]):
             return None
@@ -240,7 +242,7 @@ class StateReader:
     def _refuse_unit(
         self, source: Source, name: str, given: GivenValue, span: tuple[int, int]
     ) -> None:
-        """Refuse a value in the unit of something else."""
+        """Raise an error for a value in a unit that its symbol cannot have."""
         needed = unit_of(self.vocabulary.setting, {name: 1})
         if given.unit is not None and needed is not None and given.unit.dimension != needed:
             unit = si_text(needed, self.vocabulary.setting.turns(name))
@@ -250,7 +252,7 @@ class StateReader:
 def _listed(
     source: Source, at: int, read: Callable[[int], tuple[_GivenItem, int] | None]
 ) -> tuple[list[_GivenItem], int] | None:
-    """The pieces between brackets, and the lexeme behind them."""
+    """Values of a list in brackets, and the lexeme after it."""
     lexemes = source.lexemes
     opened = _OPENING.at(lexemes, at)
     if opened is None:
@@ -264,7 +266,7 @@ def _listed(
 
 
 def _span(source: Source, start: int, stop: int) -> Span:
-    """The place of some lexemes in the text."""
+    """Text span of a range of lexemes."""
     lexemes = source.lexemes
     return lexemes[start].start, lexemes[min(stop, len(lexemes)) - 1].end
 
@@ -280,7 +282,7 @@ def _join(found: dict[str, GivenValue], values: GivenState) -> None:
 
 @dataclass(frozen=True)
 class WrittenNumber:
-    """A number of a document, or a vector, with the unit, tolerance and state that are said behind
+    """A number or numeric vector in a document, with the unit, tolerance and state written after
     it."""
 
     span: Span
@@ -297,7 +299,7 @@ class WrittenNumber:
 
 @dataclass(frozen=True)
 class StandingState:
-    """A state in front of what it holds for."""
+    """A state that is written before the results for which it holds."""
 
     start: int
     """The place from which it holds."""
@@ -311,7 +313,7 @@ class StandingState:
 
 @dataclass(frozen=True)
 class WrittenNumbers:
-    """The numbers of a document and the states said of them, in order."""
+    """The numbers of a document and the states written in it, in order."""
 
     numbers: Sequence[WrittenNumber] = ()
     standing: Sequence[StandingState] = ()
@@ -320,7 +322,7 @@ class WrittenNumbers:
     """The state that is given besides."""
 
     def refuse_two_states(self) -> None:
-        """Refuse a document that says another state than is given besides."""
+        """Raise an error if a document contains a state that differs from the one given by at=."""
         said = [x.state for x in self.standing] + [x.state for x in self.numbers]
         for name, given in self.at.items():
             other = next(
@@ -332,16 +334,17 @@ class WrittenNumbers:
                 )
 
     def of(self, span: Span) -> WrittenNumber | None:
-        """The unit, tolerance and state that are said of a number or expression."""
+        """The written number that contains a span, with unit, tolerance and state; None if there is
+        none."""
         for x in self.numbers:
             if x.span[0] <= span[0] and span[1] <= x.span[1]:
                 return x
         return None
 
     def state_at(self, span: Span, in_symbols: bool = False) -> GivenState:
-        """The state of a number or expression that stands there: what is given besides, what was
-        said last, of an expression in symbols in its own paragraph, and what stands behind it or
-        behind a later side of its equation."""
+        """The state for a number or expression at a place: the state given by at=, the last one
+        written before it (for expressions in symbols within the same paragraph), and the one
+        written after it or after a later side of its equation."""
         last = self._last_before(span)
         holds = last is not None and not (in_symbols and last.end <= span[0])
         found = {**self.at, **(last.state if last and holds else {})}
@@ -351,10 +354,10 @@ class WrittenNumbers:
         return found
 
     def is_condition_at(self, span: Span) -> bool:
-        """Whether the state that was said last is a condition of what followed."""
+        """Whether the last state written before a place is a condition for what follows."""
         last = self._last_before(span)
         return last is not None and last.is_condition
 
     def _last_before(self, span: Span) -> StandingState | None:
-        """The state that was said last in front of a place."""
+        """The last state written before a place."""
         return next((x for x in reversed(self.standing) if x.start <= span[0]), None)

@@ -1,5 +1,5 @@
-"""Units of symbols, by their place in the model or by the notes' letters: a term whose units do not
-fit cannot be right, whatever it should be."""
+"""Units of symbols, known from their place in the model or by the lecture notes' letters: a term
+with other units than the correct ones is wrong in any case."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _OTHERS = ((1.3, 1.2, 0.9), (0.7, 0.8, 1.2))
 
 
 def unit_of(setting: RightEquations, powers: Mapping[str, int]) -> Unit | None:
-    """The unit of a product; None where a symbol's is not known."""
+    """The unit of a product of powers; None if a symbol's unit is unknown."""
     total = [0, 0, 0]
     for name, exponent in powers.items():
         unit = _unit(setting, name)
@@ -60,7 +60,8 @@ def _unit(setting: RightEquations, name: str) -> Unit | None:
 
 
 def _unit_of_multiplier(loop: str) -> Unit:
-    """The unit of λ, which times the loop's equation, in m, m² or rad, is an energy."""
+    """The unit of a multiplier λ: an energy divided by the unit of its loop equation, m, m² or
+    rad."""
     part = loop.rpartition(".")[2]
     length = 2 if part == "tension" else int(part.startswith("f"))
     return 1, 2 - length, -2
@@ -69,9 +70,9 @@ def _unit_of_multiplier(loop: str) -> Unit:
 def in_other_units(
     setting: RightEquations, names: Sequence[str], conditions: Iterable[Trig], energy: Trig
 ) -> list[tuple[float, list[float]]]:
-    """Factors by which an energy and each of some symbols change in other units. What holds at a
-    state holds where all change alike; none where the units of the energy or of the state's
-    conditions, polynomials that vanish, are not known, as where numbers stand for lengths."""
+    """Factors by which an energy and each named symbol change in other systems of units; empty if
+    the units of the energy or of the conditions (polynomials that vanish at the state) are unknown,
+    as with numbers in place of lengths."""
     known = _units_tell(setting, energy) and not setting.is_free_body
     if not known or not all(_has_one_unit(setting, x) for x in conditions):
         return []
@@ -83,7 +84,7 @@ def in_other_units(
 
 
 def _has_one_unit(setting: RightEquations, x: Trig) -> bool:
-    """Whether all terms have the same, and it is known."""
+    """Whether all terms of a polynomial have the same, known unit."""
     found = {unit_of(setting, powers) for powers, _ in x.terms()}
     return len(found) <= 1 and None not in found
 
@@ -93,8 +94,8 @@ def _factor(sizes: tuple[float, float, float], unit: Unit) -> float:
 
 
 def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Value) -> Unit | None:
-    """The unit of a quantity: by its joints where these tell, else that of its terms; None where it
-    is not known."""
+    """The unit of a quantity, from its joints if possible, otherwise from its terms; None if it is
+    unknown."""
     turns = [
         setting.turns(setting.symbols.coordinates[k - 1])
         for k in target.index
@@ -107,8 +108,8 @@ def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Valu
 
 
 def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
-    """A term of the answer in other units than the right answer, with both; of the cosine of a sum
-    of angles the whole."""
+    """A term of the answer whose unit differs from the correct answer's, with both units; for a
+    cosine of a sum of angles the whole product."""
     expected = _common_unit(setting, right)
     if expected is None:
         return None
@@ -122,9 +123,9 @@ def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Uni
 
 
 def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
-    """Whether what does not move in a difference from an energy can be its level: it has the
-    robot's own symbols only, and is an energy or a plain number, where units tell: not of a robot
-    whose masses or lengths are numbers, as 20 g then is an energy too."""
+    """Whether the constant part of a difference between energies can be a reference level: it
+    contains only the robot's own symbols, and is an energy or a plain number as far as units show
+    (not where numbers replace masses or lengths, as 20 g is then an energy too)."""
     polynomial, rates = setting.ring.polynomial, setting.symbols.rates
     parts = [(powers, polynomial([(powers, k)])) for powers, k in gap.terms()]
     still = [p for p, x in parts if all(x.derivative(name).is_zero for name in rates)]
@@ -135,13 +136,14 @@ def can_be_a_level(setting: RightEquations, gap: Trig, right: Trig) -> bool:
 
 
 def _units_tell(setting: RightEquations, energy: Trig) -> bool:
-    """Whether the terms of an energy have its unit: no numbers stand for parameters."""
+    """Whether the terms of an energy have its unit, which is so if no parameter is a plain
+    number."""
     own = {unit_of(setting, powers) for powers, _ in energy.terms()}
     return own <= {units.ENERGY, None} and not _has_numbers_for_parameters(setting)
 
 
 def _has_numbers_for_parameters(setting: RightEquations) -> bool:
-    """Whether symbols stand for values whose units are not their own."""
+    """Whether plain numbers occur in place of parameters, so that units are not visible."""
     given = setting.given.items()
     return any(
         unit_of(setting, p) != _unit(setting, name) for name, x in given for p, _ in x.terms()
@@ -153,8 +155,8 @@ def _without_waves(powers: Mapping[str, int]) -> dict[str, int]:
 
 
 def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> bool:
-    """Whether no term has the units of the right answer, nor any that are not known: it is meant
-    for something else."""
+    """Whether no term has the correct answer's unit or an unknown one: another quantity is
+    meant."""
     if right.is_zero:
         return not yours.is_zero
     expected = _common_unit(setting, right)
@@ -163,7 +165,7 @@ def is_of_another_kind(setting: RightEquations, yours: Trig, right: Trig) -> boo
 
 
 def _common_unit(setting: RightEquations, right: Trig) -> Unit | None:
-    """The unit of a right answer's terms; None of what has numbers in place of parameters."""
+    """The common unit of the correct answer's terms; None if numbers replace parameters."""
     if _has_numbers_for_parameters(setting):
         return None
     return next((unit_of(setting, powers) for powers, _ in right.terms()), None)

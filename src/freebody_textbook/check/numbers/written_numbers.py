@@ -1,5 +1,5 @@
-"""Results in numbers as a document has them: τ₁ = 12.3 N m at θ₁ = 30°, θ₂ = 45°. Units, tolerances
-and states are noted and taken away; the numbers stay."""
+"""Numeric results in a document: τ₁ = 12.3 N m at θ₁ = 30°, θ₂ = 45°. Units, tolerances and states
+are recorded and removed from the text; the numbers stay."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ _LONGEST = 600
 def taken_from(
     document: AnswerDocument, reader: StateReader, at: GivenState
 ) -> tuple[AnswerDocument, WrittenNumbers]:
-    """A document without units and states, and what they say; one without numbers as it is. at: the
-    state that is given besides."""
+    """A document without its units and states, and these separately; unchanged if it has no
+    numbers. at: the state given in addition."""
     search = _NumberSearch(document, reader, at)
     numbers = search.numbers()
     if not (numbers or search.heads) and not (search.standing and search.has_result):
@@ -92,7 +92,7 @@ def taken_from(
 
 
 class _NumberSearch:
-    """The numbers of a document; `taken`: what is read here and need not be read again."""
+    """Searches a document for numbers; `taken`: what has been read and must not be read again."""
 
     def __init__(self, document: AnswerDocument, reader: StateReader, at: GivenState):
         self.document, self.reader, self.at = document, reader, at
@@ -108,7 +108,7 @@ class _NumberSearch:
 
     @property
     def lexemes(self) -> Lexemes:
-        """Lexemes of the text in which numbers are sought."""
+        """The lexemes of the searched text."""
         return self.source.lexemes
 
     def numbers(self) -> list[WrittenNumber]:
@@ -130,16 +130,17 @@ class _NumberSearch:
         return found
 
     def _start(self, k: int) -> int:
-        """The place where a lexeme begins in the text."""
+        """Text position at which a lexeme begins."""
         return self.lexemes[k].start if k < len(self.lexemes) else len(self.text)
 
     def _end(self, k: int) -> int:
-        """The place where the lexeme before ends in the text."""
+        """Text position at which the preceding lexeme ends."""
         return self.lexemes[k - 1].end if k else 0
 
     @property
     def has_result(self) -> bool:
-        """Whether a quantity is said to be a number, or a state is one for what follows."""
+        """Whether some quantity is given as a number, or some state is written for later
+        results."""
         if any(x.is_condition for x in self.standing):
             return True
         quantities = self.reader.targets.names - self.reader.vocabulary.symbols.keys()
@@ -148,7 +149,7 @@ class _NumberSearch:
 
     # ------------------------------------------------------------ states before numbers
     def _read_standing(self) -> None:
-        """States on lines of their own, or at the begin of a sentence: At θ₁ = 30° …"""
+        """Read states on lines of their own or at the beginning of a sentence: At θ₁ = 30° …"""
         for match in _SENTENCE.all(self.lexemes):
             if self.taken and self._start(match.stop) < self.taken[-1][1]:
                 continue
@@ -163,8 +164,8 @@ class _NumberSearch:
     def _stand(
         self, match: Match, place: tuple[int, int], values: GivenState, is_introduced: bool
     ) -> None:
-        """Note a state that stands for what follows, values by name in a stretch of lexemes behind
-        a sentence's begin, and take its text."""
+        """Record the state that begins a sentence and holds for what follows, and remove its
+        text."""
         start, end = place
         begun = self.standing[-1].state if self.standing else {}
         moving = {name for name in values if not self._is_constant(name)}
@@ -186,28 +187,28 @@ class _NumberSearch:
         self._take(self._start(first), self._end(last))
 
     def _end_condition(self, k: int) -> None:
-        """End the conditions in front of words such as "in general": only values of parameters hold
-        on."""
+        """End the validity of earlier conditions at words such as "in general"; values of
+        parameters stay valid."""
         if self.standing:
             still = self.standing[-1].state.items()
             kept = {name: x for name, x in still if self._is_constant(name)}
             self.standing.append(StandingState(self._start(k), kept))
 
     def _paragraph_end(self, k: int) -> int:
-        """Where the paragraph ends in which a condition stands that ends before a lexeme; of a
-        condition on a paragraph of its own the end of the document."""
+        """Text position at which the validity of a condition ends: the end of its paragraph, or of
+        the document if the condition is a paragraph of its own."""
         begun = _BEHIND_CONDITION.end(self._written, self._written.at(self._end(k)))
         blank = next(_BLANK_LINE.all(self._written, begun), None)
         return len(self.text) if blank is None or blank.start == begun else blank.span[0]
 
     @cached_property
     def _written(self) -> Lexemes:
-        """The lexemes of the document as it was written."""
+        """The lexemes of the document before anything was removed."""
         return Lexemes.of(self.document.written)
 
     def _is_result(self, values: GivenState) -> bool:
-        """Whether a value is that of an acceleration of a body that nothing holds, which forces
-        make; or of a multiplier, or of a coordinate that the loops tell where another is given."""
+        """Whether values are results rather than a state: accelerations of a free body,
+        multipliers, or coordinates that follow from the loops when others are given."""
         setting = self.reader.vocabulary.setting
         if setting.system is not None and all(map(is_multiplier, values)):
             return True
@@ -218,7 +219,8 @@ class _NumberSearch:
         return setting.is_free_body and any(atom(name).dots for name in values)
 
     def _list_behind_words(self, at: int) -> tuple[int, dict[str, GivenValue], int, str]:
-        """A list of values behind a few words, where it stands, and the last of the words."""
+        """A list of values after a few words: where it starts, the values, where it ends, and the
+        last of the words."""
         word = ""
         for _ in range(_MOST_WORDS):
             values, end = self.reader.list_at(self.source, at)
@@ -242,7 +244,8 @@ class _NumberSearch:
 
     # ------------------------------------------------------------ units before numbers
     def _read_heads(self) -> None:
-        """Units in front of signs of equality; behind a quantity that has it, it says nothing."""
+        """Read units written before equals signs; a unit after a quantity that has it is
+        removed."""
         known, quantities = self.reader.vocabulary.known, self.reader.targets.names
         for match in _IN_HEAD.all(self.lexemes):
             begun, end = match.captures["unit"]
@@ -260,7 +263,7 @@ class _NumberSearch:
                 self._take(*span)
 
     def _unit_in_head(self, sign: int, start: int, stop: int) -> WrittenUnit | None:
-        """The unit in front of the sign of equality where a number that stands alone begins."""
+        """The unit written before the equals sign of a number that is a whole side."""
         unit, span = self.heads.get(sign, (None, (0, 0)))
         before = {x.text for x in self.lexemes[sign + 1 : start]}
         alone = self.lexemes[start].text == "]" or before <= {"&", "{", "+", "-", "−"}
@@ -272,7 +275,7 @@ class _NumberSearch:
 
     # ------------------------------------------------------------ numbers
     def _number(self, match: Match) -> WrittenNumber | None:
-        """A number with what is said behind it, if it is a result."""
+        """A number with its unit, tolerance and state, if it is a result."""
         number = match.captures["number"]
         start, end = self._start(number[0]), self._end(number[1])
         if self.is_taken[start] or not self.document.formulas[start].strip():
@@ -302,20 +305,20 @@ class _NumberSearch:
         )  # fmt: skip
 
     def _unit_behind(self, at: int, start: int) -> tuple[WrittenUnit, int] | None:
-        """The unit behind a number and where it ends; none where it is a name on the next line, N
-        = …."""
+        """The unit after a number and where it ends; None if it is the name on the next line, N =
+        …."""
         unit = self._unit(at, start)
         behind_lines = unit and any(x.kind == "line" for x in self.lexemes[at : unit[1]])
         return None if unit and behind_lines and _EQUALS.at(self.lexemes, unit[1]) else unit
 
     def _line_of(self, k: int) -> int:
-        """The lexeme with which the equation begins whose number begins at k; of lists of numbers,
-        which may go over lines, the one behind the equals sign."""
+        """The first lexeme of the equation whose number begins at k; for lists of numbers over
+        several lines the one after the equals sign."""
         is_list = self.lexemes[k].text == "]" or self.lexemes[k].kind == "end"
         return self._behind_equals(0, k) if is_list else self._begin(k)
 
     def _expression(self, k: int) -> WrittenNumber | None:
-        """The state behind an expression in symbols."""
+        """The state written after an expression in symbols."""
         end = self._end(k)
         own, behind = self._clause(k)
         if not own or self.is_taken[end]:
@@ -330,12 +333,13 @@ class _NumberSearch:
         )
 
     def _behind_equals(self, first: int, k: int) -> int:
-        """The lexeme behind the last equals sign in a stretch, or its first."""
+        """The lexeme after the last equals sign in a stretch; the stretch's first if there is
+        none."""
         signs = (j for j in range(k - 1, first - 1, -1) if self.lexemes[j].text in ("=", "=="))
         return next(signs, first - 1) + 1
 
     def _begin(self, k: int) -> int:
-        """The lexeme with which the equation begins that goes on there."""
+        """The first lexeme of the equation that contains lexeme k."""
         first = self.lexemes.at(max(0, self._start(k) - _LONGEST))
         items = self.lexemes.items
         for j in range(k - 1, first - 1, -1):
@@ -347,8 +351,8 @@ class _NumberSearch:
         return first
 
     def _unit(self, at: int, number: int) -> tuple[WrittenUnit, int] | None:
-        """The unit there. Where its words are symbols too, as m of a pendulum, it is one where the
-        quantity has it."""
+        """The unit at a lexeme, and the lexeme after it. If it is also a symbol, as the m of a
+        pendulum, it counts as a unit only if the quantity has that unit."""
         found = unit_at(self.lexemes, at)
         if found is None:
             return None
@@ -363,15 +367,14 @@ class _NumberSearch:
         return unit, end
 
     def _is_alone(self, k: int) -> bool:
-        """Whether nothing but a sign stands before a number."""
+        """Whether a number is preceded by nothing but a sign."""
         k -= k > 0 and self.lexemes[k - 1].text in ("-", "−", "+")
         k -= k > 0 and self.lexemes[k - 1].text == "&"
         before = self.lexemes[k - 1].text if k else ""
         return before in ("=", "==", "[", ";") or (before == "," and self.lexemes[k].apart)
 
     def _may_have(self, unit: WrittenUnit, k: int) -> bool:
-        """Whether a quantity or multiplier that stands before the last equals signs there has such
-        a unit."""
+        """Whether a quantity or multiplier left of the last equals sign can have the unit."""
         lines = (j for j in range(k - 1, -1, -1) if self.lexemes[j].kind == "line")
         start = max(next(lines, -1) + 1, self.lexemes.at(self._start(k) - _LONGEST))
         single, symbols = self.reader.targets.single, self.reader.vocabulary.symbols
@@ -379,7 +382,7 @@ class _NumberSearch:
         return any(unit.dimension in self._units(mark.name) for mark in marks)
 
     def _units(self, name: str) -> Iterator[Unit | None]:
-        """The units of what a name may stand for."""
+        """Units of the quantities that a name may mean."""
         targets, setting = self.reader.targets, self.reader.vocabulary.setting
         for target in (targets.single.get(name), targets.namesakes.get(name)):
             if target is not None:
@@ -389,7 +392,7 @@ class _NumberSearch:
             yield unit_of(setting, {symbol: 1})
 
     def _clause(self, k: int) -> tuple[dict[str, GivenValue], int]:
-        """The state behind a number: at θ₁ = 30°, θ₂ = 45°, and the lexeme behind it."""
+        """The state written after a number, at θ₁ = 30°, θ₂ = 45°, and the lexeme after it."""
         match = _CLAUSE.at(self.lexemes, k)
         if match is None:
             return {}, k

@@ -1,5 +1,4 @@
-"""Units as people write them behind numbers: N m, Nmm, kg·m², °/s, rpm, in LaTeX too, and those of
-siunitx."""
+"""Parsing units as people write them: N m, Nmm, kg·m², °/s, rpm; also in LaTeX and siunitx."""
 
 from __future__ import annotations
 
@@ -56,7 +55,7 @@ _OPEN = LexemePattern("%unit_font { | { | [ | (")
 
 @dataclass(frozen=True)
 class WrittenUnit:
-    """A unit, as it reads best, with its factor to SI units."""
+    """A unit in readable form, with its factor to SI units."""
 
     text: str
     factor: float
@@ -66,7 +65,7 @@ class WrittenUnit:
 
 
 def common_units(dimension: Unit) -> list[WrittenUnit]:
-    """Units in which such a quantity may be given by mistake."""
+    """Common units of a dimension, one of which may be meant by mistake."""
     names = {
         (1, 2, -2): ("N m", "N mm", "N cm", "kN m", "mN m"), (1, 1, -2): ("N", "kN", "mN"),
         (0, 1, 0): ("m", "mm", "cm"), (0, 0, 0): ("rad", "°"), (1, 0, 0): ("kg", "g"),
@@ -80,13 +79,12 @@ def common_units(dimension: Unit) -> list[WrittenUnit]:
 
 
 def unit_at(lexemes: Lexemes, at: int) -> tuple[WrittenUnit, int] | None:
-    """The unit that is written from a lexeme on, and the lexeme behind it; None where there is
-    none."""
+    """The unit written at a lexeme, and the lexeme after it; None if there is none."""
     return _UnitReader(lexemes, at).read()
 
 
 class _UnitReader:
-    """Reads factors until something else comes; brackets must close."""
+    """Reads a unit factor by factor until something else follows; brackets must close."""
 
     def __init__(self, lexemes: Lexemes, at: int):
         self.lexemes, self.at = lexemes, at
@@ -107,7 +105,7 @@ class _UnitReader:
         return WrittenUnit(self._shown(), self.factor, self.dimension, tuple(self.words)), self.last
 
     def _step(self) -> bool:
-        """Read a factor with what stands before it; whether there was one."""
+        """Read one factor with the sign before it; returns whether there was one."""
         at, sign = _BLANK.end(self.lexemes, self.at), 1
         if at >= len(self.lexemes):
             return False
@@ -177,12 +175,12 @@ class _UnitReader:
 
 
 def _parts(word: str) -> list[str]:
-    """The units of a word: Nm is N and m."""
+    """The units in a compound word: N and m of Nm."""
     return [word] if word in _KNOWN else _TOGETHER.get(word, [])
 
 
 def _named(word: str) -> str:
-    """The symbol of a unit that is spelt out, Newtons, millimetres."""
+    """The symbol of a unit that is written as a word, such as Newtons or millimetres."""
     plain = word.lower().removesuffix("s") if len(word) > 2 else word
     prefix = next((x for x in _SIUNITX if plain.startswith(x) and plain not in _SYNONYMS), "")
     name = _SYNONYMS.get(plain.removeprefix(prefix), "")

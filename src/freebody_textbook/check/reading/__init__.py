@@ -1,1 +1,1 @@
-"""The meaning of names, lines and formulas of an answer."""
+"""Meaning of the names, lines and formulas in an answer."""

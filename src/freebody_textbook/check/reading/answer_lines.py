@@ -1,4 +1,5 @@
-"""A document's formulas as equations: tokens by line, the words between them passed over."""
+"""Splitting a document's formulas into equations: tokens by line, without the words between
+them."""
 
 from __future__ import annotations
 
@@ -43,7 +44,7 @@ _BETWEEN = LexemePattern(
 
 
 class AnswerLine(tuple[tuple[Token, ...], ...]):
-    """An equation as the tokens of its sides."""
+    """An equation, as tokens of each side."""
 
     @property
     def tokens(self) -> list[Token]:
@@ -57,13 +58,13 @@ class AnswerLine(tuple[tuple[Token, ...], ...]):
 
     @property
     def subject(self) -> str:
-        """The name that is its whole left side, "" where more stands there."""
+        """The name that makes up the left side; "" if the side is anything else."""
         first = self[0]
         return first[0].text if len(first) == 1 and first[0].kind == "name" else ""
 
     @property
     def written_with(self) -> list[Token]:
-        """The names that it is written with, not about."""
+        """Names that the equation uses, without the one it defines."""
         return AnswerLine(self if len(self[0]) > 1 else self[1:]).names
 
     @property
@@ -73,7 +74,7 @@ class AnswerLine(tuple[tuple[Token, ...], ...]):
 
 
 class DocumentReader:
-    """The equations of a document; `unread` are those that were passed over."""
+    """Reads the equations of a document; `unread` are those that could not be read."""
 
     def __init__(
         self, document: AnswerDocument, vocabulary: Vocabulary, quantities: Collection[str]
@@ -88,7 +89,7 @@ class DocumentReader:
 
     # ------------------------------------------------------------ words
     def _without_words(self) -> tuple[AnswerText, list[FormulaPiece]]:
-        """The formulas, and the pieces that they are read in."""
+        """The text of the formulas without words, and its pieces."""
         document = self.document
         blanks, apart = Blanks(document.formulas), list[Span]()
         source = AnswerText(document.formulas, document.written, document.parts)
@@ -114,7 +115,8 @@ class DocumentReader:
         return read, [part for piece in document.pieces for part in _parted(piece, apart)]
 
     def _tell_what_no_formula_holds(self) -> None:
-        """Note what a document says of the robot's quantities outside of its formulas."""
+        """Record statements about the robot's quantities that a document makes outside of its
+        formulas."""
         said = self.document.said
         source = AnswerText(said, self.document.written, self.document.parts)
         for line in plain_lines(said, 0, len(said)):
@@ -126,8 +128,8 @@ class DocumentReader:
                 break
 
     def _asks(self, source: Source, span: Span) -> bool:
-        """Whether one of the robot's quantities stands before a sign of equality there, as it is
-        written or as it is read."""
+        """Whether one of the robot's quantities is left of an equals sign in a span, in the
+        original or in the normalised text."""
         texts = [(source, source.lexemes.between(*span))]
         begun, written = self._written(span)
         if written.text != source.text[begun : span[1]]:
@@ -136,17 +138,17 @@ class DocumentReader:
         return any(True for x in texts for _ in asked_marks(*x, self._is_quantity))
 
     def _written(self, span: Span) -> tuple[int, AnswerText]:
-        """The start of the line that a span begins in, and the text from there to the span's end as
-        it is written."""
+        """The start of the line in which a span begins, and the original text from there to the
+        span's end."""
         begun = self.document.written.rfind("\n", 0, span[0]) + 1
         return begun, AnswerText(self.document.written[begun : span[1]])
 
     def _is_quantity(self, name: str) -> bool:
-        """Whether a name is that of one of the robot's quantities, and no symbol too."""
+        """Whether a name is one of the robot's quantities and not a symbol as well."""
         return name in self.quantities and name not in self.vocabulary.symbols
 
     def _is_name(self, source: Source, word: range) -> bool:
-        """Whether a word may be made of names of the robot's."""
+        """Whether a word may consist of names known for the robot."""
         if not words.begins(source.lexemes[word.start]):
             return False
         if plain(source.lexemes[word.start : word.stop]) in self._introduced:
@@ -160,22 +162,22 @@ class DocumentReader:
 
     @cached_property
     def in_sums(self) -> frozenset[int]:
-        """The lexemes of sums over bodies."""
+        """The lexemes that belong to sums over bodies."""
         return _in_sums(self.source, self._bodies)
 
     @property
     def _bodies(self) -> int:
-        """The number of bodies that sums go over."""
+        """The number of bodies in a sum over all bodies."""
         return len(self.vocabulary.setting.equations.symbols.model.bodies)
 
     @cached_property
     def _introduced(self) -> frozenset[str]:
-        """The words that are the whole left side of an equation."""
+        """Words that make up the left side of an equation."""
         return frozenset(match["word"] for match in _INTRODUCED.all(self.document.lexemes))
 
     def _is_asked(self, source: Source, span: Span) -> bool:
-        """Whether the left side of what stands there names one of the robot's quantities. A symbol
-        of the robot, as in g = 9.81, is one only where a vector or matrix is given for it."""
+        """Whether the left side in a span names one of the robot's quantities; a symbol, as in g =
+        9.81, counts only if a vector or matrix is assigned to it."""
         left = _left_side(source, source.lexemes.between(*span))
         is_table = _TABLE.at(source.lexemes, left.stop) is not None
         asked = (name for name in words.words_in(source, left) if name in self.quantities)
@@ -204,7 +206,7 @@ class DocumentReader:
         return lines
 
     def _says_something(self, piece: FormulaPiece) -> bool:
-        """Whether a piece holds an equation, or may continue one; of plain text all does."""
+        """Whether a piece contains an equation or may continue one; always True for plain text."""
         span = (piece.start, piece.end)
         lexemes, inside = self.source.lexemes, self.source.lexemes.between(*span)
         may = not piece.lenient or _EQUALS.found_in(lexemes, inside.start, inside.stop)
@@ -216,7 +218,7 @@ class DocumentReader:
 
     @contextmanager
     def passing_over(self, line: AnswerLine) -> Iterator[None]:
-        """Note an equation of a document that cannot be understood, and go on."""
+        """Context that records an equation which cannot be understood, and continues."""
         count = len(self.unread)
         with self._lenient(self._is_lenient(line.span[0]), line.span):
             yield
@@ -234,7 +236,7 @@ class DocumentReader:
                 self._pass_over(self.source, span, problem.bare)
 
     def pass_over(self, span: Span, reason: str, is_asked: bool) -> None:
-        """Note a piece of the document that says nothing."""
+        """Record a piece of the document that is skipped, with the reason."""
         self._pass_over(self.source, span, reason, is_asked)
 
     def _pass_over(
@@ -255,19 +257,19 @@ class DocumentReader:
 
 
 def _in_sums(source: Source, count: int) -> frozenset[int]:
-    """The lexemes of sums over so many bodies."""
+    """The lexemes of sums over bodies, when there are `count` bodies."""
     found = sums(source.lexemes, range(len(source.lexemes)), count)
     return frozenset(k for one in found for k in one.whole)
 
 
 def _left_side(source: Source, within: range) -> range:
-    """The lexemes in front of the first sign of equality in a stretch; none where there is none."""
+    """The lexemes left of the first equals sign in a stretch; empty if there is none."""
     equals = next(_EQUALS.all(source.lexemes, within.start, within.stop), None)
     return range(within.start, equals.start if equals else within.start)
 
 
 def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece]:
-    """A piece cut at stretches that stand among words, which are lenient."""
+    """A piece split at the given spans, which stand among words and are read leniently."""
     at = piece.start
     for start, end in apart:
         if piece.start <= start < piece.end:
@@ -278,7 +280,7 @@ def _parted(piece: FormulaPiece, apart: Sequence[Span]) -> Iterator[FormulaPiece
 
 
 def _without_time(found: Sequence[Token]) -> Iterator[Token]:
-    """Tokens without the arguments of functions of time: theta1(t) is theta1."""
+    """Tokens without the argument of functions of time: theta1(t) becomes theta1."""
     k = 0
     while k < len(found):
         yield found[k]
@@ -287,8 +289,8 @@ def _without_time(found: Sequence[Token]) -> Iterator[Token]:
 
 
 def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
-    """The tokens of each equation: a line that begins with an operator, or stands behind one,
-    continues the one before, unless words stand between.
+    """The tokens of each equation: a line that begins with an operator, or follows one, continues
+    the previous line, unless words stand between.
 
     A minus may begin an equation of its own, -a = b.
     """
@@ -316,24 +318,23 @@ def _lines(found: Sequence[Token], written: str) -> list[list[Token]]:
 
 
 def _goes_on(between: str) -> bool:
-    """Whether nothing but white space, alignment and signs of formulas stands in a text."""
+    """Whether a text between tokens contains only white space, alignment and formula delimiters."""
     return not any("said" in match for match in _BETWEEN.all(Lexemes.of(between)))
 
 
 def _in_matrix(token: Token) -> bool:
-    """Whether a token inside brackets separates entries of a matrix: & always, a ; but no line
-    break."""
+    """Whether a token within brackets separates matrix entries: & or ;, but not a line break."""
     return token.kind == "amp" or token.text == ";"
 
 
 def _is_open(line: list[Token]) -> bool:
-    """Whether a line ends where something must follow."""
+    """Whether a line ends with a token that requires a continuation."""
     return line[-1].kind in ("operator", "equals")
 
 
 def _answer_line(source: Source, line: list[Token]) -> AnswerLine:
-    """The tokens of an equation by its sides; refused where it has too few or too many, or an empty
-    one."""
+    """The equation of a line's tokens; raises an error if it has no second side, too many sides, or
+    an empty one."""
     sides = sides_of(line)
     if len(sides) == 1:
         source.fail(

@@ -1,5 +1,5 @@
-"""Claims, the statements of an answer's lines, and the quantities that they are given by, which
-stand for their right values. A claim that is given by itself says nothing."""
+"""Claims, the statements of an answer's lines, and the quantities by which they are given, with
+their correct values. A claim given by itself is empty."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from freebody_textbook.check.spelling.answer_text import AnswerText
 
 @dataclass(frozen=True)
 class GivenQuantity:
-    """A quantity that a piece of an answer stands for, and where."""
+    """A quantity named in a piece of an answer, and the place of the piece."""
 
     target: AskedQuantity
     span: Span
@@ -26,7 +26,7 @@ class GivenQuantity:
 
 @dataclass(frozen=True)
 class Claim:
-    """The statement that a quantity has a value."""
+    """The claim that a quantity equals an expression."""
 
     label: str
     target: AskedQuantity
@@ -42,7 +42,8 @@ class Claim:
 def uses(
     node: Expression, quantities: Mapping[str, AskedQuantity], vocabulary: Vocabulary
 ) -> Iterator[GivenQuantity]:
-    """The quantities in a tree, also those inside names of the user's own."""
+    """The quantities in an expression tree, including those in the definitions of users' own
+    names."""
     for part in nodes(node):
         if not isinstance(part, Named):
             continue
@@ -55,8 +56,8 @@ def uses(
 def refuse_circles(
     source: Source, claims: Sequence[Claim], last: Sequence[Claim] | None = None
 ) -> None:
-    """Refuse a quantity that is given by itself, at once or by way of other lines; last: those of
-    the claims that may be, where the others are known not to."""
+    """Raise an error if a quantity is defined by itself, directly or through other lines; last: the
+    only claims that may close a circle, if known."""
     given: dict[AskedQuantity, list[AskedQuantity]] = {}
     label: dict[AskedQuantity, str] = {}
     for claim in claims:
@@ -73,7 +74,7 @@ def refuse_circles(
 
 
 def refuse_itself(source: Source, label: str, span: Span, by: str = "") -> NoReturn:
-    """Refuse what is given by itself."""
+    """Raise the error that something is defined by itself."""
     source.fail(
         f"{label} is defined by itself{by}: the equation holds for any value, so there is nothing "
         f"to check",
@@ -87,7 +88,7 @@ def _way(
     goal: AskedQuantity,
     given: Mapping[AskedQuantity, Iterable[AskedQuantity]],
 ) -> list[AskedQuantity] | None:
-    """The quantities by which one leads to another; None where it does not."""
+    """The chain of definitions that leads from one quantity to another; None if there is none."""
     before: dict[AskedQuantity, AskedQuantity | None] = {start: None}
     waiting = [start]
     for target in waiting:

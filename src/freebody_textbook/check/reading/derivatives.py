@@ -22,7 +22,7 @@ _HIGHEST = 2
 
 
 class DerivativeParser(Parser):
-    """A parser of expressions with derivatives."""
+    """Parses expressions that contain derivatives."""
 
     vocabulary: Vocabulary
     reader: PolynomialReader
@@ -32,7 +32,7 @@ class DerivativeParser(Parser):
     """The vectors and matrices that names of scalars also stand for."""
 
     def differentiated(self, first: Token) -> Expression:
-        """The derivative whose ∂, or d of a derivative by a coordinate, was read."""
+        """The derivative whose ∂ (or d, for a derivative by a coordinate) has just been read."""
         of = None if self.is_operator("/") else self._operand()
         if not self.is_operator("/"):
             self.fail_here("the bar of a derivative, as in ∂L/∂θ̇1,")
@@ -58,7 +58,7 @@ class DerivativeParser(Parser):
         )
 
     def _slopes(self, of: Expression, names: Sequence[str], span: Span) -> Matrix:
-        """The derivatives of a vector or an expression, a row each."""
+        """The derivatives of a vector or scalar expression by several names, one row per entry."""
         rows = [x for row in of.rows for x in row] if isinstance(of, Matrix) else [of]
         if isinstance(of, Matrix) and 1 not in (len(of.rows), len(of.rows[0])):
             self.source.fail("a vector or one expression is differentiated", of.span)
@@ -66,12 +66,12 @@ class DerivativeParser(Parser):
         return Matrix(tuple(table), span=span)
 
     def _slope(self, of: Expression, by: str, span: Span) -> Expression:
-        """The derivative of an expression without entries."""
+        """The derivative of a scalar expression by one name."""
         found = self._changed(self.reader.quotient(of), by, span)
         return Named(self.source[span], found, is_derivative=True, span=span)
 
     def _changed(self, x: Value, by: str, span: Span) -> Value:
-        """The derivative of a value by a variable, t for the time."""
+        """The derivative of a value by a variable; t is the time."""
         if by == "t":
             try:
                 return self.vocabulary.setting.rate(x)
@@ -80,8 +80,8 @@ class DerivativeParser(Parser):
         return slope(x, lambda p: p.derivative(by))
 
     def _along_motion(self, of: Expression, by: str, span: Span) -> Expression:
-        """The derivative by a coordinate, all others following where the loops let one move freely,
-        as of an inertia J(θ1): the ratio of the rates."""
+        """The derivative by a coordinate with the others moving as the loops demand, as for an
+        inertia J(θ1): the ratio of the rates."""
         setting = self.vocabulary.setting
         if setting.system is None:
             return self._slope(of, by, span)
@@ -93,13 +93,13 @@ class DerivativeParser(Parser):
         return Named(self.source[span], found, is_derivative=True, span=span)
 
     def _operand(self) -> Expression:
-        """The operand of a derivative: a bracket, another derivative or a name."""
+        """The expression to be differentiated: a bracket, another derivative or a name."""
         if self.token.kind not in ("open", "partial", "name"):
             self.fail_here("what is differentiated")
         return self.primary()
 
     def _variables(self, token: Token) -> list[str]:
-        """The coordinate, rate or parameter of a name, or those of a vector; t for the time."""
+        """The coordinates, rates or parameters of a name, several for a vector; t for the time."""
         value = self.vocabulary.symbols.get(token.text)
         if token.text == "t":
             return ["t"]
@@ -115,7 +115,8 @@ class DerivativeParser(Parser):
         return names
 
     def derivative(self, token: Token) -> Expression:
-        """Derivative(theta1(t), t), Derivative(theta1(t), (t, 2)), diff(L, dtheta1)."""
+        """The value of Derivative(theta1(t), t), Derivative(theta1(t), (t, 2)) or diff(L,
+        dtheta1)."""
         self.expect("open", "'('")
         start = self.token.start
         value = self.reader.quotient(self.expression())
@@ -134,7 +135,7 @@ class DerivativeParser(Parser):
         return Named(self.source[span], value, is_derivative=not own, span=span)
 
     def jacobian(self, token: Token) -> Expression:
-        """The matrix that is written jacobian([x; y], [q1; q2])."""
+        """The matrix written as jacobian([x; y], [q1; q2])."""
         self.expect("open", "'('")
         of = self._vector(self.expression())
         self.expect("comma", "the comma of jacobian(what, by what)")
@@ -147,11 +148,12 @@ class DerivativeParser(Parser):
         return self._slopes(of, names, span)
 
     def _vector(self, node: Expression) -> Expression:
-        """The vector or matrix that a node is, if it may be one, else the node."""
+        """A node's vector or matrix, if it may be one; otherwise the node."""
         return self.others.get(node) or worked_out(node, self.others)
 
     def _differentiated_by(self) -> tuple[str, int]:
-        """The variable, t for the time, and how often: t, (t, 2), t, 2 or another expression."""
+        """The variable of a derivative (t for the time) and its order: t, (t, 2), t, 2 or another
+        expression."""
         pair = self.token.kind == "open" and self.ahead(2).kind == "comma"
         if pair:
             self.take()

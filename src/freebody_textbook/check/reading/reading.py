@@ -1,4 +1,4 @@
-"""The language of answers: what names and functions stand for, with their right values."""
+"""The grammar of answers: meanings of names and functions, with the correct values."""
 
 from __future__ import annotations
 
@@ -42,9 +42,8 @@ INVERSE_FUNCTIONS = ("arccos", "arcsin", "arctan", "atan2", "sqrt")
 
 
 class AnswerParser(DerivativeParser):
-    """Reads one side of an equation. `quantity(name)` gives the right value of τ1, H12, … where one
-    stands for it; `quantities` are what these names stand for, `tables` the vectors and
-    matrices."""
+    """Parses one side of an equation. quantity(name): the correct value of τ1, H12, …; quantities:
+    the quantities with these names; tables: vectors and matrices."""
 
     largest_exponent = LARGEST_EXPONENT
 
@@ -65,7 +64,7 @@ class AnswerParser(DerivativeParser):
         self.reader = PolynomialReader(source, vocabulary.setting.ring)
 
     def primary(self) -> Expression:
-        """A number, name, function, fraction or bracket, or a derivative: ∂L/∂θ̇1, or d/dt in front
+        """Parse a number, name, function, fraction, bracket or derivative, ∂L/∂θ̇1 or d/dt in front
         of a bracket, name or derivative."""
         if self.token.kind != "partial":
             return super().primary()
@@ -76,23 +75,25 @@ class AnswerParser(DerivativeParser):
         return node
 
     def opens_table(self) -> bool:
-        """Whether a vector or matrix comes next; [m1] is a bracket."""
+        """Whether a vector or matrix follows; [m1] is only a bracket."""
         return self.at < len(self.tokens) and opens_table(self.tokens, self.at)
 
     def transposed(self, node: Expression) -> Expression:
-        """A vector or matrix only, where the mark is MATLAB's, that of derivatives elsewhere."""
+        """The transpose of a vector or matrix; MATLAB's transpose mark on a scalar is an error, as
+        it means a derivative elsewhere."""
         if self.token.text == PRIME and not self._may_be_table(node):
             self.source.fail("a prime stands behind what is no vector or matrix", self.token.span)
         return super().transposed(node)
 
     def quotient(self, above: Expression, below: Expression) -> Expression:
-        """A fraction; of two numbers one number."""
+        """The quotient of two expressions; for two numbers, one number."""
         if isinstance(above, Number) and isinstance(below, Number) and below.value:
             return Number(above.value / below.value, span=around(above, below))
         return super().quotient(above, below)
 
     def name(self) -> Expression:
-        """A symbol, c12, or a quantity that stands for its right value; theta1(t) is theta1."""
+        """A name as symbol, abbreviation such as c12, or quantity with its correct value; theta1(t)
+        is theta1."""
         token = self.take()
         name = token.text
         if self.token.text == "(" and [self.ahead(k).text for k in (1, 2)] == ["t", ")"]:
@@ -130,14 +131,14 @@ class AnswerParser(DerivativeParser):
         return table
 
     def _is_squared_speed(self, name: str) -> bool:
-        """Whether a name that may be a velocity term or a velocity is squared, as only the second
-        is."""
+        """Whether an ambiguous name, a velocity term or a velocity, is squared; then it is the
+        velocity."""
         asked = self.quantities.get(name)
         squared = power_behind(self.tokens[self.at : self.at + 4], 2)
         return bool(squared) and asked is not None and asked.kind.is_velocity_term
 
     def _also(self, node: Expression, table: Matrix | None) -> Expression:
-        """A name that may stand for a vector or matrix too."""
+        """A node whose name may also mean a vector or matrix, which is recorded."""
         if table is not None:
             self.others[node] = table
         return node
@@ -145,8 +146,8 @@ class AnswerParser(DerivativeParser):
     def multiplied(
         self, factors: list[Expression], sign: Token, factor: Expression
     ) -> list[Expression]:
-        """A × between vectors is the cross product, and so that of an angular velocity and a
-        vector in the plane; between a number and a vector it may be either."""
+        """Factors extended by one more; × between vectors, or between an angular velocity and a
+        planar vector, is the cross product; between a scalar and a vector it may be either."""
         left = product_of(factors)
         if sign.written == "@" and not (self._may_be_table(left) and self._may_be_table(factor)):
             self.source.fail(
@@ -168,7 +169,8 @@ class AnswerParser(DerivativeParser):
         return [Cross(left, factor, span=around(left, factor))]
 
     def following(self, factors: list[Expression], sign: Token) -> Expression:
-        """The factor behind a sign; behind the × of a cross product all that it turns."""
+        """The factor after a sign; after the × of a cross product, everything that it applies
+        to."""
         first, left = super().following(factors, sign), product_of(factors)
         if sign.written in ("×", "\\times"):
             turns = self._may_be_table(left)
@@ -183,7 +185,8 @@ class AnswerParser(DerivativeParser):
         return product_of(behind)
 
     def _is_dot(self, sign: Token, left: Expression, right: Expression) -> bool:
-        """Whether a raised dot stands between what may be a vector, m1 g, and a vector."""
+        """Whether a raised dot is a dot product: it stands between a possible vector, such as m1 g,
+        and a vector."""
         dotted = sign.written in ("·", "⋅", "∙", "•", "\\cdot")
         factors = left.factors if isinstance(left, Product) else (left,)
         before = any(x in self.others for x in factors) and self._is_table(right)
@@ -194,7 +197,7 @@ class AnswerParser(DerivativeParser):
         return any(isinstance(x, Matrix | Cross) for x in nodes(node))
 
     def _is_vector(self, node: Expression) -> bool:
-        """Whether a factor is a vector, and no matrix in front of one."""
+        """Whether a factor is a vector, and not a matrix in front of one."""
         tables = [x for x in nodes(node) if isinstance(x, Matrix | Cross)]
         return any(isinstance(x, Cross) or len(x.rows[0]) == 1 for x in tables)
 
@@ -205,7 +208,7 @@ class AnswerParser(DerivativeParser):
         return self.vocabulary.functions[token.text]
 
     def call(self) -> Expression:
-        """A function with its argument; cos²(x) is a power of it."""
+        """A function with its argument; cos²(x) is the square of the function."""
         token = self.take()
         function = self._function(token)
         if function == "Derivative":
@@ -240,7 +243,7 @@ class AnswerParser(DerivativeParser):
         return node if exponent == 1 else Power(node, exponent, span=span)
 
     def _inverse_function(self, token: Token, function: str) -> Expression:
-        """An inverse function or root: arccos(x), atan2(y, x), √x."""
+        """An inverse function or a root: arccos(x), atan2(y, x), √x."""
         bare = ("fraction", "function", *["number", "name"] * (function == "sqrt"))
         if self.token.kind in bare and function != "atan2":  # \arctan\sqrt{x}, √2
             return Function(function, self.primary(), span=self.since(token.start))
@@ -256,13 +259,13 @@ class AnswerParser(DerivativeParser):
         return Function(function, arguments, span=self.since(token.start))
 
     def _must_open(self, function: Token) -> None:
-        """Refuse a function without a bracket."""
+        """Raise an error if a function has no bracket."""
         if self.token.kind != "open":
             self.fail_here(f"a bracket after {function.text}")
 
     def _wave(self, function: str, argument: Expression, span: Span) -> Expression:
-        """sin, cos, tan or 1 over one of a sum of angles; of a half of one, or of arccos x, in
-        numbers."""
+        """The sine, cosine, tangent or reciprocal of one for a sum of angles; a function node for
+        arguments such as half an angle or arccos x."""
         if function in RECIPROCALS:
             below = self._wave(RECIPROCALS[function], argument, span)
             return Quotient(Number(Fraction(1), span=span), below, span=span)
@@ -276,7 +279,7 @@ class AnswerParser(DerivativeParser):
         return Quotient(Wave("sin", *angle, span=span), Wave("cos", *angle, span=span), span=span)
 
     def _argument(self, function: Token) -> Expression:
-        """A bracket; or, without one, numbers and one angle: cos 2θ1."""
+        """The argument of a function: a bracket, or numbers and one angle, cos 2θ1."""
         if self.token.kind == "open":
             return self.bracket()
         if self.token.kind == "function" and self._function(self.token) in INVERSE_FUNCTIONS:
@@ -313,7 +316,7 @@ class AnswerParser(DerivativeParser):
         return product_of(factors)
 
     def _is_index(self, function: Token, argument: Expression) -> bool:
-        """Whether digits stand at a function's name like the numbers of joints."""
+        """Whether digits after a function's name look like joint numbers."""
         return (
             isinstance(argument, Number)
             and argument.span[0] == function.end
@@ -323,7 +326,7 @@ class AnswerParser(DerivativeParser):
         )
 
     def _cross(self, token: Token) -> Expression:
-        """The cross product that is written cross(a, b)."""
+        """The cross product written as cross(a, b)."""
         self.expect("open", "'('")
         left = self.expression()
         self.expect("comma", "','")
@@ -338,8 +341,7 @@ class AnswerParser(DerivativeParser):
 
 
 def opens_table(tokens: Sequence[Token], at: int = 0) -> bool:
-    """Whether a matrix begins with a token, or a bracket [ with entries, [a, b] or [[a, b], [c,
-    d]]."""
+    """Whether a matrix begins at a token, or a bracket with entries, [a, b] or [[a, b], [c, d]]."""
     first, *second = tokens[at : at + 2]
     if first.text != "[":
         return first.kind == "begin"
@@ -354,7 +356,8 @@ def opens_table(tokens: Sequence[Token], at: int = 0) -> bool:
 
 
 def power_behind(tokens: Sequence[Token], power: int) -> int:
-    """How many tokens are the power with which they begin: ⁻¹, ^-1, ^{-1}; 0 if it is another."""
+    """The number of tokens in a power that follows, ⁻¹, ^-1 or ^{-1}; 0 if another power, or none,
+    follows."""
     if tokens and tokens[0].kind == "power":
         return int(tokens[0].value == power)
     texts, figures = [token.text for token in tokens], [*"-" * (power < 0), str(abs(power))]
@@ -365,8 +368,8 @@ def power_behind(tokens: Sequence[Token], power: int) -> int:
 
 
 def turn_behind(name: str, tokens: Sequence[Token]) -> tuple[str, int]:
-    """The name of R_1^2, which turns components from body 1 to body 2, of R_1 and the ² or ^2
-    behind it, and how many tokens these are; of anything else "" and 0."""
+    """The name of the rotation matrix R_1^2 (components of body 1 to those of body 2), from R_1 and
+    the ² or ^2 after it, and the number of tokens of that power; ("", 0) for anything else."""
     if atom(name).letter != "R" or not atom(name).is_numbered or not tokens:
         return "", 0
     if tokens[0].kind == "power":

@@ -1,5 +1,5 @@
-"""Sums over bodies, V = Σ m_i g y_ci: read as often as there are bodies, each time with another
-number in the index's place."""
+"""Sums over bodies, V = Σ m_i g y_ci: the summand is read once per body, with its number as the
+index."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _SIGNS = frozenset(("+", "-", "−"))
 
 @dataclass(frozen=True)
 class WrittenSum:
-    """A sum: its lexemes, those of what is summed, the index and its values."""
+    """A sum: its lexemes, those of the summand, the index and its values."""
 
     whole: range
     summand: range
@@ -42,7 +42,7 @@ class WrittenSum:
     values: range
 
     def with_number(self, source: AnswerText, number: int) -> AnswerText:
-        """The text with a number in the index's place; every character keeps its own."""
+        """The text with the index replaced by a number; each character keeps its place."""
         places = set(_places_of(source.lexemes, self.summand, self.index))
         items = [
             _numbered(x, number) if k in places else x for k, x in enumerate(source.lexemes.items)
@@ -51,7 +51,7 @@ class WrittenSum:
 
 
 def sums(lexemes: Lexemes, within: range, count: int) -> Iterator[WrittenSum]:
-    """The outer sums of a stretch; count: over how many bodies those without bounds go."""
+    """The outermost sums in a stretch; count: the number of bodies, for sums without bounds."""
     at = within.start
     for match in islice(_HEAD.all(lexemes, within.start, within.stop), MOST_SUMS):
         end = min(within.stop, match.stop + _LONGEST)
@@ -64,7 +64,7 @@ def sums(lexemes: Lexemes, within: range, count: int) -> Iterator[WrittenSum]:
 def tokens_with_sums(
     source: AnswerText, language: Grammar, piece: Span, count: int, depth: int = 0
 ) -> list[Token]:
-    """All tokens of a piece of a text, its sums written out, the last of kind "stop"."""
+    """All tokens of a piece of text with sums expanded; the last token is of kind "stop"."""
     lexemes, at, found = source.lexemes, piece[0], list[Token]()
     for one in sums(lexemes, lexemes.between(*piece), count):
         start, end = lexemes[one.whole.start].start, lexemes[one.whole.stop - 1].end
@@ -85,7 +85,7 @@ def tokens_with_sums(
 
 
 def _sum(lexemes: Lexemes, head: Match, end: int, count: int) -> WrittenSum | None:
-    """The sum that begins with a head; None of what has no index."""
+    """The sum that begins with Σ or a sum command; None if it has no index."""
     if (call := _CALL.at(lexemes, head.start, end)) is not None:
         return _called(lexemes, call, end, count)
     below = next(_BOUNDS.all(lexemes, *head.captures["below"]), None) if "below" in head else None
@@ -100,7 +100,7 @@ def _sum(lexemes: Lexemes, head: Match, end: int, count: int) -> WrittenSum | No
 
 
 def _called(lexemes: Lexemes, call: Match, end: int, count: int) -> WrittenSum | None:
-    """sum(…), with its bounds behind a comma or without."""
+    """The sum written sum(…), with or without bounds after a comma."""
     close = _closing(lexemes, call.stop - 1, end)
     for bounds in _ARGUMENTS.all(lexemes, call.stop, close + 1):
         if bounds.stop == close + 1:
@@ -115,7 +115,7 @@ def _called(lexemes: Lexemes, call: Match, end: int, count: int) -> WrittenSum |
 def _checked(
     lexemes: Lexemes, start: int, stop: int, summand: range, index: str, values: range
 ) -> WrittenSum | None:
-    """A sum whose index stands in what is summed."""
+    """A sum, if its index occurs in the summand; otherwise None."""
     if not any(True for _ in _places_of(lexemes, summand, index)):
         return None
     return WrittenSum(range(start, stop), summand, index, values)
@@ -126,13 +126,13 @@ def _values(first: str, last: str, count: int) -> range:
 
 
 def _closing(lexemes: Lexemes, k: int, end: int) -> int:
-    """The bracket that closes the one at k, or the last lexeme."""
+    """The bracket that closes the one at k; the last lexeme if none does."""
     depths = lexemes.depths
     return next((j for j in range(k, end) if depths[j + 1] <= depths[k]), end - 1)
 
 
 def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
-    """The lexeme at which the terms end that have the index: behind + and - too, up to another
+    """The lexeme after the last term that contains the index, also beyond + and -, up to another
     sum."""
     term, depths = k, lexemes.depths
 
@@ -151,7 +151,7 @@ def _end_of_summand(lexemes: Lexemes, k: int, end: int, index: str) -> int:
 
 
 def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
-    """The signs + and - behind a lexeme, outside of brackets and powers."""
+    """The signs + and - after a lexeme, outside of brackets and powers."""
     for j in range(k + 1, stop):
         outside = lexemes.depths[j] == lexemes.depths[k]
         if outside and lexemes[j].text in _SIGNS and lexemes[j - 1].text != "^":
@@ -159,7 +159,7 @@ def _operators(lexemes: Lexemes, k: int, stop: int) -> Iterator[int]:
 
 
 def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
-    """The lexemes that are the index: in a subscript, or as a factor of its own."""
+    """The lexemes that are the summation index: in a subscript, or as a factor."""
     inside, depth = False, 0
     for k in within:
         x, before = lexemes[k], lexemes[k - 1] if k > within.start else None
@@ -177,7 +177,7 @@ def _places_of(lexemes: Lexemes, within: range, index: str) -> Iterator[int]:
 
 
 def _stands_alone(lexemes: Lexemes, k: int, within: range) -> bool:
-    """Whether the letter at k has no letter or figure directly beside it."""
+    """Whether the letter at k has no letter or digit directly beside it."""
     behind = lexemes[k + 1] if k + 1 < within.stop else None
     glued = behind is not None and not behind.apart and behind.kind in ("letter", "digit", "low")
     before = lexemes[k - 1] if k > within.start and not lexemes[k].apart else None
@@ -189,7 +189,7 @@ def _numbered(x: Lexeme, number: int) -> Lexeme:
 
 
 def _with_lexemes(source: AnswerText, lexemes: Lexemes) -> AnswerText:
-    """A text that is read as other lexemes."""
+    """A text with its lexemes replaced."""
     made: Any = replace(source)
     made.__dict__["lexemes"] = lexemes
     return made

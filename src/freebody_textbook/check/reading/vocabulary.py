@@ -1,4 +1,4 @@
-"""The names that an answer may use: the model's symbols and their synonyms, c12 and s12, functions,
+"""Names allowed in an answer: the model's symbols and their synonyms, c12 and s12, functions,
 quantities."""
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ GLUED = frozenset("MHCDBJ").union(
 
 @dataclass
 class Vocabulary:
-    """Plain spellings (see `words`) and what they mean."""
+    """Names allowed in an answer, in plain spelling (see `words`), with their meanings."""
 
     setting: RightEquations
     quantities: frozenset[str] = frozenset()
@@ -98,7 +98,7 @@ class Vocabulary:
 
     @property
     def known(self) -> frozenset[str]:
-        """All names that are known, functions apart."""
+        """All known names except functions."""
         if self._known is None:
             own = (*self.aliases, *self.matrices, *self.trees)
             self._known = frozenset([*self.symbols, *self.waves, *self.quantities, *own, "t", "pi"])
@@ -108,7 +108,7 @@ class Vocabulary:
         return self._known
 
     def copy(self) -> Vocabulary:
-        """A vocabulary of the same names, apart from what is defined later."""
+        """A copy of the vocabulary, without the definitions made later."""
         kept = copy(self)
         tables = ((name, x) for name, x in vars(self).items() if isinstance(x, dict | set))
         kept.__dict__.update((name, copy(x)) for name, x in tables)
@@ -117,8 +117,8 @@ class Vocabulary:
     def define(
         self, plain: str, meaning: Value | Expression, uses: tuple[AskedQuantity, ...] = ()
     ) -> None:
-        """Enter a name of the user's own, with its value, vector, matrix or expression, and the
-        quantities that define it; it takes precedence over all others."""
+        """Define a user's own name, with its value, vector, matrix or expression and the quantities
+        in its definition; it takes precedence over other meanings."""
         self.uses[plain], self._known = uses, None
         if isinstance(meaning, Expression):
             self.symbols.pop(plain, None)
@@ -132,12 +132,12 @@ class Vocabulary:
         self.functions.pop(plain, None)
 
     def define_alias(self, plain: str, name: str) -> None:
-        """A name of the user's own for a vector or matrix."""
+        """Define a user's own name for a vector or matrix."""
         self.aliases[plain] = name
         self._known = None
 
     def also_wave(self, letter: str, function: str) -> None:
-        """A further letter for a function of angles: C12 as c12."""
+        """Define another letter for a function of angles: C12 for c12."""
         own = [(name, wave) for name, wave in self._all_waves() if wave[0] == function]
         self.waves.update((letter + name[1:], wave) for name, wave in own)
         self.letters[function] = letter
@@ -146,7 +146,7 @@ class Vocabulary:
         self._known = None
 
     def _products(self) -> Iterator[tuple[str, Trig]]:
-        """CC2 = C2 C2, SC23 = S23 C23, as of the Puma's first papers."""
+        """Abbreviations CC2 = C2 C2 and SC23 = S23 C23, as in the first papers on the Puma."""
         for numbers, names in self._subsets():
             angle = sum((self.setting.ring[x] for x in names), self.setting.zero)
             waves = {self.letters["cos"]: angle.cos(), self.letters["sin"]: angle.sin()}
@@ -154,18 +154,18 @@ class Vocabulary:
                 yield a + b + numbers, x * y
 
     def no_waves(self, names: Iterable[str]) -> None:
-        """Names of quantities that are no sines and cosines: c1 where c is a letter of vectors."""
+        """Remove names of quantities from the sines and cosines: c1 if c is a vector's letter."""
         for name in names:
             self.waves.pop(name, None)
         self._known = None
 
     # ------------------------------------------------------------ words of a text
     def begins(self, x: Lexeme) -> bool:
-        """Whether a word begins with a lexeme."""
+        """Whether a word can begin with a lexeme."""
         return words.begins(x)
 
     def word(self, source: Source, at: int) -> words.Cut:
-        """The names that the word there is made of."""
+        """The names that form the word at a lexeme."""
         word = words.spell(source, at)
         if word.plain == VARIATION and VARIATION not in self.known:
             word = _joined(source, word)
@@ -177,8 +177,9 @@ class Vocabulary:
         return words.Cut(named, word.power, word.at - transposed)
 
     def cut(self, source: Source, word: words.Word) -> list[words.WordPiece] | None:
-        """A word as known names. Names of vectors stand alone, rc2x is no r·c2·x, but for those of
-        the equations of motion, Mq̈, and letters that lines give."""
+        """A word split into known names; None if it cannot be. Vectors' names stand alone (rc2x is
+        never r·c2·x), except those of the equations of motion, Mq̈, and letters that lines
+        define."""
         known = self.known
         known = known if word.plain in known else self._inside_words
         found = words.cut(source, word, known, self.functions)
@@ -191,7 +192,7 @@ class Vocabulary:
         return _before_prime(source, word, self.alone) if found is None else found
 
     def _varied(self, word: words.Word) -> list[words.WordPiece] | None:
-        """A virtual displacement δθ1 as the rate θ̇1: the coefficients of both are the same."""
+        """A virtual displacement δθ1, read as the rate θ̇1, whose coefficients are the same."""
         rate = DOT + word.plain.removeprefix(VARIATION)
         if rate not in self.known:
             return None
@@ -199,7 +200,7 @@ class Vocabulary:
         return [(rate, word.start, word.end)]
 
     def _unknown(self, source: Source, spelt: words.Word) -> NoReturn:
-        """Raise the error for a word that is no name."""
+        """Raise the error for an unknown name."""
         span = spelt.start, spelt.end
         word = source[span]
         plain = word.translate(_BARE)
@@ -240,7 +241,7 @@ class Vocabulary:
         )
 
     def _angle_of(self, plain: str) -> str:
-        """The joint's angle that a name such as t1 or phi1 may stand for, or nothing."""
+        """The joint angle that a name such as t1 or phi1 may mean; "" if none."""
         own = atom(plain)
         meant = f"theta{own.figures}"
         is_angle = own.letter in ("t", "phi", "psi", "alpha") and own.is_numbered
@@ -248,7 +249,7 @@ class Vocabulary:
 
     @property
     def listed(self) -> list[str]:
-        """The model's own symbols, for errors."""
+        """The model's symbols, for error messages."""
         names = self.setting.ring.names
         return [x for x in names if x not in self.setting.foreign and not function_of(x)]
 
@@ -302,11 +303,11 @@ class Vocabulary:
                         yield spelling, self.setting.ring[name + ending]
 
     def _is_own(self, number: str) -> bool:
-        """Whether a coordinate of the model carries the number."""
+        """Whether the name of some coordinate of the model has the number."""
         return any(atom(x).figures == number for x in self.setting.symbols.coordinates)
 
     def _of_links(self) -> Iterator[tuple[str, Trig]]:
-        """Synonyms of a planar arm's parameters; without number where there is one link."""
+        """Synonyms of a planar arm's parameters; without numbers if it has one link."""
         alone = self.setting.joints == 1
         for row in PARAMETERS:
             for k in range(1, self.setting.joints + 1):
@@ -317,8 +318,8 @@ class Vocabulary:
                     )
 
     def _absolute_rates(self) -> Iterator[tuple[str, Trig]]:
-        """ω_i, the sum of the rates of all turns from the ground to body i, (3.16) and (3.17), and
-        its time derivative."""
+        """The angular velocity ω_i, the sum of the joint rates from the ground to body i, (3.16)
+        and (3.17), and its time derivative."""
         setting = self.setting
         model, own = setting.symbols.model, names_by_body(setting.symbols.model)
         for i, names in enumerate(own):
@@ -340,7 +341,7 @@ class Vocabulary:
                     yield f"alpha{k}", value
 
     def _sums(self) -> Iterator[tuple[str, Trig]]:
-        """theta12 is theta1 + theta2, and so its rates."""
+        """Sums of angles by name: theta12 is theta1 + theta2; their rates too."""
         ring = self.setting.ring
         for numbers, names in self._subsets():
             if len(names) > 1:
@@ -351,7 +352,7 @@ class Vocabulary:
                             yield spelling, value
 
     def _subsets(self) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Angles with rising numbers of one digit."""
+        """Subsets of angles with rising one-digit numbers."""
         angles = sorted(
             x
             for x in self.setting.ring.angles
@@ -372,7 +373,7 @@ class Vocabulary:
 
 
 def _joined(source: Source, word: words.Word) -> words.Word:
-    """The δ of \\delta\\theta_1 with the name behind it."""
+    """A word \\delta joined with the name after it, as in \\delta\\theta_1."""
     if word.at == len(source.lexemes) or not words.begins(source.lexemes[word.at]):
         return word
     behind = words.spell(source, word.at)
@@ -383,8 +384,8 @@ def _joined(source: Source, word: words.Word) -> words.Word:
 def _before_prime(
     source: Source, word: words.Word, vectors: Collection[str]
 ) -> list[words.WordPiece] | None:
-    """A vector or matrix with a prime behind it that marks its transpose, qd' of MATLAB, without
-    the prime."""
+    """A vector or matrix without the prime after it, which marks its transpose as in MATLAB's qd';
+    None otherwise."""
     items, plain = source.lexemes.items, word.plain.removesuffix(PRIME)
     if plain == word.plain or plain not in vectors or items[word.at - 1].text not in PRIMES:
         return None

@@ -1,1 +1,2 @@
-"""Why an answer is wrong: misconceptions, misreadings, small changes and what mends them."""
+"""Explanations of wrong answers: misconceptions, misreadings, small changes that would correct
+them."""

@@ -1,5 +1,5 @@
-"""The bodies of a mechanism in numbers at a point: how they move and what acts on them, also as
-someone would have it who takes their equations for others."""
+"""Motion and forces of a mechanism's bodies in numbers at a point, also under wrong beliefs about
+their equations."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from freebody_textbook.methods.setting import Setting
 
 @dataclass(frozen=True)
 class Belief:
-    """Factors and terms that the equations of a body are taken to have; the defaults are right. F
-    is m (v̇_c - g), f the force of the body on the next one, s and s_c lead from its joint to the
-    next one and to its centre."""
+    """A wrong belief about the equations of a body: changed factors and terms; the defaults are
+    correct. F is m (v̇_c - g), f the force of the body on the next one; s and s_c lead from its
+    joint to the next joint and to its centre of mass."""
 
     force: int = 1
     """The factor of f in Newton's equation."""
@@ -53,7 +53,7 @@ BodyKey = tuple[str, int]
 
 @dataclass(frozen=True)
 class BodyThere:
-    """A body in a state; vectors are along the world's axes, the inertia along its own."""
+    """A body with numbers at a point: vectors in world axes, the inertia in body axes."""
 
     parent: int
     place: int
@@ -75,8 +75,8 @@ class BodyThere:
 
 @dataclass(frozen=True)
 class State:
-    """Rates and accelerations of the coordinates, gravity, and whether all is as it is: loops and
-    drives act."""
+    """Rates and accelerations of the coordinates, gravity, and whether the state is complete, with
+    the forces of loops and drives."""
 
     rates: Vector
     accelerations: Vector
@@ -86,8 +86,8 @@ class State:
 
 @dataclass(frozen=True)
 class InertialMotion:
-    """The motion of one body: ω and ω̇ in I ω and in ω × r, and velocities and accelerations of its
-    joint and its centre."""
+    """The motion of one body: ω and ω̇ as used in I ω and as used in ω × r, and velocities and
+    accelerations of its joint and centre of mass."""
 
     spin: tuple[Vector, Vector]
     arm: tuple[Vector, Vector]
@@ -103,29 +103,29 @@ Inertial = tuple[InertialMotion, Vector, Vector, Any]
 
 @dataclass(frozen=True)
 class BodiesAtPoint:
-    """The bodies of a tree, or of a closed chain whose loops are cut."""
+    """The bodies of a tree, or of a closed chain with its loops cut, in numbers at a point."""
 
     setting: RightEquations
     point: Point
 
     @cached_property
     def s(self) -> Setting:
-        """The mechanism as it is derived."""
+        """The mechanism for which the equations are derived."""
         return Setting(self.setting.equations.symbols)
 
     @property
     def is_told(self) -> bool:
-        """Whether each body has one mass and a joint with a coordinate of its own."""
+        """Whether each body has a single mass and a joint with a coordinate of its own."""
         tree = self.s.tree
         single = all(len(x.masses) < 2 and len(x.coordinates.v) == 1 for x in tree.bodies)
         return single and not tree.follows and self.setting.turned is None
 
     def number(self, x: Any) -> Any:
-        """A polynomial of the equations at the point."""
+        """The value at the point of a polynomial of the equations."""
         return self.point.of(self.setting.element(self.s.symbols.element(x)))
 
     def vector(self, v: Sequence[Any]) -> Vector:
-        """A vector of polynomials of the equations at the point."""
+        """The value at the point of a vector of polynomials."""
         return tuple(map(self.number, v))
 
     def _zero(self, angular: bool = False) -> Vector:
@@ -172,13 +172,14 @@ class BodiesAtPoint:
     # ------------------------------------------------------------ states
     @cached_property
     def moving(self) -> State:
-        """The state in which nothing is left out: velocities, accelerations and gravity."""
+        """The full state: velocities, accelerations and gravity."""
         x = self.s.symbols
         rates, second = self.vector(x.qd), self.vector(x.qdd)
         return State(rates, second, self.vector(self.s.tree.gravity), True)
 
     def states(self, j: int) -> dict[str, State]:
-        """The states in which torques are τ, c and g, or with a coordinate j column j of M."""
+        """States in which the joint torques equal τ, c and g; for a coordinate j ≥ 0, column j of
+        M."""
         if j >= 0:
             return {"M": self.starting(j)}
         still = self.starting(-1)
@@ -187,13 +188,14 @@ class BodiesAtPoint:
         return {"tau": self.moving, "c": coasting, "g": resting}
 
     def driven(self, i: int, state: State) -> Any:
-        """The part of a torque that a drive needs besides what the bodies do."""
+        """The drive's part of a joint torque: rotor inertia, and in a complete state friction and
+        springs."""
         drive, k = self.s.tree.bodies[i].drive, self.bodies[i].place
         rotor = self.number(drive.inertia) * state.accelerations[k] if drive else 0
         return rotor + (self.number(self.s.equations.drives[k]) if state.is_whole else 0)
 
     def starting(self, j: int) -> State:
-        """A unit acceleration of coordinate j alone."""
+        """The state with unit acceleration of coordinate j and nothing else."""
         n = range(len(self.moving.rates))
         return State((0,) * len(n), tuple(int(k == j) for k in n), self._zero())
 
@@ -202,11 +204,12 @@ class BodiesAtPoint:
         return self.s.tree.space.cross(w, r)
 
     def _whirled(self, w: tuple[Vector, Vector], r: Vector) -> Vector:
-        """Acceleration of a point r away on a turning body: ω̇ × r + ω × (ω × r)."""
+        """Acceleration of the point at r on a rotating body relative to its origin: ω̇ × r + ω × (ω
+        × r)."""
         return add(self._crossed(w[1], r), self._crossed(w[0], self._crossed(w[0], r)))
 
     def motions(self, state: State, of: Collection[int], belief: Belief) -> list[InertialMotion]:
-        """The motions of all bodies; the belief is about some of them."""
+        """The motion of every body, with a belief about some of them."""
         still = self._zero(True), self._zero(True)
         found, true, alone = list[InertialMotion](), {-1: still}, {-1: still}
         ground = InertialMotion(still, still, *[self._zero()] * 4)
@@ -234,7 +237,7 @@ class BodiesAtPoint:
         return found
 
     def _spun(self, body: BodyThere, motion: InertialMotion, gyroscopic: int) -> tuple[Vector, Any]:
-        """The rate of its angular momentum about the centre of mass, and ω · I ω."""
+        """(rate of a body's angular momentum about its centre of mass, ω · I ω)."""
         if self.s.planar:
             ((w,), (wd,)) = motion.spin
             return (body.inertia * wd,), body.inertia * w * w
@@ -249,7 +252,7 @@ class BodiesAtPoint:
         return {}
 
     def inertial(self, state: State, of: Collection[int], belief: Belief) -> list[Inertial]:
-        """The motion of each body, m (v̇_c - g), and the two values of `_spun`."""
+        """For every body its motion, m (v̇_c - g), the rate of angular momentum, and ω · I ω."""
         own = (belief.spins_alone, belief.turns_alone, belief.coriolis, belief.gyroscopic)
         key = (state, *((own, tuple(of)) if own != _RIGHTLY else ()))
         if key not in self._known:
@@ -266,7 +269,8 @@ class BodiesAtPoint:
         return self._known[key]
 
     def moved(self, of: Collection[int] = (), belief: Belief = RIGHT) -> dict[BodyKey, Vector]:
-        """Vectors of motion, along the world's axes, and kinetic energies, of the whole by -1."""
+        """Motion vectors of the bodies in world axes, and kinetic energies; key -1 has the
+        total."""
         found: dict[BodyKey, Vector] = {}
         half = self.point.number(Fraction(1, 2))
         for i, (x, _, spun, energy) in enumerate(self.inertial(self.moving, of, belief)):
@@ -283,7 +287,7 @@ class BodiesAtPoint:
     def acting(
         self, state: State, of: Collection[int] = (), belief: Belief = RIGHT
     ) -> dict[BodyKey, Vector]:
-        """Force and moment on each body at its joint, along the world's axes, and its torque."""
+        """Force and moment on each body at its joint, in world axes, and the joint torque."""
         if belief is RIGHT and ("acting", state) in self._known:
             return self._known["acting", state]
         inertial, found = self.inertial(state, of, belief), dict[BodyKey, Vector]()
@@ -311,7 +315,8 @@ class BodiesAtPoint:
     def projected(
         self, state: State, of: Collection[int] = (), belief: Belief = RIGHT
     ) -> dict[BodyKey, Vector]:
-        """Torques, loops apart, by partial velocities: Σ ∂v_c/∂q̇ · m (v̇_c - g) + ∂ω/∂q̇ · I ω̇."""
+        """Joint torques without loops by partial velocities: Σ ∂v_c/∂q̇ · m (v̇_c - g) + ∂ω/∂q̇ · I
+        ω̇."""
         inertial, found = self.inertial(state, of, belief), dict[BodyKey, Vector]()
         for i, own in enumerate(self.bodies):
             unit = replace(self.starting(-1), rates=self.starting(own.place).accelerations)

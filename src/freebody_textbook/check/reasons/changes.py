@@ -1,5 +1,5 @@
-"""Changes of the right answer under a thought: other factors of its terms, other values and angles
-in it, or other equations of the bodies."""
+"""Changes of the correct answer by a misconception: factors of its terms, values and angles in it,
+or the equations of the bodies."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _QUARTERS: Mapping[int, SineAndCosine] = {1: (1, 0), 2: (0, -1), 3: (-1, 0)}
 
 # ---------------------------------------------------------------- factors
 def part_of(powers: Mapping[str, int]) -> str:
-    """The part of a torque that a term belongs to by its first rates: "coriolis" or "centrifugal"
-    of second degree; "friction" of first degree, or with a rate's sign; else ""."""
+    """The part of a torque that a term with these powers belongs to: "coriolis" or "centrifugal"
+    for quadratic rates; "friction" for a single rate or a rate's sign; otherwise ""."""
     if any(function_of(x) == SIGN for x in powers):
         return "friction"
     rates = {x: k for x, k in powers.items() if atom(x).dots == 1}
@@ -43,7 +43,7 @@ def part_of(powers: Mapping[str, int]) -> str:
 
 
 def parts(factor: int | Fraction, *kinds: str) -> Change:
-    """Terms of some kinds multiplied by a factor, in a torque, a force or an acceleration."""
+    """Change: terms of some kinds in a torque, force or acceleration are multiplied by a factor."""
 
     def change(x: Subject) -> Iterator[Changed]:
         if x.accelerates and any(part_of(powers) in kinds for powers, _ in x.rows):
@@ -53,13 +53,13 @@ def parts(factor: int | Fraction, *kinds: str) -> Change:
 
 
 def without_acceleration(x: Subject) -> Iterator[Changed]:
-    """Change: the terms of one coordinate's acceleration are left out."""
+    """Change: the terms with one coordinate's acceleration are left out."""
     for name in (c + SECOND for c in x.setting.symbols.coordinates if x.accelerates):
         yield {"name": sym(name)}, x.at({name: 0})
 
 
 def twice_the_energy(x: Subject) -> Iterator[Changed]:
-    """Twice the kinetic energy: of all, of what turns or does not, of one body."""
+    """Change: kinetic energy doubled, of everything, of rotation or translation, or of one body."""
     if not x.is_energy:
         return
     inertial = x.setting.order.inertial
@@ -77,8 +77,8 @@ def twice_the_energy(x: Subject) -> Iterator[Changed]:
 
 
 def unmixed_rates(x: Subject) -> Iterator[Changed]:
-    """A kinetic energy without products of two rates of turning joints: in all terms, or in those
-    with moments of inertia."""
+    """Change: kinetic energy without products of two joint rates, in all terms or in those with
+    moments of inertia."""
     rates = {name + RATE for name in _turning(x)} if x.is_energy else set()
     for names in (x.names, _moments(x.setting)) if rates else ():
 
@@ -89,7 +89,7 @@ def unmixed_rates(x: Subject) -> Iterator[Changed]:
 
 
 def unmixed_velocities(x: Subject) -> Iterator[Changed]:
-    """A kinetic energy without products of two lengths, or of a length and a slide's rate."""
+    """Change: kinetic energy without products of two lengths, or of a length and a slide's rate."""
     turning = _turning(x) if x.is_energy else set()
     if turning:
         ways = {name for row in _lengths(x) for name in row}
@@ -98,26 +98,26 @@ def unmixed_velocities(x: Subject) -> Iterator[Changed]:
 
 
 def _turning(x: Subject) -> set[str]:
-    """The coordinates of joints that turn."""
+    """Names of the coordinates of turning joints."""
     return {name for row in _chains(x).values() for name in row}
 
 
 def degrees(x: Subject) -> Iterator[Changed]:
-    """Change: angles or rates in degrees, so that a derivative has a factor π/180."""
+    """Change: angles or rates in degrees, which gives derivatives a factor π/180."""
     yield {}, x.value * x.point.number(PI / 180)
     yield {}, x.value * x.point.number(180 / PI)
 
 
 # ---------------------------------------------------------------- values
 def other_gravity(x: Subject) -> Iterator[Changed]:
-    """Change: gravity in the opposite direction."""
+    """Change: gravity reversed in direction."""
     g = x.setting.order.gravity
     if g in x.names:
         yield {"energy": _weights(x)}, x.at({g: -x.point.values[g]})
 
 
 def _weights(x: Subject) -> str:
-    """The weights' energy, in words."""
+    """Phrase for the energy of the weights."""
     axis = axis_of(x.setting.symbols.model.gravity_direction)
     if not axis:
         return "the weights' potential energy is V = − m g · r, with the vector g"
@@ -127,8 +127,8 @@ def _weights(x: Subject) -> str:
 
 @dataclass(frozen=True)
 class Without:
-    """A thought that leaves out what some parameters stand for: the right answer where they are 0.
-    `groups` gives them, with what a sentence names."""
+    """Change: parameters set to 0, as if their effects were forgotten. `groups` gives sets of
+    parameters, with names for the sentence."""
 
     groups: Callable[[RightEquations], Iterator[tuple[Mapping[str, object], Set[str]]]]
 
@@ -139,13 +139,13 @@ class Without:
 
 
 def of_weights(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """Group with the symbol of gravity, which stands for all weights."""
+    """The group of the gravity symbol, which stands for all weights."""
     if setting.order.gravity:
         yield {}, {setting.order.gravity}
 
 
 def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """Groups with mass and inertia of one body, or of it and all that it carries."""
+    """Groups of mass and inertia of one body, or of a body and all bodies that it carries."""
     model, inertial = setting.symbols.model, setting.order.inertial
     heavy, every = {body for body, _ in inertial.values()}, range(len(model.bodies))
     carried = {i: {i} for i in every}
@@ -159,7 +159,7 @@ def of_bodies(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], S
 
 
 def of_moments(setting: RightEquations) -> Iterator[tuple[Mapping[str, object], Set[str]]]:
-    """The names of all moments of inertia, which points do not have."""
+    """The group of all moments of inertia, as if bodies were point masses."""
     yield {}, _moments(setting)
 
 
@@ -168,13 +168,13 @@ def _moments(setting: RightEquations) -> set[str]:
 
 
 def _groups(rows: Sequence[Any]) -> Iterator[Sequence[Any]]:
-    """Groups of rows that a mistake may be about: each row alone, and all together."""
+    """Groups of rows that a mistake may affect: each row alone, and all together."""
     yield from ([x] for x in rows)
     yield from [rows] * (len(rows) > 1)
 
 
 def lengths(reach: str = "l", centre: str = "lc") -> Change:
-    """Other values of the length of a link and of the distance of its centre of mass: "l", "lc" or
+    """Change: other values for a link's length and the distance of its centre of mass: "l", "lc" or
     "half"."""
 
     def change(x: Subject) -> Iterator[Changed]:
@@ -201,7 +201,8 @@ def lengths(reach: str = "l", centre: str = "lc") -> Change:
 
 
 def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
-    """The names of lengths to the next joint and to the centre of mass, of links that have both."""
+    """Names of the length to the next joint and of the distance to the centre of mass, for links
+    with both."""
     s, ring = x.bodies.s, x.setting.ring.index
     for i in s.order if x.setting.is_planar and x.bodies.is_told else ():
         ends = [s.tree.bodies[k].p for k in s.tree.children(i)]
@@ -214,7 +215,7 @@ def _lengths(x: Subject) -> Iterator[tuple[str, str]]:
 
 
 def axes(factor: int) -> Change:
-    """A change of moments of inertia: m c² is added to each as often as `factor` says."""
+    """Change: moments of inertia about another axis: m c² is added `factor` times to each."""
 
     def change(x: Subject) -> Iterator[Changed]:
         rows = list(_inertias(x)) if x.setting.is_planar and x.bodies.is_told else []
@@ -229,7 +230,7 @@ def axes(factor: int) -> Change:
 
 
 def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
-    """Names of moments of inertia in the right answer, m c², and how it is written."""
+    """Moments of inertia in the correct answer: the name, the value m c², and its text."""
     s = x.bodies.s
     for i in s.weighted:
         (mass,) = s.tree.bodies[i].masses
@@ -240,7 +241,7 @@ def _inertias(x: Subject) -> Iterator[tuple[str, Any, str]]:
 
 # ---------------------------------------------------------------- angles
 def turned(x: Subject) -> Iterator[Changed]:
-    """The angles of the joints at the ground measured from another direction."""
+    """Change: angles of the joints at the ground measured from another direction."""
     coordinates = x.setting.symbols.coordinates
     first = [row[0] for row in _chains(x).values() if len(row) == 1]
     quarters = x.setting.quarters or (0,) * len(coordinates)
@@ -255,7 +256,8 @@ def turned(x: Subject) -> Iterator[Changed]:
 
 
 def absolute(x: Subject) -> Iterator[Changed]:
-    """Joint angles taken for angles from the x axis; they are measured from the link before."""
+    """Change: joint angles taken as angles from the x axis, although they are relative to the
+    previous link."""
     s = x.bodies.s
     before = {row[-1]: row[-2] for row in _chains(x).values() if len(row) > 1}
     if not before:
@@ -279,7 +281,7 @@ def absolute(x: Subject) -> Iterator[Changed]:
 
 
 def _chains(x: Subject) -> dict[int, list[str]]:
-    """The joint angles that add up to the direction of a body, for each that turns in the plane."""
+    """The joint angles that add up to each body's direction, for bodies that turn in the plane."""
     s, found = x.bodies.s, dict[int, list[str]]()
     is_told = s.planar and not s.tree.follows
     for i, body in enumerate(s.tree.bodies if is_told else ()):
@@ -289,7 +291,7 @@ def _chains(x: Subject) -> dict[int, list[str]]:
 
 # ---------------------------------------------------------------- equations of the bodies
 def freely(belief: FreeBelief) -> Change:
-    """Other equations of a body that nothing holds, under which an equation's sides agree."""
+    """Change: an equation that holds for a free body under a wrong belief."""
 
     def change(x: Subject) -> Iterator[Changed]:
         if x.free is not None:
@@ -299,8 +301,8 @@ def freely(belief: FreeBelief) -> Change:
 
 
 def believed(*beliefs: Belief, of_next: bool = False) -> Change:
-    """Other equations of the body to which the answer belongs, of one that it carries, or of all,
-    where the first is told that matters; of_next: only of bodies that carry others."""
+    """Change: wrong beliefs about the body of the answer, a body that it carries, or all bodies;
+    the first belief that has an effect is reported. of_next: only for bodies that carry others."""
 
     def change(x: Subject) -> Iterator[Changed]:
         every = range(len(x.bodies.bodies)) if x.about else ()
@@ -318,7 +320,7 @@ def believed(*beliefs: Belief, of_next: bool = False) -> Change:
 
 
 def _carried(x: Subject, i: int) -> list[int]:
-    """A body and those that it carries."""
+    """Indices of a body and of all bodies that it carries."""
     found = [i]
     for j in found:
         found += x.bodies.s.tree.children(j)
@@ -326,12 +328,12 @@ def _carried(x: Subject, i: int) -> list[int]:
 
 
 def arms(*often: int, of_next: bool = False) -> Change:
-    """Other arms of the forces in Euler's equation."""
+    """Change: wrong lever arms of the forces in Euler's equation."""
     return believed(Belief(arms=often), of_next=of_next)
 
 
 def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[Any]:
-    """The right answer, of body i, where a belief about some bodies holds."""
+    """Values of the correct answer, about body i, under a belief about some bodies."""
     b, right = x.bodies, x.value
     if x.torque is not None:
         moves = belief.spins_alone or belief.turns_alone
@@ -348,7 +350,7 @@ def _under(x: Subject, i: int, of: Collection[int], belief: Belief) -> Iterator[
 
 
 def _names(x: Subject, i: int) -> dict[str, object]:
-    """Values for the places in sentences about body i."""
+    """Values for the placeholders in sentences about body i."""
     s, n = x.bodies.s, x.bodies.s.numbers[i]
     h, behind = s.numbers[s.tree.bodies[i].parent], [s.numbers[k] for k in s.tree.children(i)]
     return {
@@ -358,7 +360,8 @@ def _names(x: Subject, i: int) -> dict[str, object]:
 
 
 def alone(*beliefs: Belief) -> Change:
-    """The angular velocity of a body, or of all, without those of the bodies before it."""
+    """Change: the angular velocity of one body, or of all, without those of the preceding
+    bodies."""
 
     def change(x: Subject) -> Iterator[Changed]:
         sums = _sums(x) if x.about else {}
@@ -375,7 +378,8 @@ def alone(*beliefs: Belief) -> Change:
 
 
 def _sums(x: Subject) -> dict[int, list[str]]:
-    """ω of each body that turns on others that do, and the rates that make it up."""
+    """For each body with several turning joints before it: the name of ω and the joint rates whose
+    sum it is."""
     return {
         i: [str(sym(f"omega{x.bodies.s.numbers[i]}")), *(str(sym(name + RATE)) for name in row)]
         for i, row in _chains(x).items()
@@ -384,7 +388,7 @@ def _sums(x: Subject) -> dict[int, list[str]]:
 
 
 def other_axes(x: Subject) -> Iterator[Changed]:
-    """Components along the axes of another body, or the world's."""
+    """Change: vector components in another body's axes, or in the world's."""
     b = x.bodies
     found = {**b.moved(), **b.acting(b.moving)} if x.components and not x.is_equation else {}
     for own in x.components if found else ():

@@ -1,5 +1,5 @@
-"""A polynomial by what moves in it, and two polynomials term by term, in sines and cosines of sums
-of angles, where every difference shows once."""
+"""Comparison of polynomials: split by their moving factors, and term by term with sines and cosines
+of sums of angles, so that each difference occurs once."""
 
 from __future__ import annotations
 
@@ -27,19 +27,20 @@ Parts = dict[SymbolPowers, Trig]
 
 
 def moving(setting: RightEquations) -> frozenset[str]:
-    """Generators that change in time."""
+    """Ring generators that change with time."""
     names = setting.symbols.coordinates
     waves = (wave for name in names for wave in waves_of(name))
     return frozenset([*setting.order.moving, *names, *waves])
 
 
 def parts(setting: RightEquations, x: Trig, names: Collection[str] | None = None) -> Parts:
-    """A polynomial by its products of the generators named, by default of all that move."""
+    """A polynomial split by its products of certain generators; by default all that change with
+    time."""
     return collected(x, moving(setting) if names is None else names)
 
 
 def whole(setting: RightEquations, rows: Parts) -> Trig:
-    """The polynomial that has these parts."""
+    """The polynomial that is the sum of the given parts."""
     return setting.ring.polynomial(
         ({**powers, **dict(key)}, coefficient)
         for key, part in rows.items()
@@ -55,8 +56,8 @@ ProductKey = tuple[SymbolPowers, TrigProduct]
 
 @dataclass(frozen=True)
 class Difference:
-    """A term that has one number in the answer and another in the right one; `instead`: it stands
-    for that term."""
+    """A term whose coefficient differs between the answer and the correct one; `instead`: the term
+    that it replaces."""
 
     key: ProductKey
     yours: Fraction
@@ -65,19 +66,19 @@ class Difference:
 
     @property
     def names(self) -> set[str]:
-        """Symbols in a term, those of its angles too."""
+        """Symbols in a term, including those of its angles."""
         monomial, wave = self.key
         return {x for x, _ in monomial} | {x for _, angle, _ in wave for x, _ in angle}
 
 
 def terms(setting: RightEquations, x: Trig) -> TrigTerms:
-    """A polynomial term by term, powers of symbols in a fixed order."""
+    """The terms of a polynomial, with symbols' powers in a fixed order."""
     rows = gathered(raw(x), setting.ring.angles, setting.order.blocks)
     return {(tuple(sorted(m)), w): c for (m, w), c in rows.items()}
 
 
 def is_too_long(x: Trig) -> bool:
-    """Whether a polynomial would have too many terms to be compared one by one."""
+    """Whether a polynomial may have too many terms for a comparison term by term."""
     waves = [name for name in x.ring.index if function_of(name) in WAVES]
     return (
         sum(math.prod(p.get(name, 0) + 1 for name in waves if name in p) for p, _ in x.terms())
@@ -86,8 +87,8 @@ def is_too_long(x: Trig) -> bool:
 
 
 def differences(setting: RightEquations, yours: Trig, right: Trig) -> list[Difference]:
-    """The terms in which two polynomials differ; one too many and one missing that differ in one
-    symbol or in the angle are paired."""
+    """The terms in which two polynomials differ; an extra and a missing term that differ by one
+    symbol or angle are paired."""
     a, b = terms(setting, yours), terms(setting, right)
     rows = [
         Difference(key, a.get(key, Fraction(0)), b.get(key, Fraction(0)))
@@ -117,7 +118,7 @@ def _paired(rows: list[Difference]) -> Iterator[Difference]:
 
 
 def _alike(a: ProductKey, b: ProductKey) -> bool:
-    """Whether two terms differ in one symbol, or only in the sine or cosine."""
+    """Whether two terms differ in only one symbol, or only in sine or cosine."""
     if a[0] == b[0]:
         return True
     first, second = _letters(a[0]), _letters(b[0])
@@ -135,7 +136,7 @@ def _letters(monomial: SymbolPowers) -> list[str]:
 def printed(
     layout: Layout, setting: RightEquations, key: ProductKey, value: Fraction
 ) -> Expression:
-    """A term with its number, as it prints."""
+    """Printed form of a term with its coefficient."""
     return mul(layout.form(polynomial(setting, key, value)))
 
 

@@ -1,5 +1,5 @@
-"""One body that nothing holds, such as a quadrotor: its motion by the force and the moment on it,
-or by thrusts (6.1, 6.2).
+"""Motion of a free body, such as a quadrotor, under the force and moment on it, or under thrusts
+(6.1, 6.2).
 
 Independent are the orientation, v and ω in the axes of the body, and the force f and moment n of
 all that acts besides the weight, or the thrusts that make them up.
@@ -27,8 +27,8 @@ _ANGLES = slice(3, 6)
 
 @dataclass(frozen=True)
 class FreeBelief:
-    """Factors and terms that the equations of a free body are taken to have; the defaults are
-    right."""
+    """A wrong belief about the equations of a free body: changed factors and terms; the defaults
+    are correct."""
 
     gyroscopic: int = 1
     """Factor of ω × I ω in Euler's equation."""
@@ -45,51 +45,51 @@ class FreeBelief:
 
 @dataclass(frozen=True)
 class FreeMotion:
-    """Values of some generators where the equations of motion hold, by the others."""
+    """Values of some generators by the others, according to the equations of motion."""
 
     images: Mapping[str, Value]
 
     def concerns(self, x: Value) -> bool:
-        """Whether one of the generators that the equations determine occurs in a polynomial."""
+        """Whether a value contains a generator that the equations of motion determine."""
         return any(self.images.keys() & powers.keys() for p in pair(x) for powers, _ in p.terms())
 
     def of(self, x: Value) -> Value:
-        """A polynomial or quotient with the images put in."""
+        """A polynomial or quotient with the determined generators substituted."""
         above, below = (put(part, self.images) for part in pair(x))
         (p, q), (r, s) = pair(above), pair(below)
         return over(p * s, q * r)
 
     def at(self, point: Point) -> Point:
-        """The point with its accelerations such that the equations hold."""
+        """The point with accelerations that satisfy the equations of motion."""
         return point.changed({name: point.of(x) for name, x in self.images.items()})
 
 
 @dataclass(frozen=True)
 class FreeBodyMotion:
-    """The motion of the body of a setting."""
+    """The motion of the free body that the equations describe."""
 
     setting: RightEquations
 
     @cached_property
     def body(self) -> FreeBody:
-        """The body as in derivations."""
+        """The free body as in derivations."""
         symbols = self.setting.symbols
         given = symbols.given or symbols.model
         return FreeBody(Setting(symbols), given, 0)
 
     @cached_property
     def angles(self) -> tuple[str, ...]:
-        """Names of yaw, pitch and roll of the body."""
+        """Names of the body's yaw, pitch and roll."""
         return self.body.coordinates[_ANGLES]
 
     @cached_property
     def R(self) -> list[list[Trig]]:
-        """The rotation from the body's axes to the world's."""
+        """The rotation matrix from body axes to world axes."""
         s = self.body.s
         return [[s.symbols.element(x) for x in row] for row in s.world[self.body.i][0]]
 
     def components(self, letter: str, dots: str = "") -> list[Trig]:
-        """v, ω, f, n or their rates as symbols."""
+        """The components of v, ω, f, n or their rates as symbols."""
         return list(self.body.symbols_of(letter, dots))
 
     # ------------------------------------------------------------ thrusts
@@ -99,7 +99,7 @@ class FreeBodyMotion:
         return frozenset(thrusts_of(self.body.given))
 
     def pushed(self, belief: FreeBelief) -> dict[str, Value]:
-        """Components of f and n as given by the thrusts."""
+        """The components of f and n that the thrusts produce."""
         s = self.body.s
         f = n = [self.setting.zero] * 3
         for name, frame in thrusts_of(self.body.given).items():
@@ -114,8 +114,8 @@ class FreeBodyMotion:
 
     # ------------------------------------------------------------ motion
     def motion(self, values: Iterable[Value], belief: FreeBelief = FreeBelief()) -> FreeMotion:
-        """Velocities and accelerations by v, ω and f, n where values hold these, else by the
-        thrusts, if there are any."""
+        """The accelerations, from v, ω and f, n if the values contain these, otherwise from the
+        thrusts, if any."""
         used = {name for x in values for part in pair(x) for row, _ in part.terms() for name in row}
         images = self._images(belief)
         if used & self.thrusts or (self.thrusts and not used & set(FORCES)):
@@ -144,7 +144,7 @@ class FreeBodyMotion:
     def _accelerations(
         self, v: Sequence[Trig], w: Sequence[Trig], belief: FreeBelief
     ) -> tuple[list[Value], list[Value]]:
-        """v̇ and ω̇ by Newton and Euler."""
+        """The accelerations v̇ and ω̇ by Newton's and Euler's equations."""
         s, zero = self.body.s, (self.setting.zero,) * 3
         inertia = [[s.symbols.element(x) for x in row] for row in s.inertia(self.body.i)]
         spin = crossed(w, [_polynomial(_inner(row, w)) for row in inertia])
@@ -165,13 +165,14 @@ class FreeBodyMotion:
         return vd, [plus(x, self.setting.zero) for x in wd]
 
     def _weight(self, belief: FreeBelief) -> list[Trig]:
-        """Gravity in the axes of the body."""
+        """Gravity in body axes."""
         s = self.body.s
         g = s.gravity(self.body.i) if belief.axes else s.tree.gravity
         return [s.symbols.element(x) * belief.weight + self.setting.zero for x in g]
 
     def _unturned(self, axes: str) -> list[Value]:
-        """f / m + g in the world where forces are not turned, or turned back."""
+        """The acceleration f / m + g in world axes under the mistake that f is not rotated, or
+        rotated backwards."""
         s = self.body.s
         m = s.symbols.element(s.mass(self.body.i))
         gravity = map(s.symbols.element, s.tree.gravity)
@@ -179,7 +180,7 @@ class FreeBodyMotion:
         return [plus(times(a, ratio(m / m, m)), g) for a, g in zip(f, gravity, strict=True)]
 
     def _in_world(self, v: Sequence[Trig], axes: str) -> list[Value]:
-        """Components in the world; `axes`: see `FreeBelief`."""
+        """World components of a body vector; `axes`: the rotation used, see `FreeBelief`."""
         if not axes:
             return list(v)
         rows = self.R if axes == "body" else zip(*self.R, strict=True)
@@ -188,7 +189,7 @@ class FreeBodyMotion:
     def _turning(
         self, w: Sequence[Trig], wd: Sequence[Value], belief: FreeBelief
     ) -> dict[str, Value]:
-        """The rates of the angles, and their rates."""
+        """The rates of the angles and their second derivatives."""
         if not belief.angular:
             yaw, pitch, roll = self.angles
             first = {roll: w[0], pitch: w[1], yaw: w[2]}

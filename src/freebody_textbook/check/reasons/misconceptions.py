@@ -1,5 +1,5 @@
-"""Misconceptions, each of which alone explains a whole difference. A new one is a row of a table: a
-sentence, and the function that changes the right answer."""
+"""Misconceptions, each of which alone may explain a wrong answer. To add one, add a table row: a
+sentence and the function that changes the correct answer."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ _REST = "; everything else is right."
 
 
 def _told(x: Subject) -> Iterator[Changed]:
-    """Values for which the quantity itself is often mistaken."""
+    """Change: values that the quantity is often confused with."""
     yield from (({"text": text}, x.point.of(value())) for text, value in x.target.thoughts)
 
 
 def _others(x: Subject) -> Iterator[Changed]:
-    """Another quantity of the same kind."""
+    """Change: the value of another quantity of the same kind."""
     for name, other in related(x.targets, x.target).items():
         yield {"name": with_letter(name)}, x.point.of(other)
 
 
 def _sum(a: Vector, b: Vector) -> Vector:
-    """a × b in the plane with a plus for its minus."""
+    """Mistaken planar cross product a × b with a plus sign in place of the minus."""
     return (a[0] * b[1] + a[1] * b[0],)
 
 
 def _along(a: Vector, b: Vector) -> Vector:
-    """The scalar product a · b."""
+    """Mistaken cross product: the dot product a · b."""
     return (a[0] * b[0] + a[1] * b[1],)
 
 
 def _across(a: Vector, b: Vector) -> Vector:
-    """a × b in the plane with the components of a swapped."""
+    """Mistaken planar cross product a × b with the components of a swapped."""
     return (a[1] * b[1] - a[0] * b[0],)
 
 
@@ -189,7 +189,7 @@ OF_BODIES: Mapping[str, Change] = {
 
 @dataclass(frozen=True)
 class ThoughtTable:
-    """Thoughts, the most particular first."""
+    """A table of misconceptions, the most specific first."""
 
     rows: Mapping[str, Change]
     most: int
@@ -207,8 +207,8 @@ TABLES = (
 
 
 def explaining(x: Subject, value: Any) -> list[str]:
-    """Sentences on the thoughts that turn the right answer into the user's: two at most, or one on
-    the equations of the bodies."""
+    """Sentences on the misconceptions that turn the correct answer into the user's: at most two, or
+    one about the bodies' equations."""
     if value == 0:  # of many parts it would be right that they are missing
         return []
     for table, rows in zip(TABLES, values(x), strict=True):
@@ -219,13 +219,13 @@ def explaining(x: Subject, value: Any) -> list[str]:
 
 
 def values(x: Subject) -> Iterator[Iterator[Iterator[tuple[str, Any]]]]:
-    """Sentences on all thoughts about a quantity, each with the right answer under it, by table and
-    row."""
+    """All misconceptions about a quantity by table and row: a sentence, and the value that the
+    answer would have."""
     yield from (_of(table, x) for table in TABLES)
 
 
 def left_out(setting: RightEquations) -> Iterator[tuple[str, Set[str]]]:
-    """Sentences on parameters that may have been left out, and their names."""
+    """Sentences on parameters that may have been forgotten, with the parameters' names."""
     for text, change in THOUGHTS.items():
         if isinstance(change, c.Without):
             yield from ((text.format(**said), names) for said, names in change.groups(setting))
@@ -237,12 +237,12 @@ def _of(table: ThoughtTable, x: Subject) -> Iterator[Iterator[tuple[str, Any]]]:
 
 
 def _filled(text: str, changed: Iterator[Changed]) -> Iterator[tuple[str, Any]]:
-    """A sentence with what it names, and what the right answer would be."""
+    """A sentence with its placeholders filled, and the value of the changed answer."""
     yield from ((text.format(**said), value) for said, value in changed)
 
 
 def related(targets: Targets, target: AskedQuantity) -> dict[str, Value]:
-    """The other entries of a quantity's kind, by name."""
+    """Other quantities of the same kind, by name."""
     letter = target.kind.usual
     others = [
         (name, other)
@@ -260,7 +260,7 @@ def related(targets: Targets, target: AskedQuantity) -> dict[str, Value]:
 
 
 def _of_the_same_table(targets: Targets, target: AskedQuantity) -> dict[str, Value]:
-    """The other entries of a matrix, such as an orientation."""
+    """Other entries of the same matrix, such as a rotation matrix."""
     if len(target.index) != 2 or not target.words:
         return {}
     for name, table in targets.tables.items():

@@ -1,4 +1,4 @@
-"""Symbols that may be read in another way: an answer that is right in one of them is right."""
+"""Ambiguous symbols: an answer that is correct under one of their readings is accepted."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ GRAVITY = ("9.8", "9.81", "9.807", "9.80665", "10")
 
 @dataclass(frozen=True)
 class Misreading:
-    """Nodes that may stand for something else, and how to say so of a wrong answer and of one that
-    is right with it."""
+    """Another meaning of some nodes, with the sentences about it for wrong answers and for answers
+    that it makes correct."""
 
     new: dict[Expression, Expression]
     text: str
@@ -37,7 +37,7 @@ class Misreading:
 
 
 def angle_of_cosine(setting: RightEquations, name: str, target: AskedQuantity) -> tuple[str, ...]:
-    """The angles of which others mean the cosine by a quantity's name, C12; or none."""
+    """The angles whose cosine a quantity's name may also mean, as C12; empty if there are none."""
     own = atom(name)
     angles = tuple(f"theta{k}" for k in own.figures)
     meant = own.letter in target.kind.letters_of_cosines
@@ -45,8 +45,8 @@ def angle_of_cosine(setting: RightEquations, name: str, target: AskedQuantity) -
 
 
 def slide_meant(setting: RightEquations, name: str, target: AskedQuantity) -> str:
-    """The name of the only slide's coordinate, or rate, that others mean by a quantity's name, x of
-    a cart; or ""."""
+    """The coordinate or rate of the only slide that a quantity's name may also mean, such as x of a
+    cart; "" otherwise."""
     own = atom(name)
     slides = [x for x in setting.symbols.coordinates if not setting.turns(x)]
     if len(slides) != 1 or own.index or own.letter not in target.kind.letters_of_slides:
@@ -57,7 +57,7 @@ def slide_meant(setting: RightEquations, name: str, target: AskedQuantity) -> st
 def readings(
     setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
 ) -> Iterator[Misreading]:
-    """Other readings of a claim's symbols, the likeliest first."""
+    """Alternative readings of a claim's symbols, most likely first."""
     yield from _links(setting, targets, claim, work)
     yield from _velocity_terms(targets, claim, work)
     yield from _cosines(setting, targets, claim, work)
@@ -66,7 +66,8 @@ def readings(
 
 
 def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: Workspace) -> str:
-    """A sentence about a symbol of a wrong answer that may stand for something else, or ""."""
+    """A sentence on a symbol of a wrong answer that may have another meaning; "" if there is
+    none."""
     found = readings(setting, targets, claim, work)
     return next((reading.text for reading in found if reading.is_doubtful), "")
 
@@ -74,8 +75,8 @@ def doubt_about(setting: RightEquations, targets: Targets, claim: Claim, work: W
 def _links(
     setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
 ) -> Iterator[Misreading]:
-    """Bodies counted as the links of the robot's file, without those between the axes of a joint of
-    several coordinates."""
+    """Alternative reading: body numbers as link numbers of the robot's file, which has no bodies
+    between the axes of a joint with several coordinates."""
     symbols = setting.equations.symbols
     order = [body.name for body in symbols.model.bodies]
     own = (symbols.given or symbols.model).bodies
@@ -110,8 +111,8 @@ def _of_links(
     work: Workspace,
     of_link: Callable[[AskedQuantity | None, str], AskedQuantity | None],
 ) -> dict[Expression, Expression] | None:
-    """Names of bodies' quantities in an answer with the values of the links of these numbers; None
-    where a number is that of no link."""
+    """For an answer's quantities of bodies, the values of the links with the same numbers; None if
+    a number is not that of a link."""
     found: dict[Expression, Expression] = {}
     for node in work.values:
         own_target = targets.single.get(node.name) if isinstance(node, Named) else None
@@ -124,13 +125,12 @@ def _of_links(
 
 
 def _kind(target: AskedQuantity) -> tuple[object, ...]:
-    """The key that tells a quantity from all others: its kind, indices, axis and words."""
+    """Key of a quantity by kind, indices, axis and words."""
     return target.kind, target.index, target.axis, target.words
 
 
 def _named_velocity_terms(targets: Targets) -> tuple[dict[str, str], set[str]]:
-    """The name of each velocity term, by its joint, with the letter that books have most, else
-    another, last the one that may be a cosine; and the letters that may be one."""
+    """(preferred name of each joint's velocity term, the names that may also be cosines)."""
     terms: dict[str, str] = {}
     own = {name: x for name, x in targets.single.items() if x.kind.is_velocity_term}
 
@@ -144,7 +144,8 @@ def _named_velocity_terms(targets: Targets) -> tuple[dict[str, str], set[str]]:
 
 
 def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator[Misreading]:
-    """c1 or V1 as a term of its own beside torques: read as cos θ1, and as an energy."""
+    """Alternative reading: c1 or V1 as a term beside torques may be cos θ1 or an energy instead of
+    a velocity term."""
     if not claim.target.kind.has_velocity_terms:
         return
     terms, letters = _named_velocity_terms(targets)
@@ -171,7 +172,8 @@ def _velocity_terms(targets: Targets, claim: Claim, work: Workspace) -> Iterator
 def _cosines(
     setting: RightEquations, targets: Targets, claim: Claim, work: Workspace
 ) -> Iterator[Misreading]:
-    """C2, C12 on the right: read as quantities of the dynamics, where cosines may be meant."""
+    """Alternative reading: C2 or C12 on the right side may be a cosine instead of a quantity of
+    dynamics."""
     found: dict[Expression, Expression] = {}
     for node in work.values:
         if not isinstance(node, Named) or node.name not in targets.single:
@@ -192,7 +194,7 @@ def _cosines(
 
 
 def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Iterator[Misreading]:
-    """x of a cart: it is read as the tip's."""
+    """Alternative reading: x may be a cart's coordinate instead of the tip's."""
     found: dict[Expression, Expression] = {}
     for node in work.values:
         target = targets.single.get(node.name) if isinstance(node, Named) else None
@@ -214,13 +216,13 @@ def _slides(setting: RightEquations, targets: Targets, work: Workspace) -> Itera
 
 
 def is_value(value: float, written: str) -> bool:
-    """Whether a number with decimals is that value, as exactly as it is written."""
+    """Whether a decimal number equals a value to the written digits."""
     ((_, figures),) = numbers(Lexemes.of(written))
     return figures.decimals > 0 and round(value, figures.decimals) == float(written)
 
 
 def _numbers(setting: RightEquations, claim: Claim, work: Workspace) -> Iterator[Misreading]:
-    """9.81 for g, where that is its value."""
+    """Alternative reading: a number such as 9.81 as g, if that is its value."""
     g = setting.order.gravity
     value = setting.symbols.model.parameters.get(g or "")
     found: dict[Expression, Expression] = {}
@@ -249,7 +251,7 @@ _TOLD = re.compile(
 
 
 def unread_condition(claim: Claim) -> list[str]:
-    """A sentence about words in front of a claim that may be a condition."""
+    """A sentence on words before a claim that may be a condition; empty if there are none."""
     at, text = claim.node.span[0], claim.source.shown
     begun = text.rfind("\n", 0, at) + 1
     found = _TOLD.search(text[begun:at])

@@ -1,5 +1,5 @@
-"""Lines that are right up to something: rows of a Coriolis matrix with C q̇ = c, equations of joints
-that nothing drives up to a factor, rows of J_a and J_b up to one."""
+"""Answers that are correct up to a choice: rows of a Coriolis matrix with C q̇ = c, equations of
+joints without a drive up to a factor, rows of J_a and J_b up to a factor."""
 
 from __future__ import annotations
 
@@ -31,7 +31,8 @@ _COMPARED_WITH = (
 def coriolis_notes(
     setting: RightEquations, claims: Sequence[Claim]
 ) -> Mapping[tuple[int, ...], str]:
-    """Notes on entries that differ from Christoffel's, by their indices, where C q̇ = c holds."""
+    """Notes, by indices, on Coriolis matrix entries that differ from Christoffel's though C q̇ = c
+    holds."""
     rows = _rows_of_C(setting, claims)
     right = {
         i
@@ -51,7 +52,7 @@ def coriolis_notes(
 
 
 def coriolis_advice(setting: RightEquations, claim: Claim, claims: Sequence[Claim]) -> str:
-    """A sentence about an entry whose row is not given."""
+    """A sentence about a Coriolis matrix entry whose row is incomplete."""
     return (
         _COMPARED_WITH
         if claim.target.kind.by_rates
@@ -61,7 +62,7 @@ def coriolis_advice(setting: RightEquations, claim: Claim, claims: Sequence[Clai
 
 
 def _rows_of_C(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, list[Trig]]:
-    """Rows of C, from 0, of which an answer gives every entry once."""
+    """The rows of C, counted from 0, for which an answer gives every entry once."""
     n = len(setting.symbols.coordinates)
     given: dict[tuple[int, ...], list[Trig]] = {}
     for claim in claims:
@@ -76,7 +77,7 @@ def _rows_of_C(setting: RightEquations, claims: Sequence[Claim]) -> dict[int, li
 
 
 def _is_skew(setting: RightEquations, rows: Mapping[int, Sequence[Trig]]) -> bool:
-    """Whether Ṁ − 2C and its transpose add up to 0, that is C + Cᵀ = Ṁ."""
+    """Whether Ṁ − 2C is skew-symmetric, which means C + Cᵀ = Ṁ."""
     M, n = setting.all_of("M"), len(setting.symbols.coordinates)
     rates = setting.symbols.rates
     return all(
@@ -93,8 +94,8 @@ _AGREEING = 2
 def undriven_equation(
     targets: Targets, x: Trig, taken: Collection[tuple[int, ...]]
 ) -> tuple[tuple[int, ...], Value]:
-    """The passive joint whose equation x = 0 states, or else should, of those that no other line
-    has given the one with which it has most in common; and what x should be."""
+    """The passive joint whose equation x = 0 is, or should be (the most similar among those no
+    other line states), and the value that x should have."""
     own = targets.undriven
     right = next(
         (target for target in own if is_undriven_equation(targets.setting, x, target.polynomial())),
@@ -108,7 +109,7 @@ def undriven_equation(
 
 
 def is_undriven_equation(setting: RightEquations, x: Trig, y: Trig) -> bool:
-    """Whether x = 0 says the same as y = 0: one is the other times a factor without rates."""
+    """Whether x = 0 and y = 0 are equivalent: one is the other times a factor without rates."""
     first, second = (parts(setting, side, setting.order.moving) for side in (x, y))
     if not first or first.keys() != second.keys():
         return False
@@ -117,8 +118,8 @@ def is_undriven_equation(setting: RightEquations, x: Trig, y: Trig) -> bool:
 
 
 def alike(setting: RightEquations, x: Trig, y: Trig) -> Value:
-    """y times the number, or else the factor without rates, with which it has most parts in common
-    with x."""
+    """The polynomial y, multiplied by the number or rate-free factor that makes most of its parts
+    equal to those of x."""
     votes = _votes(setting, x, y)
     best = max(
         votes, key=lambda ratio: (votes.count(ratio), ratio > 0, -abs(ratio)), default=Fraction(1)
@@ -133,13 +134,13 @@ def alike(setting: RightEquations, x: Trig, y: Trig) -> Value:
 
 
 def _votes(setting: RightEquations, x: Trig, y: Trig) -> list[Fraction]:
-    """The numbers that parts of x are times those of y."""
+    """Ratios of the parts of x to the same parts of y, as numbers."""
     first, second = parts(setting, x), parts(setting, y)
     return [ratio for k in first if k in second for ratio in _ratio(first[k], second[k])]
 
 
 def _ratio(a: Trig, b: Trig) -> Iterator[Fraction]:
-    """The number k where a = k b, if there is such a number."""
+    """The number k with a = k b, if it exists."""
     ratio = Fraction(a.leading_coefficient) / Fraction(b.leading_coefficient)
     if (a - b * ratio).is_zero:
         yield ratio
@@ -152,9 +153,9 @@ _NOTE = "Row {} is that of J_a ẋ + J_b θ̇ = 0 times a factor, in all of its 
 
 
 def in_its_scale(claim: Claim, claims: Sequence[Claim], same: Same) -> Claim:
-    """The claim with the right value times the factor of its row, and in the sense of the answer's
-    J_b. Raises AnswerError for an entry that is wrong as it stands and alone in its row, for with
-    another factor it may be right."""
+    """A claim about J_a or J_b with its correct value scaled by its row's factor, in the answer's
+    sign convention. Raises AnswerError for a single wrong entry in a row, as another factor could
+    make it correct."""
     if not claim.target.kind.up_to_rows:
         return claim
     own = [x for x in claims if x.target.kind.up_to_rows]
@@ -182,31 +183,33 @@ def in_its_scale(claim: Claim, claims: Sequence[Claim], same: Same) -> Claim:
 
 
 def _row(claims: Sequence[Claim], number: int, sign: int) -> list[_Pair]:
-    """The entries of a row of both matrices that are not to be 0."""
+    """(answer, correct value) of the entries in a row of J_a and J_b that are not 0."""
     row = [x for x in claims if x.target.index[0] == number]
     pairs = [(x.value, _right(x, sign)) for x in row]
     return [(yours, right) for yours, right in pairs if not right.is_zero]
 
 
 def _right(claim: Claim, sign: int) -> Value:
-    """The right entry; of a J_b whose sense the answer does not say in one of its two."""
+    """The correct value of an entry; sign: the assumed sign convention of J_b if the answer does
+    not show it."""
     value = claim.target.compute()
     return negative(value) if claim.target.also and sign < 0 else value
 
 
 def _most(pairs: Sequence[_Pair], same: Same) -> int:
-    """The number of entries that agree, up to one factor."""
+    """The largest number of a row's entries that agree up to a common factor."""
     return max((_agreeing(x, pairs, same) for x in pairs), default=0)
 
 
 def _of_most(pairs: Sequence[_Pair], same: Same) -> _Pair | None:
-    """The entry with whose factor several agree, if there is one."""
+    """The entry whose factor makes most others of its row correct; None if none does."""
     best = max(pairs, key=lambda x: _agreeing(x, pairs, same), default=None)
     return best if best is not None and _agreeing(best, pairs, same) > 1 else None
 
 
 def _agreeing(one: _Pair, pairs: Sequence[_Pair], same: Same) -> int:
-    """The number of entries that are right times the factor of one, which loops must not make 0."""
+    """The number of entries that become correct with one entry's factor; factors that vanish on
+    closed loops do not count."""
     yours, right = one
     if same(yours, negative(yours)):
         return 0

@@ -1,5 +1,5 @@
-"""Small changes of an answer, and the search for those that make it right: each names a mistake,
-where it stands and what should be there.
+"""Small changes of an answer and the search for those that correct it: each names a mistake, its
+place and the correction.
 
 A change is a sign, a factor, a term too many or missing, sin for cos, an angle, a length, an index,
 a power. Each has a cost, small for what people get wrong often. All single ones are tried, and then
@@ -45,7 +45,7 @@ RelatedNames = Callable[[str], Mapping[str, Value]]
 
 @dataclass(frozen=True, eq=False)
 class Repair:
-    """Put `new` where `node` stands. `factor`: of a scaled term its factor."""
+    """A change that replaces `node` by `new`. factor: for a scaled term, its factor."""
 
     kind: str
     cost: float
@@ -56,14 +56,14 @@ class Repair:
 
 
 class SmallChanges:
-    """The small changes of a tree; `gap` is what must be added to its value."""
+    """The small changes of an expression; `gap` is the correct value minus its value."""
 
     def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         self.setting, self.work, self.related = setting, work, related
         self.gap = (right - work.value) % PRIME
 
     def scaled(self) -> Iterator[Repair]:
-        """Terms which a number would make right; the number is computed, not guessed."""
+        """Changes that multiply a term by the number that corrects it, which is computed."""
         for node in self.work.addends():
             slope = (self.work.slopes[node] or 0) * self.work.values[node] % PRIME
             factor = rational(1 + self.gap * pow(slope, -1, PRIME)) if slope else None
@@ -71,7 +71,7 @@ class SmallChanges:
                 yield _scaling(node, factor, self._depth(node))
 
     def _depth(self, node: Expression) -> int:
-        """The number of brackets in which a term stands."""
+        """The depth of brackets around a term."""
         depth = 0
         while node is not self.work.root:
             node = self.work.parents[node]
@@ -79,13 +79,13 @@ class SmallChanges:
         return max(0, depth - 1)
 
     def _factors(self) -> Iterator[Repair]:
-        """The usual factors, for pairs and below powers."""
+        """Changes that multiply a term by a common factor, for use in pairs and below powers."""
         for node in self.work.addends():
             for factor in _FACTORS:
                 yield _scaling(node, Fraction(factor))
 
     def discrete(self) -> Iterator[Repair]:
-        """The changes that can be listed, all but those by a computed factor."""
+        """All changes that can be enumerated, without those by a computed factor."""
         yield from self._factors()
         yield from self._lacking()
         for node in list(self.work.values):
@@ -102,7 +102,7 @@ class SmallChanges:
 
     @cached_property
     def angles(self) -> list[Angle]:
-        """Sums of angles that may be meant."""
+        """Sums of angles that may be intended."""
         names = [x for x in self.setting.ring.angles if x not in self.setting.foreign][:6]
         return [
             tuple((x, 1) for x in subset)
@@ -111,7 +111,7 @@ class SmallChanges:
         ]
 
     def _waves(self, node: Wave) -> Iterator[Repair]:
-        """Changes of a sine or cosine: the other function, another angle."""
+        """Changes of a sine or cosine: the other function, or another angle."""
         other = "sin" if node.function == "cos" else "cos"
         span = node.span
         yield Repair("function", 1.0, node, Wave(other, node.angle, node.turn, span=span))
@@ -135,7 +135,7 @@ class SmallChanges:
         yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=span))
 
     def _symbols(self, node: Named) -> Iterator[Repair]:
-        """Another symbol in its place, its square, none."""
+        """Changes of a symbol: another symbol, its square, or none."""
         name = generator(node.value)
         if name is None:
             for other, value in self.related(node.name).items():
@@ -152,7 +152,7 @@ class SmallChanges:
         yield Repair("extra factor", 3.0, node, Number(Fraction(1), span=node.span))
 
     def _symbol(self, place: Expression, name: str) -> Named:
-        """A generator at the place of a node."""
+        """A node for a generator, at another node's place in the text."""
         return Named(name, self._generators[name], is_generator=True, span=place.span)
 
     @cached_property
@@ -161,7 +161,7 @@ class SmallChanges:
 
     @cached_property
     def _names(self) -> list[str]:
-        """Generators that right answers are made of."""
+        """Generators that occur in correct answers."""
         ring = self.setting.ring
         return [
             x
@@ -170,7 +170,7 @@ class SmallChanges:
         ]
 
     def _rate_sums(self, node: Named, name: str) -> Iterator[Repair]:
-        """Sums of rates for a rate: the absolute angular velocity."""
+        """Changes of a rate to a sum of rates, as in absolute angular velocities."""
         ending = atom(name).ending
         for angle in self.angles:
             if len(angle) > 1 and _is_chain(angle):
@@ -179,7 +179,7 @@ class SmallChanges:
                 yield Repair("rate", 2.0, node, Sum(terms, span=node.span))
 
     def _lacking(self) -> Iterator[Repair]:
-        """Terms that lack a factor."""
+        """Changes that add a missing factor to a term."""
         for node in self.work.addends():
             for name in self._names:
                 lacking = (node, self._symbol(node, name))
@@ -193,7 +193,8 @@ class SmallChanges:
                         )
 
     def _inserted(self, node: Expression) -> Iterator[Repair]:
-        """Brackets, and factors that may have been one, that lack a single symbol."""
+        """Changes that add a missing symbol to a bracket, or to a factor that may have been a
+        bracket."""
         parent = self.work.parents.get(node)
         is_factor = isinstance(parent, Product | Power) and isinstance(node, Named)
         if not (isinstance(node, Sum) and parent is not None) and not is_factor:
@@ -207,7 +208,8 @@ class SmallChanges:
 
 
 def _scaling(node: Expression, factor: Fraction, depth: int = 0) -> Repair:
-    """A term times a number; times 0 it goes. Terms inside brackets cost a little more."""
+    """The change that multiplies a term by a number, or removes it if that is 0. Depth in brackets
+    adds a little to the cost."""
     new = Product((Number(factor, span=node.span), node), span=node.span)
     size = max(abs(factor.numerator), factor.denominator)
     if factor == 0:
@@ -220,7 +222,7 @@ def _scaling(node: Expression, factor: Fraction, depth: int = 0) -> Repair:
 
 
 def _powers(node: Power) -> Iterator[Repair]:
-    """A power one higher or lower."""
+    """Changes of an exponent by one."""
     for exponent in (node.exponent - 1, node.exponent + 1):
         new = node.base if exponent == 1 else Power(node.base, exponent, span=node.span)
         if exponent > 0:  # of x⁰ none is lower
@@ -228,7 +230,7 @@ def _powers(node: Power) -> Iterator[Repair]:
 
 
 def _functions(node: Function) -> Iterator[Repair]:
-    """Another inverse function, and the arguments of one in the other order."""
+    """Changes to another inverse function, or to swapped arguments."""
     if isinstance(node.argument, Arguments):
         turned = replace(node.argument, entries=node.argument.entries[::-1])
         yield Repair("arguments", 0.8, node, replace(node, argument=turned))
@@ -237,13 +239,13 @@ def _functions(node: Function) -> Iterator[Repair]:
 
 
 def _is_chain(angle: Angle) -> bool:
-    """Whether the angles are those of neighbouring joints."""
+    """Whether the angles belong to consecutive joints."""
     numbers = [int(atom(x).figures or 0) for x, _ in angle]
     return numbers == list(range(numbers[0], numbers[0] + len(numbers)))
 
 
 def _likeness(name: str, other: str) -> tuple[str, float]:
-    """The kind of mistake that writing one name for another is, and its cost."""
+    """(kind of mistake, cost) of writing one name for another."""
     a, b = atom(name), atom(other)
     if not (a.is_numbered and b.is_numbered):
         return "symbol", 4.0
@@ -264,14 +266,15 @@ _TRIPLE_COST, _TRIPLE_MOST = 2.0, 300
 
 
 class Repairs(SmallChanges):
-    """The search for changes of an answer that make up for its difference from the right one."""
+    """Searches for changes that remove an answer's difference from the correct one."""
 
     def __init__(self, setting: RightEquations, work: Workspace, right: int, related: RelatedNames):
         super().__init__(setting, work, right, related)
         self.tried: list[Repair] = []
 
     def single(self, below: float = math.inf) -> Repair | None:
-        """The cheapest change that alone makes the answer right, of those that cost less."""
+        """The cheapest single change that corrects the answer at a cost below `below`; None if
+        there is none."""
         found: list[Repair] = list(self.scaled())
         if len(self.work.values) <= MOST_NODES:
             for repair in self.discrete():
@@ -286,8 +289,8 @@ class Repairs(SmallChanges):
         return min(found, key=lambda r: (r.cost, size[r.node]), default=None)
 
     def several(self, insertions: Iterable[tuple[Trig, int]] = ()) -> tuple[Repair, ...]:
-        """The cheapest two or three changes that together make it right; `insertions`: terms that
-        may be missing."""
+        """The cheapest two or three changes that together correct the answer; `insertions`: terms
+        that may be missing."""
         whole = self.work.root
         for term, value in insertions:
             new = Sum((whole, Named("", term, span=whole.span)), span=whole.span)
@@ -308,7 +311,7 @@ class Repairs(SmallChanges):
     def _completed(
         self, by_change: Mapping[int, list[Repair]], begun: list[tuple[Repair, ...]], most: float
     ) -> Iterator[tuple[Repair, ...]]:
-        """Groups begun, with two more changes that fill the gap."""
+        """Groups extended by two more changes that remove the remaining difference."""
         first = {id(r): k for k, r in enumerate(self.tried)}
         for group in begun:
             rest = self.gap - sum(r.change for r in group)
@@ -325,7 +328,7 @@ class Repairs(SmallChanges):
                         yield whole
 
     def _verified(self, group: tuple[Repair, ...]) -> bool:
-        """Whether changes that may touch one another do make the answer right."""
+        """Whether changes that may overlap really correct the answer together."""
         inserted = [r for r in group if r.kind == "missing" and r.node is self.work.root]
         others = [r for r in group if r not in inserted]
         if len({r.node for r in others}) < len(others):
@@ -338,8 +341,8 @@ class Repairs(SmallChanges):
         return (value - self.work.value - self.gap) % PRIME == 0
 
     def _value(self, repair: Repair) -> int:
-        """The value of the whole after a change, of which only the changed piece is computed
-        anew."""
+        """The value of the whole expression after a change; only the changed part is evaluated
+        again."""
         value = self.work.point.at(repair.new, self.work.values)
         return self.work.with_value(repair.node, value)
 

@@ -1,5 +1,5 @@
-"""Thoughts: a sentence, and the right answer under it; and the quantity, point and bodies of which
-they are made."""
+"""Misconceptions as a sentence with the resulting wrong answer; the quantity, point and bodies that
+they are evaluated with."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Changed = tuple[Mapping[str, object], Any]
 
 @dataclass(frozen=True)
 class Component:
-    """An entry of a vector of a body, along the axes of body `axes`, -1 the world's."""
+    """One entry of a body's vector, in the axes of body `axes` (-1: the world's)."""
 
     key: BodyKey
     entry: int
@@ -43,29 +43,29 @@ class Component:
     def of(
         self, bodies: BodiesAtPoint, found: Mapping[BodyKey, Vector], axes: int | None = None
     ) -> Any:
-        """The entry's value among vectors along the world's axes, or along those of body `axes`."""
+        """The entry's value, from vectors in world axes; axes: of the body in whose axes it is, by
+        default its own choice."""
         axes, v = self.axes if axes is None else axes, found[self.key]
         return (v if axes < 0 else times(transposed(bodies.bodies[axes].R), v))[self.entry]
 
 
 @dataclass(frozen=True)
 class FreeSides:
-    """Both sides of an equation of a body that nothing holds, whose motion depends on what one
-    believes."""
+    """Both sides of an equation of a free body, whose motion depends on a belief."""
 
     motion: FreeBodyMotion
     yours: Value
     right: Value
 
     def gap(self, point: Point, belief: FreeBelief) -> int:
-        """The difference of the sides where the body moves as one believes."""
+        """The difference of both sides when the body moves according to a belief."""
         there = self.motion.motion((self.yours, self.right), belief).at(point)
         return there.of(self.right) - there.of(self.yours)
 
 
 @dataclass(frozen=True)
 class Subject:
-    """The quantity that thoughts are about, at a point."""
+    """The quantity that misconceptions are about, at a point."""
 
     bodies: BodiesAtPoint
     """The bodies of the mechanism, at the point."""
@@ -80,38 +80,39 @@ class Subject:
 
     @property
     def setting(self) -> RightEquations:
-        """The equations with which an answer is compared."""
+        """The correct equations with which the answer is compared."""
         return self.bodies.setting
 
     @property
     def point(self) -> Point:
-        """The point at which thoughts are tried."""
+        """The point at which misconceptions are evaluated."""
         return self.bodies.point
 
     @property
     def is_equation(self) -> bool:
-        """Whether the right answer is a side of the user's own equation."""
+        """Whether the correct answer is a side of the user's own equation, rather than a
+        quantity."""
         return self.terms is not None
 
     @cached_property
     def value(self) -> Any:
-        """The right answer at the point."""
+        """The correct answer's value at the point."""
         return self.point.of(self.right)
 
     @cached_property
     def rows(self) -> list[tuple[Mapping[str, int], Any]]:
-        """The terms of the right answer, of a quotient those of its numerator: powers, and the
-        value at the point."""
+        """The terms of the correct answer (of a quotient's numerator): powers, and value at the
+        point."""
         above, _ = pair(self.right)
         return [(powers, self.point.term(powers, k)) for powers, k in above.terms()]
 
     @cached_property
     def names(self) -> set[str]:
-        """The generators in the right answer."""
+        """The generators in the correct answer."""
         return generators_in(*pair(self.right))
 
     def scaled(self, factor: int | Fraction, meant: PartOfIndex) -> Any:
-        """The right answer with a factor at some of its terms."""
+        """The correct answer with some of its terms multiplied by a factor."""
         k = self.point.number(factor)
         other = sum(value for powers, value in self.rows if not meant(powers))
         above = other + k * sum(value for powers, value in self.rows if k and meant(powers))
@@ -119,7 +120,7 @@ class Subject:
 
     @cached_property
     def _below(self) -> Any:
-        """The factor that a quotient's denominator is."""
+        """The reciprocal of a quotient's denominator; 1 for a polynomial."""
         _, below = pair(self.right)
         return self.point.of(over(below / below, below))
 
@@ -128,13 +129,14 @@ class Subject:
         values: Mapping[str, Any] | None = None,
         turns: Mapping[str, SineAndCosine] | None = None,
     ) -> Any:
-        """The right answer with other values or angles."""
+        """The correct answer with other values or angles."""
         return self.point.changed(values, turns).of(self.right)
 
     # ------------------------------------------------------------ what it is
     @cached_property
     def reference(self) -> tuple[BodiesAtPoint, Any]:
-        """Bodies and the right answer's value at a point where no other quantity has it."""
+        """Bodies and the correct answer's value at a random point, where no other quantity has the
+        same value."""
         if not isinstance(self.point, RealPoint):
             return self.bodies, self.value
         b = BodiesAtPoint(self.setting, random_point(self.setting.ring))
@@ -142,8 +144,8 @@ class Subject:
 
     @cached_property
     def torque(self) -> tuple[str, State, int] | None:
-        """The name of a torque, or of a part of one, in the equations, the state that needs it, and
-        its body; None of other quantities."""
+        """(name in the equations, state, body) of a torque or one of its parts; None for other
+        quantities."""
         if self.is_equation or not self.bodies.is_told:
             return None
         b, value = self.reference
@@ -161,7 +163,7 @@ class Subject:
 
     @cached_property
     def components(self) -> list[Component]:
-        """Entries of vectors, or kinetic energies, of bodies that have the quantity's value."""
+        """Entries of bodies' vectors, or kinetic energies, that equal the quantity."""
         if not self.bodies.is_told or self.right.is_zero or self.torque is not None:
             return []
         bodies, value = self.reference
@@ -180,7 +182,7 @@ class Subject:
 
     @cached_property
     def about(self) -> list[int]:
-        """The bodies to which the quantity belongs."""
+        """Bodies to which the quantity belongs."""
         b = self.bodies
         if not b.is_told:
             return []
@@ -190,7 +192,7 @@ class Subject:
 
     @cached_property
     def is_energy(self) -> bool:
-        """Whether its terms with rates are a kinetic energy."""
+        """Whether the quantity's terms with rates form a kinetic energy."""
         if (
             not self.bodies.is_told
             or self.is_equation

@@ -1,1 +1,1 @@
-"""How formulas are spelled in answers, brought to one spelling."""
+"""Spellings of formulas in answers, converted to one plain spelling."""

@@ -1,4 +1,4 @@
-"""The text of an answer, and the error for one that cannot be read."""
+"""The text of an answer, and the error for text that cannot be read."""
 
 from __future__ import annotations
 
@@ -14,15 +14,16 @@ from freebody.lazy import cached_property
 
 
 class AnswerError(UnreadableError):
-    """An answer that cannot be read: what is wrong, where, and the line with a caret under the
-    place."""
+    """Error for an answer that cannot be read: the problem, its place, and the line with a caret
+    below the place."""
 
     asked_by = "check: "
 
 
 @dataclass(frozen=True)
 class AnswerText(Source):
-    """An answer's text, every character at its place; what says nothing to check is blank."""
+    """An answer's text with parts that are not to be checked replaced by blanks, so that all places
+    stay the same."""
 
     written: str = ""
     """The text as the user wrote it, character by character; "" where that is `text`."""
@@ -38,7 +39,7 @@ class AnswerText(Source):
 
     @classmethod
     def of_formulas(cls, text: str, written: str = "", parts: tuple = ()) -> Self:
-        """Text with accents decomposed, and as it was written before words were taken away."""
+        """The text with accents decomposed; `written` is the text before words were removed."""
         size = len("".join(text.split()))
         if size > cls.longest:
             raise AnswerError(f"the answer has {size} characters; at most {cls.longest} are read")
@@ -50,18 +51,18 @@ class AnswerText(Source):
 
     @cached_property
     def lexemes(self) -> Lexemes:
-        """The answer's letters, figures, commands and signs, in one spelling."""
+        """The answer's letters, digits, commands and signs in one spelling."""
         return in_one_spelling(self.text)
 
     def __getitem__(self, span: Span) -> str:
         return super().__getitem__(self._with_padding(span))
 
     def caret(self, span: Span) -> str:
-        """The line, and carets below the piece as it was written."""
+        """The line of a place, with carets below the piece as originally written."""
         return super().caret(self._with_padding(span))
 
     def _with_padding(self, span: Span) -> Span:
-        """A piece with the blanks behind what is shorter here than it was written."""
+        """A span extended by the blanks after text that is shorter than originally written."""
         end = span[1]
         while self.text[end : end + 1] == FILL:
             end += 1
@@ -72,7 +73,7 @@ class AnswerText(Source):
         return self.parts[k - 1] if k else ("", 0)
 
     def where(self, at: int) -> str:
-        """The line of a place, in words."""
+        """Phrase for the line of a place, such as "line 3"."""
         part, _ = self.part(at)
         line = f"line {self.place(at)[0]}"
         return f"{part}, {line}" if part else line

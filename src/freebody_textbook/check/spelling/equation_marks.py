@@ -1,5 +1,5 @@
-"""Signs of equality behind one of the robot's quantities, whether the reader of answers understands
-the rest or not."""
+"""Equals signs after one of the robot's quantities, found even where the rest of the line cannot be
+read."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _LONGEST_LEFT = 60
 
 @dataclass(frozen=True)
 class AskedMark:
-    """A sign of equality with a name left of it."""
+    """An equals sign with the name on its left."""
 
     name: str
     start: int
@@ -38,7 +38,7 @@ class AskedMark:
 def asked_marks(
     source: Source, within: range, is_quantity: Callable[[str], bool]
 ) -> Iterator[AskedMark]:
-    """The signs of equality in a stretch of lexemes that have a quantity left of them."""
+    """The equals signs in a stretch of lexemes that have a quantity on their left."""
     lexemes = source.lexemes
     for match in _MARK.all(lexemes, within.start, within.stop):
         k = match.start
@@ -50,8 +50,7 @@ def asked_marks(
 def quantity_before(
     source: Source, k: int, is_quantity: Callable[[str], bool]
 ) -> words.Word | None:
-    """The name of a quantity that stands before a lexeme on its line, apart from what may stand
-    behind it."""
+    """The quantity's name before a lexeme on the same line, ignoring what may stand between."""
     items = source.lexemes.items
     first = k
     while first > 0 and items[first - 1].kind != "line":
@@ -64,7 +63,7 @@ def quantity_before(
 def _last_quantity(
     source: Source, first: int, end: int, is_quantity: Callable[[str], bool]
 ) -> words.Word | None:
-    """The last name if it is a quantity's, apart from what may stand behind it."""
+    """The last name of a stretch if it is a quantity, ignoring what may follow it."""
     while end > first:
         for word in _last_names(source, first, end):
             if is_quantity(word.plain):
@@ -82,7 +81,7 @@ def _last_quantity(
 
 
 def _last_names(source: Source, first: int, end: int) -> Iterator[words.Word]:
-    """The names with which a stretch may end."""
+    """Names with which a stretch may end."""
     lexemes = source.lexemes
     last = lexemes[end - 1]
     if last.kind in ("sign", "line", "row") and last.text not in _LAST:

@@ -1,1 +1,1 @@
-"""States at which claims are compared in numbers: loops closed, the equations of motion obeyed."""
+"""States for numeric comparison of claims: loops closed, equations of motion satisfied."""

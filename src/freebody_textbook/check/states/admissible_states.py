@@ -1,5 +1,5 @@
-"""States that a robot can be in, drawn at random: loops closed on every branch, at regular
-positions, and what nothing drives obeying the equations of motion."""
+"""Random states that a robot can have: loops closed on every branch, regular positions, joints
+without drives obeying the equations of motion."""
 
 from __future__ import annotations
 
@@ -50,20 +50,20 @@ _SOLVED = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class AdmissibleStates(StateValues):
-    """parameters: the number of each state's set; branch: that of its branch within the set, 0 the
-    home's."""
+    """A collection of states. parameters: the number of each state's parameter set; branch: of its
+    branch within that set, 0 for the home position's."""
 
     parameters: AnyArray
     branch: AnyArray
 
     @property
     def is_home(self) -> AnyArray:
-        """Flags of the states on the branch of the home."""
+        """Flags of the states on the home position's branch."""
         return self.branch == 0
 
     def with_any(self, coordinates: Collection[str]) -> AdmissibleStates:
-        """The states with random rates, accelerations and some coordinates, which need not keep
-        loops closed."""
+        """The states with random rates, accelerations and some random coordinates, for which loops
+        need not stay closed."""
         chance = np.random.default_rng(29)
         values = {
             name: chance.normal(size=self.count) if atom(name).dots or name in coordinates else x
@@ -72,13 +72,13 @@ class AdmissibleStates(StateValues):
         return replace(self, values=values)
 
     def chosen(self, which: AnyArray) -> AdmissibleStates:
-        """The states at some places of the collection."""
+        """The selected states of the collection."""
         values = {name: x[which] for name, x in self.values.items()}
         return AdmissibleStates(values, self.parameters[which], self.branch[which])
 
 
 def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
-    """The states of several collections in one."""
+    """Several collections of states joined into one."""
     return AdmissibleStates(
         {name: np.concatenate([x.values[name] for x in parts]) for name in parts[0].values},
         np.concatenate([x.parameters for x in parts]),
@@ -88,9 +88,9 @@ def _together(parts: Sequence[AdmissibleStates]) -> AdmissibleStates:
 
 @dataclass(frozen=True, eq=False)
 class StateSampler:
-    """Draws the states of a model; own_values: with the values of its parameters, which otherwise
-    vary; still: positions at which it is held; given: values of some names at all states; acting:
-    under a force from outside, alone, with the weights or with the motion too."""
+    """Draws random states of a model. own_values: with the model's parameter values, which
+    otherwise vary; still: positions of equilibrium; given: values of some names in all states;
+    acting: under an external force alone, or with weights or motion."""
 
     setting: RightEquations
     own_values: bool = False
@@ -101,7 +101,7 @@ class StateSampler:
     """Values of some names by the others, as velocities and accelerations of a free body."""
 
     def states(self) -> AdmissibleStates | None:
-        """States drawn at random, alike each time; None of a chain that cannot be closed."""
+        """Random states, the same at each call; None for a chain that cannot be closed."""
         chance = np.random.default_rng(28)
         drawn = [self._of_one_set(chance, k) for k in range(PARAMETER_SETS)]
         parts = [x for x in drawn if x is not None and x.count]
@@ -110,14 +110,14 @@ class StateSampler:
     def at_values(
         self, states: AdmissibleStates, values: Mapping[str, float]
     ) -> AdmissibleStates | None:
-        """The states with other masses or weights at their positions and rates, and the
-        accelerations and multipliers that follow."""
+        """The states with other values of masses or weights at the same positions and rates, with
+        the resulting accelerations and multipliers."""
         others = {name: np.full(states.count, x) for name, x in values.items()}
         changed = replace(states, values={**states.values, **others})
         return self._pressed(np.random.default_rng(28), changed)
 
     def _of_one_set(self, chance: np.random.Generator, k: int) -> AdmissibleStates | None:
-        """States with one set of parameters."""
+        """Random states for one set of parameters."""
         count = 1 + _GUESSES
         values = {name: np.full(count, x) for name, x in self._parameters(chance).items()}
         values |= self._guesses(chance, count)
@@ -138,7 +138,7 @@ class StateSampler:
 
     # ------------------------------------------------------------ what is drawn
     def _parameters(self, chance: np.random.Generator) -> dict[str, float]:
-        """Values of the robot's parameters at the states."""
+        """Parameter values for the k-th set of states."""
         found = {}
         for name, x in self.setting.symbols.model.parameters.items():
             varied = chance.uniform(1 - _VARIED, 1 + _VARIED)
@@ -147,7 +147,7 @@ class StateSampler:
         return found
 
     def _guesses(self, chance: np.random.Generator, count: int) -> dict[str, AnyArray]:
-        """Positions, the first that of the home."""
+        """Starting guesses for positions; the first is the home position."""
         found = {}
         for name, home in zip(self._names, self.home, strict=True):
             far = np.pi if name in self.setting.ring.angles else _FARTHEST * self._length
@@ -162,7 +162,7 @@ class StateSampler:
 
     @cached_property
     def home(self) -> AnyArray:
-        """The file's home, in the answer's coordinates."""
+        """The home position of the robot's file, in the answer's coordinates."""
         model, turned = self.setting.symbols.model, self.setting.turned
         home, found = dict(model.home), np.zeros(len(self._names))
         for body, at in zip(model.bodies, model.coordinates, strict=True):
@@ -175,20 +175,20 @@ class StateSampler:
 
     @cached_property
     def _length(self) -> float:
-        """A length of the robot: the mean of its parameters in metres."""
+        """A typical length of the robot: the mean of its parameters in metres."""
         model, units = self.setting.symbols.model, self.setting.units
         lengths = [abs(x) for k, x in model.parameters.items() if x and units.get(k) == "m"]
         return float(np.mean(lengths)) if lengths else 1.0
 
     @cached_property
     def _scale(self) -> AnyArray:
-        """A radian of each turn, a length of each slide."""
+        """Scale of each coordinate: a radian for angles, a typical length for slides."""
         angles = self.setting.ring.angles
         return np.array([1.0 if x in angles else self._length for x in self._names])
 
     @cached_property
     def _loose(self) -> tuple[str, ...]:
-        """The coordinates that are not given."""
+        """Coordinates without a given value."""
         return tuple(self._not_given(self._names))
 
     @cached_property
@@ -218,8 +218,8 @@ class StateSampler:
         return self._walked(chance, self._apart(regular), rows)
 
     def _led(self, states: AdmissibleStates) -> AdmissibleStates:
-        """The states that closed positions come to when the given coordinates are led to their
-        values; those that cannot follow are left out."""
+        """The states reached from closed positions when the given coordinates are moved to their
+        values; states that cannot follow are left out."""
         fixed = [x for x in self._names if x not in self._loose]
         ways = {x: self.given[x] - states.values[x] for x in fixed}
         count = 1 + int(max(np.abs(way).max(initial=0.0) for way in ways.values()) / _STRIDE)
@@ -239,8 +239,8 @@ class StateSampler:
     def _closed(
         self, drawn: AdmissibleStates, rows: Rows, names: Sequence[str], scale: AnyArray
     ) -> AdmissibleStates:
-        """The states nearest to some at which rows vanish, by Newton's method; those that do not
-        come to an end are left out."""
+        """The nearest states at which the rows vanish, by Newton's method; states that do not
+        converge are left out."""
         values = dict(drawn.values)
         for _ in range(_STEPS):
             here = replace(drawn, values=values)
@@ -257,7 +257,8 @@ class StateSampler:
         return here.chosen(np.flatnonzero(ends))
 
     def _ratios(self, states: AdmissibleStates, rows: Rows) -> AnyArray:
-        """The least of the singular values that generic positions have, by the largest."""
+        """Smallest nonzero singular value of the rows' Jacobian at each state, relative to the
+        largest; the rank is that of generic positions."""
         values = self._singular_values(states, rows)
         rank = int((values > _DEPENDENT).sum(1).max())
         return values[:, rank - 1] if rank else np.ones(states.count)
@@ -267,13 +268,13 @@ class StateSampler:
         return values / np.maximum(values[:, :1], 1e-300)
 
     def _normed(self, states: AdmissibleStates, rows: Rows) -> AnyArray:
-        """Φ_q by turns and lengths, its rows of length 1."""
+        """The loop Jacobian Φ_q scaled by angles and lengths, with rows of unit length."""
         slopes = rows.slopes_at(states) * self._loose_scale
         return slopes / np.maximum(np.linalg.norm(slopes, axis=2, keepdims=True), 1e-300)
 
     def _apart(self, states: AdmissibleStates) -> AdmissibleStates:
-        """The home, if it is among the states, and those of the others that are farthest from one
-        another."""
+        """The home position, if it is among the states, and the others that are farthest from each
+        other."""
         at = np.stack([states.values[x] / s for x, s in zip(self._names, self._scale, strict=True)])
         angles = np.array([x in self.setting.ring.angles for x in self._names])
         chosen = [int(np.argmin(states.branch))]
@@ -286,7 +287,7 @@ class StateSampler:
     def _walked(
         self, chance: np.random.Generator, starts: AdmissibleStates, rows: Rows
     ) -> AdmissibleStates:
-        """States along the branches of some, by small steps that keep to them."""
+        """States along the branches of the starting states, reached by small steps."""
         here, found = starts, list[AdmissibleStates]()
         heading = chance.normal(size=(starts.count, len(self._loose)))
         taken, stride = np.zeros(starts.count, int), np.full(starts.count, _STRIDE)
@@ -312,8 +313,8 @@ class StateSampler:
         return _together(found) if found else starts
 
     def _back(self, moved: AdmissibleStates, rows: Rows) -> tuple[AdmissibleStates, AnyArray]:
-        """The nearest positions with closed loops, and how far they are in turns and lengths;
-        infinitely where there is none."""
+        """The nearest positions with closed loops, and their scaled distance; infinite if there are
+        none."""
         numbered = replace(moved, branch=np.arange(moved.count))
         closed = self._closed(numbered, rows, self._loose, self._loose_scale)
         values, off = dict(moved.values), np.full(moved.count, np.inf)
@@ -325,7 +326,7 @@ class StateSampler:
         return replace(moved, values=values), off
 
     def _moved(self, states: AdmissibleStates, steps: AnyArray) -> AdmissibleStates:
-        """States moved by turns and lengths."""
+        """The states with coordinates changed by scaled steps."""
         moved = {
             x: states.values[x] + step * s
             for x, step, s in zip(self._loose, steps.T, self._loose_scale, strict=True)
@@ -333,7 +334,7 @@ class StateSampler:
         return replace(states, values={**states.values, **moved})
 
     def _free(self, states: AdmissibleStates, rows: Rows, wanted: AnyArray) -> AnyArray:
-        """The part of turns and lengths that the loops allow."""
+        """The component of a scaled velocity that the loops allow."""
         slopes = self._normed(states, rows)
         held = np.einsum("kij,kj->ki", slopes, wanted)
         free = wanted - np.einsum("kij,kj->ki", np.linalg.pinv(slopes, rcond=_DEPENDENT), held)
@@ -341,15 +342,15 @@ class StateSampler:
 
     # ------------------------------------------------------------ motion
     def _moving(self, chance: np.random.Generator, states: AdmissibleStates) -> AdmissibleStates:
-        """Positions with rates that keep the loops closed."""
+        """The states with random rates that keep the loops closed."""
         moving = self._begun(states, [x + RATE for x in self._names])
         return moving if self.still else self._solved(chance, moving, self._of_rates)[0]
 
     def _pressed(
         self, chance: np.random.Generator, states: AdmissibleStates
     ) -> AdmissibleStates | None:
-        """The states with accelerations and multipliers that keep loops closed and move passive
-        joints as nothing drives them."""
+        """The states with accelerations and multipliers that keep the loops closed and satisfy the
+        equations of joints without a drive."""
         at_zero = self._begun(states, [*(x + SECOND for x in self._names), *self.multipliers])
         rows = self._of_forces
         if not rows.names:
@@ -362,8 +363,8 @@ class StateSampler:
     def _solved(
         self, chance: np.random.Generator, states: AdmissibleStates, rows: Rows
     ) -> tuple[AdmissibleStates, AnyArray]:
-        """States at which rows vanish that are linear in their names, which are 0 or given so far,
-        and where that has come to an end."""
+        """The states with names set so that rows linear in them vanish; states without a solution
+        are left out."""
         slopes, gap = rows.slopes_at(states), rows.at(states)
         scale = np.array([self._size_of(x) for x in rows.names])
         slopes = slopes * scale
@@ -380,17 +381,19 @@ class StateSampler:
         return replace(states, values={**states.values, **found}), ends
 
     def _begun(self, states: AdmissibleStates, names: Sequence[str]) -> AdmissibleStates:
-        """The states with what is given of some names, and 0 for the others."""
+        """The states with given values of some names, and 0 for the other names."""
         values = {x: np.full(states.count, self.given.get(x, 0.0)) for x in names}
         return replace(states, values={**states.values, **values})
 
     def _size_of(self, name: str) -> float:
-        """The scale of a rate or acceleration; multipliers are as large as weights."""
+        """Typical size of a rate, acceleration or multiplier; multipliers are as large as
+        weights."""
         sizes = dict(zip(self._names, self._scale, strict=True))
         return float(sizes.get(name.removesuffix(atom(name).ending), 1.0))
 
     def _at_rest(self, states: AdmissibleStates) -> AdmissibleStates | None:
-        """Positions at which what nothing drives stays where it is."""
+        """Positions of equilibrium, where joints without drives stay at rest; None if there are
+        none."""
         rows = self._at_rest_rows
         scale = np.array([self._size_of(x) for x in rows.names])
         found = self._closed(states, rows, rows.names, scale)
@@ -404,7 +407,7 @@ class StateSampler:
 
     @cached_property
     def loops(self) -> tuple[list[Trig], list[Trig], list[Trig]]:
-        """The polynomials Φ, Φ̇ and Φ̈."""
+        """The loop equations' polynomials Φ, Φ̇ and Φ̈."""
         system, rates = self.setting.system, self.setting.symbols.rates
         Phi = [] if system is None else [self.setting.element(x) for x in system.loops.Phi]
         first = [x.along(rates) for x in Phi]
@@ -412,22 +415,23 @@ class StateSampler:
 
     @cached_property
     def _rows(self) -> Rows:
-        """The equations that close loops, where some coordinates are given."""
+        """The equations for closing the loops when some coordinates are given."""
         return Rows(self.loops[0], self._loose)
 
     @cached_property
     def _any_rows(self) -> Rows:
-        """Equations that close loops, as rows over all names."""
+        """The loop equations as rows over all names."""
         return Rows(self.loops[0], self._names)
 
     @cached_property
     def _of_rates(self) -> Rows:
-        """The equations of rates that keep loops closed."""
+        """The equations for rates that keep the loops closed."""
         return Rows(self.loops[1], self._not_given(x + RATE for x in self._names))
 
     @property
     def _unknown(self) -> list[str]:
-        """Accelerations and multipliers, which the equations of motion tell."""
+        """Names of the accelerations and multipliers, to be determined from the equations of
+        motion."""
         second = () if self.still else (x + SECOND for x in self._names)
         return self._not_given([*second, *self.multipliers])
 
@@ -436,18 +440,18 @@ class StateSampler:
 
     @cached_property
     def _of_forces(self) -> Rows:
-        """The equations of motion of which accelerations and multipliers follow."""
+        """The equations of motion for accelerations and multipliers."""
         return Rows([*([] if self.still else self.loops[2]), *self.passive], self._unknown)
 
     @cached_property
     def _at_rest_rows(self) -> Rows:
-        """The equations of a robot that stays at rest by itself."""
+        """The equations of a robot at rest in equilibrium."""
         names = self._not_given([*self._names, *self.multipliers])
         return Rows([*self.loops[0], *self.passive], names)
 
     @cached_property
     def passive(self) -> list[Trig]:
-        """The generalized forces that nothing gives."""
+        """The generalized forces that must vanish, as no drive supplies them."""
         passive = self.setting.symbols.model.passive
         if self.acting:
             held = self.setting.held(self.acting)
@@ -458,18 +462,18 @@ class StateSampler:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Polynomials that are to vanish, and names that may be changed for it."""
+    """Polynomials that must vanish, and the names that may change for it."""
 
     polynomials: Sequence[Trig]
     names: Sequence[str]
 
     def at(self, states: StateValues) -> AnyArray:
-        """Their values, a row for each state."""
+        """The polynomials' values, one row per state."""
         fresh = StateValues(states.values)
         return np.array([x.value for x in self._own.at(fresh)]).reshape(-1, fresh.count).T
 
     def slopes_at(self, states: StateValues) -> AnyArray:
-        """Their derivatives by the names."""
+        """The polynomials' derivatives by the names, at each state."""
         fresh = StateValues(states.values)
         found = np.zeros((states.count, len(self.polynomials), len(self.names)))
         for (i, k), x in zip(self._slopes, self._by_names.at(fresh), strict=True):

@@ -1,4 +1,4 @@
-"""Whether two sides agree at all states: as they stand, on another branch of their functions, in
+"""Whether two sides agree at all states: as they stand, on another branch of inverse functions, in
 one assembly of a closed chain, or up to a constant."""
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _DrawnFor = tuple[bool, bool, frozenset[tuple[str, float]], ActingLoads]
 
 @dataclass(frozen=True, eq=False)
 class Equal:
-    """The sense in which two sides are to be equal."""
+    """How two sides must agree: equal, up to whole turns, or up to a constant."""
 
     as_angles: bool = False
     """Whether they may differ by whole turns."""
@@ -38,7 +38,7 @@ class Equal:
     """Whether they may differ by a number for each set of parameters."""
 
     def reduced(self, gap: Running, states: AdmissibleStates) -> Running:
-        """The rest of a difference where two values that are equal in this sense count as one."""
+        """The difference reduced by what this kind of equality ignores."""
         if self.as_angles:
             return replace(gap, value=gap.value - 2 * np.pi * np.round(gap.value / (2 * np.pi)))
         if self.to_a_constant:
@@ -52,8 +52,9 @@ class Equal:
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """The states at which two sides are equal as they stand, and on some branch of their functions;
-    others: the functions that need their second value somewhere."""
+    """The states at which two sides are equal as they stand, and those at which they are on some
+    branch of their inverse functions; others: the functions whose second value is needed
+    somewhere."""
 
     states: AdmissibleStates
     right: AnyArray
@@ -69,16 +70,16 @@ class Agreement:
 
     @property
     def is_with_branches(self) -> bool:
-        """Whether a function's second value makes the two sides equal where they are not, and they
-        are equal as they stand on the home's branch, or somewhere where there is none."""
+        """Whether second values of inverse functions make the two sides equal everywhere, and they
+        are equal as they stand on the home position's branch, or somewhere if no state is on it."""
         home = self.states.is_home
         own = self.right[home] if home.any() else self.right
         return bool(self.others and self.possible.all() and own.any())
 
     @property
     def is_in_one_assembly(self) -> bool:
-        """Whether the two sides are equal all along the home's branch; where no regular position
-        belongs to it along some branch with each set of parameters."""
+        """Whether the two sides are equal on the home position's branch; for parameter sets without
+        regular positions on it, on some branch."""
         states, home = self.states, self.states.is_home
         if home.any():
             return bool(self.right[home].all())
@@ -89,8 +90,8 @@ class Agreement:
 
     @property
     def is_in_another_assembly(self) -> bool:
-        """Whether the two sides are equal along some branch with each set of parameters, but not
-        that of the home."""
+        """Whether the two sides are equal on some branch for every parameter set, but not on the
+        home position's."""
         states = self.states
         return all(
             any(
@@ -111,7 +112,7 @@ class Agreement:
 
     @property
     def worst(self) -> int:
-        """The state at which they differ most."""
+        """The state at which the two sides differ most."""
         return self.gap.worst
 
 
@@ -122,7 +123,8 @@ def agreement(
     equal: Equal | None = None,
     known: Known | None = None,
 ) -> Agreement:
-    """A tree compared with values; known: those of pieces of the tree."""
+    """The agreement of an expression with the correct values at states; known: values of some of
+    its nodes."""
     equal, first = equal or Equal(), None
     fits, every = np.zeros(states.count, bool), choices(yours)
     others: dict[str, None] = {}
@@ -141,21 +143,21 @@ def agreement(
 
 
 def is_drowned(states: AdmissibleStates, yours: Expression, right: Running, gap: Running) -> bool:
-    """Whether terms are so much larger than what is compared, the right value or else the least
-    term of an equation, that rounding could hide a mistake."""
+    """Whether some terms are so much larger than the correct value, or the smallest term of an
+    equation, that rounding could hide a mistake."""
     with np.errstate(all="ignore"):
         least = right.size if right.size.any() else _least(states, yours)
         return bool(np.median(gap.size / least) > _LARGEST)
 
 
 def _least(states: AdmissibleStates, yours: Expression) -> AnyArray:
-    """The size of the least term of a sum, of those that do not vanish."""
+    """The size of the smallest nonvanishing term of a sum at each state."""
     terms = (states.at(x, {}) for x in _terms(yours))
     return np.min([np.where(x.vanishes, np.inf, np.abs(x.value)) for x in terms], axis=0)
 
 
 def _terms(node: Expression) -> Iterator[Expression]:
-    """The terms of a sum of sums."""
+    """The terms of nested sums."""
     if isinstance(node, Sum):
         for term in node.terms:
             yield from _terms(term)
@@ -167,7 +169,7 @@ def _terms(node: Expression) -> Iterator[Expression]:
 
 @dataclass(frozen=True)
 class StatesOfModel:
-    """The states of a model, drawn once."""
+    """The states of a model, each collection drawn only once."""
 
     setting: RightEquations
 
@@ -178,8 +180,8 @@ class StatesOfModel:
         given: Mapping[str, float] = MappingProxyType({}),
         acting: ActingLoads = "",
     ) -> AdmissibleStates | None:
-        """States with the model's own values, or with others near them; moving, or held; given:
-        values of some names at all of them; acting: see `StateSampler`."""
+        """States of a model. own_values: with the model's parameter values; still: in equilibrium;
+        given: values of some names; acting: see `StateSampler`."""
         key = own_values, still, frozenset(given.items()), acting
         if key not in self._drawn:
             drawing = StateSampler(self.setting, own_values, still, given, acting)
@@ -192,8 +194,8 @@ class StatesOfModel:
 
 
 def few(states: AdmissibleStates) -> AdmissibleStates:
-    """One state of each set of parameters, on the branch of the home where there is one: enough to
-    pass over most of what is wrong."""
+    """One state per parameter set, on the home position's branch if possible: enough to detect most
+    wrong answers."""
     chosen: list[int] = []
     for k in np.unique(states.parameters):
         own = np.flatnonzero(states.parameters == k)

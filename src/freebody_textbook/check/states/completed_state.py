@@ -1,5 +1,5 @@
-"""A state of a closed chain, completed by its loops where some coordinates, rates and accelerations
-are given."""
+"""Completing a state of a closed chain by its loop equations from some coordinates, rates and
+accelerations."""
 
 from __future__ import annotations
 
@@ -20,9 +20,8 @@ _CLOSED, _DETERMINED = 1e-11, 1e-8
 
 
 def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, float]:
-    """The values that follow for other names; none of what is not determined, or of loops that
-    cannot be closed. The assembly is that of the home: the given coordinates are led from there to
-    their values."""
+    """Values of other names that follow from the given ones; {} if they are not determined or the
+    loops cannot be closed. The assembly is reached by moving from the home position."""
     drawing = StateSampler(setting)
     names = setting.symbols.coordinates
     if setting.system is None or not any(x in given for x in names):
@@ -50,8 +49,8 @@ def completed(setting: RightEquations, given: Mapping[str, float]) -> dict[str, 
 def _of_motion(
     drawing: StateSampler, given: Mapping[str, float], values: dict[str, float]
 ) -> dict[str, float]:
-    """The rates, accelerations and multipliers that follow where all coordinates are known: each
-    only where those before it are determined."""
+    """The rates, accelerations and multipliers that follow when all coordinates are known; each
+    kind only if the previous one is determined."""
     names, found = drawing.setting.symbols.coordinates, dict[str, float]()
     for order, ending in enumerate((RATE, SECOND), 1):
         free = [x + ending for x in names if x + ending not in given]
@@ -66,19 +65,20 @@ def _of_motion(
 
 
 def _moving(coordinates: Sequence[str]) -> list[str]:
-    """Names of coordinates, each with its rate and acceleration."""
+    """Names of coordinates, their rates and accelerations."""
     return [x + ending for x in coordinates for ending in ("", RATE, SECOND)]
 
 
 def _names(rows: Sequence[Trig]) -> set[str]:
-    """The symbols in polynomials; signs of rates apart."""
+    """The symbols in polynomials, without signs of rates."""
     return {symbol_of(name) for name in generators_in(*rows) if function_of(name) != SIGN}
 
 
 def _closed(
     rows: Rows, free: Sequence[str], at: Mapping[str, float], values: dict[str, float]
 ) -> bool:
-    """Whether the free coordinates close the loops; they are put into the values."""
+    """Whether changing the free coordinates can close the loops; the closing values are stored in
+    `values`."""
     here = dict(at)
     for _ in range(_STEPS):
         states = _one(here)
@@ -93,7 +93,7 @@ def _closed(
 
 
 def _solved(rows: Rows, free: Sequence[str], values: dict[str, float]) -> dict[str, float]:
-    """The names that linear equations determine; all are put into the values."""
+    """The names that linear equations determine, with values; all are stored in `values`."""
     values |= dict.fromkeys(free, 0.0)
     if not free or not rows.polynomials:
         return {}
@@ -104,7 +104,7 @@ def _solved(rows: Rows, free: Sequence[str], values: dict[str, float]) -> dict[s
 
 
 def _determined(rows: Rows, free: Sequence[str], values: Mapping[str, float]) -> list[str]:
-    """The names that equations leave no choice."""
+    """The names whose values the equations determine uniquely."""
     if not free:
         return []
     slopes: AnyArray = rows.slopes_at(_one(values))[0]
@@ -115,5 +115,5 @@ def _determined(rows: Rows, free: Sequence[str], values: Mapping[str, float]) ->
 
 
 def _one(values: Mapping[str, float]) -> StateValues:
-    """A single state with these values."""
+    """A collection of a single state with these values."""
     return StateValues({x: np.array([y]) for x, y in values.items()})

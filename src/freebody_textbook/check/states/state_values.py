@@ -1,5 +1,5 @@
-"""The values of polynomials and of answers' trees at many states, all at once, and how large the
-terms were that they were made of, so that a difference can be told from rounding."""
+"""Values of polynomials and expressions at many states at once, with the sizes of their terms, to
+distinguish differences from rounding."""
 
 from __future__ import annotations
 
@@ -32,15 +32,15 @@ AnyArray = np.ndarray[Any, np.dtype[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Running:
-    """value: the numbers; size: by how much they change where everything that they were made of
-    changes by its own size."""
+    """Numbers with error bounds. value: the numbers; size: how much they change if all their inputs
+    change by their own sizes."""
 
     value: Any
     size: Any
 
     @staticmethod
     def exact(x: Any) -> Running:
-        """Numbers without rounding errors so far, as running values."""
+        """Running values of numbers that have no rounding error yet."""
         return Running(x, np.abs(x))
 
     def __add__(self, other: Running) -> Running:
@@ -57,7 +57,7 @@ class Running:
         return Running(self.value * other.value, size)
 
     def __truediv__(self, other: Running) -> Running:
-        """A quotient; no number where the divisor is 0 but for rounding."""
+        """Quotient of running values; NaN where the divisor is 0 up to rounding."""
         value = self.value / np.where(other.vanishes, np.nan, other.value)
         return Running(value, (self.size + np.abs(value) * other.size) / np.abs(other.value))
 
@@ -68,19 +68,18 @@ class Running:
         return Running(self.value**exponent, exponent * np.abs(below) * self.size)
 
     def by(self, value: Any, slope: Any) -> Running:
-        """A function of the numbers, of which value and derivative are given."""
+        """A function of running values, given its value and derivative."""
         return Running(value, np.minimum(np.abs(slope), _STEEPEST) * self.size + np.abs(value))
 
     @property
     def vanishes(self) -> AnyArray:
-        """Whether each number is 0 but for rounding; not where it is no number."""
+        """Whether each number is 0 up to rounding; False for NaN."""
         known = np.isfinite(self.value) & np.isfinite(self.size)
         return known & (np.abs(self.value) <= EQUAL * self.size)
 
     @property
     def worst(self) -> int:
-        """The place of the number that is farthest from 0, by its size, of those that are
-        numbers."""
+        """The index of the number farthest from 0 relative to its size, ignoring NaN."""
         with np.errstate(invalid="ignore"):
             share = np.abs(self.value) / np.maximum(self.size, 1e-300)
         return int(np.argmax(np.where(np.isfinite(share), share, -1.0)))
@@ -135,7 +134,7 @@ _FUNCTIONS: Mapping[str, tuple[Callable[[Running], Running], Callable[[Running],
 
 @dataclass(frozen=True, eq=False)
 class Polynomials:
-    """Several polynomials, put in order once to be evaluated at many states."""
+    """Several polynomials prepared for evaluation at many states."""
 
     polynomials: Sequence[Trig]
 
@@ -151,7 +150,7 @@ class Polynomials:
 
     @cached_property
     def _factors(self) -> AnyArray:
-        """The powers of each term by number, filled up with 0."""
+        """Numbers of the powers in each term, padded with 0."""
         at = np.zeros((len(self._terms), max((len(x[1]) for x in self._terms), default=0)), int)
         for row, (_, powers, _) in zip(at, self._terms, strict=True):
             row[: len(powers)] = [self._powers[x] for x in powers.items()]
@@ -162,7 +161,7 @@ class Polynomials:
         return np.array([[float(c)] for *_, c in self._terms])
 
     def at(self, states: StateValues) -> list[Running]:
-        """Their values; sizes are those of their terms."""
+        """Values of the polynomials at states; sizes are those of their terms."""
         table = np.ones((len(self._powers) + 1, states.count))
         for row, k in self._powers.items():
             table[k] = states.power(*row)
@@ -180,14 +179,14 @@ class Polynomials:
 
 @dataclass(frozen=True, eq=False)
 class StateValues:
-    """values: by the names of a ring, but for sines, cosines and signs, the numbers of each
-    state."""
+    """The values of a ring's names at several states, without sines, cosines and signs, which are
+    computed."""
 
     values: Mapping[str, AnyArray]
 
     @property
     def count(self) -> int:
-        """The number of the states."""
+        """The number of states."""
         return len(next(iter(self.values.values())))
 
     @cached_property
@@ -199,20 +198,20 @@ class StateValues:
         return {}
 
     def of(self, x: Value) -> Running:
-        """A polynomial, or a quotient of two."""
+        """The values of a polynomial or a quotient of two."""
         above, below = pair(x)
         found = self.polynomial(above)
         return found / self.polynomial(below) if isinstance(x, Ratio) else found
 
     def polynomial(self, x: Trig) -> Running:
-        """A polynomial's values; the size is that of its terms."""
+        """The values of a polynomial, with the sizes of its terms."""
         kept = self._kept.get(id(x))
         if kept is None:
             kept = self._kept[id(x)] = x, Polynomials([x]).at(self)[0]
         return kept[1]
 
     def power(self, name: str, exponent: int) -> AnyArray:
-        """The values of a generator's power."""
+        """The values of a power of a generator."""
         if (name, exponent) not in self._powers:
             self._powers[name, exponent] = self.generator(name) ** exponent
         return self._powers[name, exponent]
@@ -225,7 +224,8 @@ class StateValues:
         return _OF_GENERATORS[function](self.values[symbol])
 
     def at(self, node: Expression, choice: Choice, known: Known | None = None) -> Running:
-        """A tree's values, its functions on some of their branches; known: of pieces of it."""
+        """The values of an expression, with the chosen branches of its functions; known: values of
+        some nodes."""
 
         def wave(node: Wave, at: object) -> Running:
             angle = float(node.turn) + sum(k * self.values[name] for name, k in node.angle)
@@ -254,7 +254,7 @@ class StateValues:
             return evaluate(node, rules, known)
 
     def pieces(self, node: Expression) -> dict[Expression, Running]:
-        """The values of all pieces of a tree that hold no function."""
+        """The values of all subexpressions without functions."""
         found: dict[Expression, Running] = {}
         for part in reversed(list(nodes(node))):
             if not isinstance(part, Arguments) and not functions_of(part):
@@ -263,25 +263,25 @@ class StateValues:
 
 
 def functions_of(node: Expression) -> list[Function]:
-    """All functions that a tree contains."""
+    """All functions in an expression."""
     return [x for x in nodes(node) if isinstance(x, Function)]
 
 
 def of_several_values(node: Expression) -> list[Function]:
-    """The functions in a tree of which each value must be tried."""
+    """The functions in an expression that have two values to be tried, such as arccos."""
     return [x for x in functions_of(node) if x.name in _FUNCTIONS]
 
 
 def choices(node: Expression) -> Sequence[Choice]:
-    """The choices of values: that of the functions as they stand, then those with the fewest second
-    ones."""
+    """Choices of function values: first the functions as they stand, then those with fewest second
+    values."""
     several = of_several_values(node)
     every = itertools.product((0, 1), repeat=len(several))
     return [dict(zip(several, chosen, strict=True)) for chosen in sorted(every, key=sum)]
 
 
 def second_values(choice: Choice) -> Iterator[str]:
-    """The names of the functions whose second value is taken."""
+    """Names of the functions whose second value is chosen."""
     for node, is_second in choice.items():
         if is_second and isinstance(node, Function):
             yield node.name

@@ -1,1 +1,1 @@
-"""Whether a claim is right, and what is said of it."""
+"""Whether a claim is correct, and the sentences about it."""

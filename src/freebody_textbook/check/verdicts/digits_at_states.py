@@ -1,5 +1,5 @@
-"""Answers in rounded numbers that are compared at states: whether some numbers that round to those
-written are right at all of them."""
+"""Answers with rounded numbers compared at states: whether numbers that round to the written ones
+are correct at all states."""
 
 from __future__ import annotations
 
@@ -26,15 +26,16 @@ GapOfTree = Callable[[Expression, int], AnyArray]
 
 
 def unrounded(tree: Expression, source: Source, gap: GapOfTree, count: int) -> Expression | None:
-    """A tree with the numbers, each within half a unit of its last digit, that come closest to the
-    right value; None where it has no rounded numbers, or too many for so many states."""
+    """An expression with each rounded number changed by at most half a unit of its last digit, to
+    come closest to the correct value; None if it has no rounded numbers, or too many for the number
+    of states."""
     halves = _halves(tree, source)
     if not halves or _STATES_PER_NUMBER * len(halves) > count:
         return None
     branch = _nearest_branch(tree, gap)
 
     def moved(shares: AnyArray) -> Expression:
-        """The tree with its numbers moved by shares of half a unit."""
+        """The expression with its numbers changed by fractions of half a unit."""
         new: dict[Expression, Expression] = {
             x: replace(x, value=x.value + Fraction(float(share)) * half)
             for (x, half), share in zip(halves.items(), shares, strict=True)
@@ -57,19 +58,20 @@ def unrounded(tree: Expression, source: Source, gap: GapOfTree, count: int) -> E
 
 
 def _halves(tree: Expression, source: Source) -> dict[Number, Fraction]:
-    """The numbers with digits behind the point, and half a unit of the last one."""
+    """The decimal numbers in an expression, with half a unit of their last digit."""
     rows = ((x, half_a_unit(source[x.span], x.value)) for x in nodes(tree) if isinstance(x, Number))
     return {x: half for x, half in rows if half}
 
 
 def _nearest_branch(tree: Expression, gap: GapOfTree) -> AnyArray:
-    """The branch of the tree's functions that is nearest at each state."""
+    """The branch of the expression's functions that is nearest to the correct value at each
+    state."""
     rows = np.abs([gap(tree, k) for k in range(len(choices(tree)))])
     return np.argmin(np.where(np.isfinite(rows), rows, np.inf), axis=0)
 
 
 def _on(branch: AnyArray, tree: Expression, gap: GapOfTree) -> AnyArray:
-    """The gap of a tree, at each state on its own branch."""
+    """The difference from the correct value, at each state on its own branch."""
     found = np.full(len(branch), np.nan)
     for k in np.unique(branch):
         found[branch == k] = gap(tree, int(k))[branch == k]
@@ -77,7 +79,7 @@ def _on(branch: AnyArray, tree: Expression, gap: GapOfTree) -> AnyArray:
 
 
 def _least_squares(slopes: AnyArray, wanted: AnyArray, shares: AnyArray) -> AnyArray:
-    """The shares after the change that comes closest to what is wanted, none beyond half a unit."""
+    """Fractions of half a unit, updated by least squares and limited to ±1."""
     from scipy.optimize import lsq_linear
 
     scale = np.abs(slopes).max() or 1.0

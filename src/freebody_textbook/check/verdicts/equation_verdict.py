@@ -1,5 +1,5 @@
-"""Verdict on an equation of an answer against the right one: equal, or the simplest explanation of
-the difference."""
+"""The verdict on one equation of an answer: equal, or the simplest explanation of the
+difference."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ STILL = (
 
 @dataclass(frozen=True)
 class Judge:
-    """Compares claims with the right values of a model."""
+    """Judges claims by comparing them with a model's correct values."""
 
     setting: RightEquations
     targets: Targets
@@ -81,7 +81,7 @@ class Judge:
 
     @cached_property
     def point(self) -> Point:
-        """A random point of the ring."""
+        """A random point of the finite field."""
         return random_point(self.setting.ring)
 
     @cached_property
@@ -91,17 +91,17 @@ class Judge:
 
     @cached_property
     def free_body(self) -> FreeBodyMotion | None:
-        """The motion of one body that nothing holds."""
+        """The motion of a free body; None for other robots."""
         return FreeBodyMotion(self.setting) if self.setting.is_free_body else None
 
     @cached_property
     def vocabulary(self) -> Vocabulary:
-        """Names for reading printed equations."""
+        """Names needed to read printed equations."""
         return Vocabulary(self.setting)
 
     def verdict(self, claim: Claim, explain: bool = True) -> EquationVerdict:
-        """The verdict on one claim, with its mistakes named or only with an example; right where it
-        is in one of the ways in which its symbols can be read."""
+        """The verdict on one claim, with its mistakes named if `explain`, otherwise with an
+        example; a claim is correct if it is so in one reading of its symbols."""
         found = self._as_read(claim, False)
         if found.equal:
             return found
@@ -122,13 +122,13 @@ class Judge:
         return replace(wrong, causes=(*wrong.causes, *unread_condition(claim)))
 
     def _value(self, claim: Claim, node: Expression) -> Value:
-        """The value of a tree that is read in another way."""
+        """The value of an expression in an alternative reading."""
         if functions_of(node) or claim.target.kind.is_long:
             return claim.value
         return PolynomialReader(claim.source, self.setting.ring).quotient(node)
 
     def _as_read(self, claim: Claim, explain: bool) -> EquationVerdict:
-        """The verdict on a claim as it is read first."""
+        """The verdict on a claim in the first reading of its symbols."""
         if claim.target.kind.is_pose:
             return singular_poses.verdict(claim)
         if functions_of(claim.node if claim.whole is None else claim.whole):
@@ -165,7 +165,8 @@ class Judge:
         )
 
     def up_to_a_constant(self, claim: Claim, right: Value) -> bool:
-        """Whether a claim is about an energy whose level is arbitrary, and may differ by one."""
+        """Whether a claim is about an energy, whose reference level is free, and differs only by a
+        constant."""
         if not claim.target.kind.up_to_a_constant:
             return False
         yours = claim.value
@@ -174,8 +175,7 @@ class Judge:
         return can_be_a_level(self.setting, yours - right, right)
 
     def _level(self, claim: Claim, right: Value) -> str:
-        """The constant by which a claim about an energy differs; "" where it may not differ by
-        one."""
+        """The constant by which a claim about an energy may differ; "" if there is none."""
         if not (isinstance(claim.value, Trig) and isinstance(right, Trig)):
             return ""
         gap = claim.value - right
@@ -184,22 +184,23 @@ class Judge:
 
     @cached_property
     def states(self) -> StatesOfModel:
-        """States at which loops are closed and what nothing drives moves by itself."""
+        """The model's states with loops closed and joints without drives obeying the equations of
+        motion."""
         return StatesOfModel(self.setting)
 
     def _same(self, a: Value, b: Value) -> bool:
-        """Whether two values are equal, or are where loops are closed."""
+        """Whether two values are equal, or equal whenever the loops are closed."""
         gap = difference(a, b)
         return gap.is_zero or self._vanishes(gap)
 
     def _vanishes(self, x: Trig, still: bool = False) -> bool:
-        """Whether a polynomial is 0 wherever loops are closed; still: in equilibrium."""
+        """Whether a polynomial is 0 whenever the loops are closed; still: in equilibrium."""
         states = self.states.of(still=still) if self.setting.system is not None else None
         return states is not None and bool(states.polynomial(x).vanishes.all())
 
     def _in_its_sense(self, claim: Claim) -> AskedQuantity:
-        """The claim's quantity in the sense that fits the answer, where it has two right values, as
-        a torque that holds a force of either sense."""
+        """The claim's quantity with the sign that fits the answer, if either sign is correct, as
+        for a torque balancing a force of unknown direction."""
         target = claim.target
         if not target.also:
             return target
@@ -221,15 +222,14 @@ class Judge:
         return replace(target, compute=other, note=note, thoughts=(first, *target.thoughts))
 
     def _senses(self, kind: Kind) -> tuple[int, int]:
-        """The number of claims about a kind that are right in the first sense, and in the
-        second."""
+        """(number of claims about a kind correct with the first sign, number with the second)."""
         of = {kind} if kind.has_own_sense else {x.target.kind for x in self.claims}
         told = [x for x in self.claims if x.target.also and x.target.kind in of]
         first = sum(_is_right(claim, claim.target.compute) for claim in told)
         return first, sum(_is_right(claim, claim.target.also[0][1]) for claim in told)
 
     def _nearer(self, claim: Claim) -> int:
-        """The sense in which fewer terms differ."""
+        """The sign convention with which fewer terms differ."""
         values = (claim.target.compute(), claim.target.also[0][1]())
         sizes = [len(difference(claim.value, x)) for x in values]
         return sizes.index(min(sizes))
@@ -245,7 +245,7 @@ class Judge:
         return self._with_example(claim, right, findings, causes)
 
     def _is_meant_still(self, claim: Claim, yours: Trig, right: Trig) -> bool:
-        """Whether an answer without anything that moves is right in equilibrium."""
+        """Whether an answer without moving quantities is correct in equilibrium."""
         if not claim.target.kind.may_be_still or self.numbers.has_motion(claim):
             return False
         lexemes = claim.source.lexemes
@@ -257,7 +257,7 @@ class Judge:
         )
 
     def _unsymmetric(self, claim: Claim) -> list[str]:
-        """A sentence about an entry of the mass matrix that the answer gives in two ways."""
+        """A sentence on a mass matrix entry for which the answer gives two different values."""
         mirrored = claim.target.index[::-1]
         if not claim.target.kind.is_symmetric or mirrored == claim.target.index:
             return []
@@ -275,8 +275,8 @@ class Judge:
         return wrong_verdict(claim, findings, causes, self.example(claim.value, right))
 
     def example(self, yours: Value, right: Value) -> Example | None:
-        """Numbers at which an answer is not the right one; of a closed chain at a state at which
-        its loops are closed."""
+        """Numbers at which an answer differs from the correct one; for a closed chain at a state
+        with closed loops."""
         states = self.states.of(own_values=True) if self.setting.system is not None else None
         if states is not None:
             gap = states.of(yours) - states.of(right)
@@ -286,8 +286,8 @@ class Judge:
         return example(self.setting, yours, right)
 
     def _other_ways(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
-        """The verdict on what is right though it is not the same: torques of passive joints, other
-        matrices C."""
+        """The verdict on an answer that is correct in another form: torques of passive joints,
+        other matrices C; None if it is not."""
         note = self.coriolis.get(claim.target.index, "") if claim.target.kind.by_rates else ""
         if claim.target.idle and (
             yours.is_zero or is_undriven_equation(self.setting, yours, right)
@@ -298,12 +298,12 @@ class Judge:
 
     @cached_property
     def coriolis(self) -> Mapping[tuple[int, ...], str]:
-        """Notes on entries of another matrix C than Christoffel's, by their indices."""
+        """Notes, by indices, on entries of a Coriolis matrix that differs from Christoffel's."""
         return coriolis_notes(self.setting, self.claims)
 
     # ------------------------------------------------------------ numbers
     def _in_numbers(self, claim: Claim, yours: Trig, right: Trig) -> EquationVerdict | None:
-        """The verdict on an answer in numbers, or of a model that has measured ones; None of an
+        """The verdict on an answer in numbers, or about a model with measured numbers; None for an
         answer in symbols."""
         model = self.setting.symbols.model
         values = {name: value for name, value in model.parameters.items() if value is not None}
@@ -331,7 +331,8 @@ class Judge:
         return self._with_example(claim, rounded.target, findings, causes)
 
     def _mixed(self, claim: Claim, rounded: Rounded) -> EquationVerdict | None:
-        """The verdict on numbers among symbols."""
+        """The verdict on an answer that mixes numbers and symbols; None if it is not wrong for
+        that."""
         if not rounded.is_mixed or not any(isinstance(x, Number) for x in nodes(claim.node)):
             return None
         text = (
@@ -342,7 +343,7 @@ class Judge:
         return self._with_example(claim, rounded.right, (), [text])
 
     def _zeros(self, claim: Claim) -> str:
-        """A sentence about parameters in the answer that are 0 in this model."""
+        """A sentence on parameters in the answer that are 0 in this model."""
         if not self.setting.zeros:
             return ""
         names = {x.name: sym(x.name) for x in nodes(claim.node) if isinstance(x, Named)}
@@ -353,7 +354,7 @@ class Judge:
         return f"({' and '.join(found)} {'are' if len(found) > 1 else 'is'} 0 in {model!r}.)"
 
     def _is_constant(self, x: Trig) -> bool:
-        """Whether no coordinate or rate occurs."""
+        """Whether a polynomial contains no coordinate or rate."""
         return all(x.derivative(name).is_zero for name in self.setting.symbols.rates)
 
     def _explained(self, claim: Claim, yours: Trig, right: Trig) -> tuple[list[Mistake], list[str]]:
@@ -365,7 +366,7 @@ class Judge:
         return findings, [doubt] * bool(doubt) + causes + self._units(yours, right)
 
     def thoughts(self, claim: Claim, right: Value, work: Workspace) -> list[str]:
-        """Sentences on what may have been thought, of the model's own coordinates only."""
+        """Sentences on misconceptions that explain a wrong claim."""
         if self.setting.turned is not None:
             return []
         terms, point = None, work.point
@@ -379,7 +380,7 @@ class Judge:
         )
 
     def _units(self, yours: Trig, right: Trig) -> list[str]:
-        """A sentence about a term in the wrong units."""
+        """A sentence on a term with wrong units."""
         found = misfit(self.setting, yours, right)
         if found is None:
             return []
@@ -389,7 +390,7 @@ class Judge:
 
 
 def _is_zero(target: AskedQuantity) -> bool:
-    """Whether a quantity is 0 in any state."""
+    """Whether a quantity is 0 in every state."""
     right = target.compute()
     return isinstance(right, Trig) and right.is_zero
 

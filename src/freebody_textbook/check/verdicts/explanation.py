@@ -1,5 +1,5 @@
-"""The simplest changes that make one equation of an answer right; and the verdict on what is no
-polynomial, or holds for free motions only: solved accelerations, inverses, cos θ₂ from x and y."""
+"""The simplest changes that correct one equation of an answer; and verdicts on quotients, and on
+what holds for free motions only: solved accelerations, inverses, cos θ₂ from x and y."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ itself."""
 
 @dataclass(frozen=True)
 class Explanation:
-    """The search for what is wrong with one claim."""
+    """Searches for the mistakes in one claim."""
 
     judge: Judge
     claim: Claim
@@ -63,13 +63,13 @@ class Explanation:
 
     @cached_property
     def rows(self) -> Sequence[Difference]:
-        """The terms in which the answer differs from the right one."""
+        """Terms in which the answer differs from the correct one."""
         assert isinstance(self.claim.value, Trig)
         assert isinstance(self.right, Trig)
         return differences(self.setting, self.claim.value, self.right)
 
     def findings(self, has_cause: bool) -> list[Mistake]:
-        """The cheapest explanation: one change, several, or all terms that differ."""
+        """The cheapest explanation: one change, several, or all differing terms."""
         sides = (self.claim.value, self.right)
         if any(isinstance(x, Trig) and is_too_long(x) for x in sides):
             own = self.forward.single()
@@ -86,8 +86,8 @@ class Explanation:
 
     @property
     def _is_reduced(self) -> bool:
-        """Whether only the right equation has multipliers: the loops give the terms of both in many
-        ways, and no single one is missing."""
+        """Whether only the correct equation has multipliers; its terms then have many equivalent
+        forms, so that no single term counts as missing."""
         found = (
             {name for x in pair(side) for powers, _ in x.terms() for name in powers}
             for side in (self.claim.value, self.right)
@@ -100,8 +100,8 @@ class Explanation:
 
     # ------------------------------------------------------------ one change
     def _single(self) -> Mistake | None:
-        """The cheapest of: a change of the answer, a change of the right answer that gives it, a
-        missing term."""
+        """The cheapest single mistake: a change of the answer, a change of the correct answer that
+        gives the user's, or a missing term."""
         own = self.forward.single()
         missing = self._missing_cost()
         best = min(own.cost if own else 99.0, missing)
@@ -117,17 +117,17 @@ class Explanation:
 
     @cached_property
     def forward(self) -> Repairs:
-        """Changes of the answer that may make it right."""
+        """Search for changes of the answer that correct it."""
         return Repairs(self.setting, self.work, self.value, self._related)
 
     def _related(self, name: str) -> dict[str, Value]:
-        """The other entries of the family of a quantity that stands in the answer, such as H11."""
+        """Other quantities of the same kind as one named in the answer, such as H11."""
         single = self.judge.targets.single
         others = related(self.judge.targets, single[name]) if name in single else {}
         return {other: value for other, value in others.items() if value != self.right}
 
     def _missing_cost(self) -> float:
-        """The cost of saying that one term is missing."""
+        """The cost of reporting a single missing term."""
         if len(self.rows) == 1 and self.rows[0].yours == 0:
             return _MISSING
         return 99.0
@@ -136,7 +136,8 @@ class Explanation:
         return self.wording.of_difference(self.rows[0])
 
     def _reverse(self, below: float) -> tuple[Repair, Workspace, Wording] | None:
-        """A change of the right answer, as it prints, that gives the user's and costs less."""
+        """A change of the printed correct answer that gives the user's, at a cost below `below`;
+        None if there is none."""
         best = None
         for text in self._printed():
             source = AnswerText.of(text)
@@ -158,7 +159,7 @@ class Explanation:
         return best
 
     def _printed(self) -> list[str]:
-        """The right answer as it prints, and term by term."""
+        """Printed forms of the correct answer, as a whole and term by term."""
         if not isinstance(self.right, Trig):
             return [self.setting.form(self.right)]
         if self.right.is_zero:
@@ -172,7 +173,7 @@ class Explanation:
 
     # ------------------------------------------------------------ several changes
     def _several(self) -> list[Mistake]:
-        """Two or three changes of the answer."""
+        """Two or three changes that together correct the answer."""
         point, insertions = self.judge.point, []
         for row in self.rows:
             if row.instead is None and row.yours == 0:
@@ -194,11 +195,11 @@ class Explanation:
 
 
 def _nothing(name: str) -> None:
-    """Printed answers hold no quantities by name."""
+    """Return None: printed answers contain no named quantities."""
 
 
 def first(found: list[Mistake]) -> list[Mistake]:
-    """The first of many, and how many more there are."""
+    """The first few of many mistakes, with a note on how many more there are."""
     if len(found) <= MOST_FINDINGS + 1:
         return found
     more = Mistake("term", f"{len(found) - MOST_FINDINGS} more terms differ.")
@@ -211,7 +212,8 @@ _LIKELY = ("sign", "function", "factor", "index", "missing", "extra")
 def quotient_verdict(
     judge: Judge, claim: Claim, right: Value, explain: bool
 ) -> EquationVerdict | None:
-    """The verdict on a quotient, or on what holds for free motions; None of any other answer."""
+    """The verdict on a quotient, or on a claim that holds for free motions; None for other
+    answers."""
     yours, point = claim.value, judge.point
     motion = _motion(judge, claim, right)
     if motion is not None and any(map(motion.concerns, (yours, right))):
@@ -223,14 +225,14 @@ def quotient_verdict(
 
 
 def _motion(judge: Judge, claim: Claim, right: Value) -> FreeMotion | None:
-    """The motions of a free body for which a claim is to hold."""
+    """The motions of a free body for which a claim must hold; None if there is no free body."""
     return judge.free_body and judge.free_body.motion((claim.value, right))
 
 
 def _explained(
     judge: Judge, claim: Claim, right: Value, point: Point
 ) -> tuple[list[Mistake], list[str]]:
-    """The changes that make it right, and what may have been thought."""
+    """The changes that correct a claim, and sentences on misconceptions."""
     work = Workspace(claim.node, point)
     doubt = doubt_about(judge.setting, judge.targets, claim, work)
     thoughts = [*[doubt] * bool(doubt), *judge.thoughts(claim, right, work)]
@@ -243,15 +245,15 @@ def _explained(
 
 
 class _Changes(Explanation):
-    """The search without a comparison term by term."""
+    """Searches for changes without a comparison term by term."""
 
     @property
     def rows(self) -> Sequence[Difference]:
         return ()
 
     def simplest(self, has_cause: bool) -> list[Mistake]:
-        """The fewest changes that make the answer right; none where none is found, and where the
-        cause is known only a likely one."""
+        """The fewest changes that correct the answer; empty if none are found, or if the cause is
+        known and they are unlikely."""
         single = self._single()
         if single is None:
             return [] if has_cause else self._several()

@@ -1,4 +1,4 @@
-"""A number of an answer and the right one at the same state, with how far they may be apart."""
+"""A number of an answer and the correct one at the same state, with the allowed difference."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _VAGUE = 0.05
 
 @dataclass(frozen=True)
 class NumberAtState:
-    """A claim in numbers, and the right number at its state."""
+    """A claim in numbers, with the correct number at its state."""
 
     setting: RightEquations
     claim: Claim
@@ -47,12 +47,12 @@ class NumberAtState:
 
     @cached_property
     def right_value(self) -> Value:
-        """The right answer in symbols."""
+        """The correct answer in symbols."""
         return self.claim.target.compute()
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """The values of all names that are known, in SI units."""
+        """Known values of names in SI units."""
         model = self.setting.symbols.model.parameters
         known = {name: float(value) for name, value in model.items() if value is not None}
         for name, given in self.given.items():
@@ -68,7 +68,7 @@ class NumberAtState:
 
     @cached_property
     def right(self) -> float:
-        """The right number, in SI units."""
+        """The correct number in SI units."""
         right = self.point.of(self.right_value)
         return 0.0 if abs(right) <= self._noise else right
 
@@ -79,7 +79,7 @@ class NumberAtState:
 
     @cached_property
     def factor(self) -> float:
-        """The size of the unit in which the answer is written, in SI units."""
+        """The factor to SI units of the unit in which the answer is written."""
         return self.unit.factor if self.unit else 1.0
 
     @property
@@ -94,18 +94,18 @@ class NumberAtState:
 
     @cached_property
     def point(self) -> RealPoint:
-        """The state, and how far numbers may be apart there."""
+        """The point of the state, with the allowed difference between numbers."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         return replace(point, slack=self._slack(point) + self._noise)
 
     @cached_property
     def _noise(self) -> float:
-        """The error that floating point leaves where terms cancel, as cos 90°."""
+        """Rounding error that remains where terms cancel, as in cos 90°."""
         return EXACT * (self._size + abs(self.yours))
 
     @cached_property
     def _size(self) -> float:
-        """Sum of the sizes of the right number's terms."""
+        """Sum of the absolute values of the correct number's terms."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         above, below = pair(self.right_value)
         size = sum(abs(point.term(powers, c)) for powers, c in above.terms())
@@ -113,13 +113,13 @@ class NumberAtState:
 
     @property
     def is_right(self) -> bool:
-        """Whether the numbers are equal to the digits given, or within the tolerance."""
+        """Whether the numbers agree to the digits given, or within the tolerance."""
         return self.point.agree(self.yours, self.right)
 
     @property
     def is_vague(self) -> bool:
-        """Whether digits or tolerance leave more room than the right number's terms have, so that
-        nearly any number would do."""
+        """Whether the digits or the tolerance allow more than the size of the correct number's
+        terms, so that almost any number would pass."""
         exactly = replace(self.point, slack=self._noise).agree(self.yours, self.right)
         return not exactly and self.point.slack > self._size + self._noise
 
