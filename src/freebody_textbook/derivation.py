@@ -1,6 +1,5 @@
-"""A derivation as data: an ordered list of steps, each with its equations, what was done and
-why; and a method of derivation as one record, which the command line, errors, pages and documents
-read."""
+"""A derivation as data: an ordered list of steps with equations, what was done and why; and the
+record of a derivation method, read by the command line, errors, pages and documents."""
 
 from __future__ import annotations
 
@@ -59,7 +58,7 @@ class Step(InWords):
 
 @dataclass(frozen=True)
 class Meaning:
-    """The meaning of symbols in words, and their unit ("" for none)."""
+    """The meaning of symbols in words, and their unit ("" if none)."""
 
     symbols: tuple[Expression, ...]
     words: str
@@ -68,8 +67,8 @@ class Meaning:
 
 @dataclass(frozen=True)
 class Drawings:
-    """SVG text by the names that steps give their figures, with "overview" of the robot, and the
-    style they need."""
+    """Drawings of a derivation: SVG text by figure name, with "overview" for the robot, and their
+    CSS style."""
 
     svg: Mapping[str, str]
     style: str
@@ -77,7 +76,7 @@ class Drawings:
 
 @dataclass(frozen=True, repr=False)
 class Derivation(Titled):
-    """A derivation of a model's equations by one method, and the torques that this way ends in."""
+    """A derivation of a model's equations by one method, with the torques that it obtains."""
 
     method: str
     title: str
@@ -120,7 +119,7 @@ class Derivation(Titled):
 
     @property
     def result(self) -> Equations:
-        """The equations of motion (or, of statics, the model they belong to)."""
+        """The equations of motion (for statics: the equations of the model)."""
         return self.equations
 
     def text(self, width: int = 100) -> str:
@@ -137,8 +136,8 @@ class Derivation(Titled):
         return documents.latex(self)
 
     def html(self, labels: str = "names") -> str:
-        """One HTML page with MathML that needs nothing else; labels: what stands in its drawings,
-        "names", "values" or "both".
+        """A self-contained HTML page with MathML; labels of its drawings: "names", "values" or
+        "both".
 
         The page of an arm, and of most closed chains, can be tried: with sliders that
         numbers and a drawing follow, and lines that are hidden until they are predicted.
@@ -163,7 +162,7 @@ class Derivation(Titled):
 
 @dataclass(frozen=True)
 class Worked:
-    """A worked derivation: the steps of a method for a setting, and its results.
+    """The result of applying a derivation method: its steps and quantities.
 
     steps: in order. tau: the motors' torques as this method finds them, in the order of the joints;
     none where it finds none. symbols: the meanings of what it introduces. title: where options
@@ -185,8 +184,8 @@ class Worked:
 
 @dataclass(frozen=True)
 class MethodOption:
-    """An option that one method has: its name, its choices, the default first, and what it chooses,
-    in words."""
+    """An option of a derivation method: its name, its choices with the default first, and what it
+    selects, in words."""
 
     name: str
     choices: tuple[str, ...]
@@ -195,7 +194,7 @@ class MethodOption:
 
 @dataclass(frozen=True)
 class Method:
-    """A way to the equations of a robot.
+    """A method of deriving a robot's equations.
 
     name: what users write, as they may each of the aliases. title: heading of a derivation. words:
     what is done, for lists of the methods. source: where the method is described. work_out: from a
@@ -227,7 +226,7 @@ class Method:
 
 
 def written_in(lettering: Lettering, made: Derivation) -> Derivation:
-    """A derivation in the letters of a notation."""
+    """A derivation written in the letters of a book's notation."""
     if lettering is PLAIN:
         return made
     lines = [line for step in made.steps for line in step.equations]

@@ -1,4 +1,4 @@
-"""`fb.derive`: the equations of motion step by step, by one of the methods of
+"""Derivation of the equations of motion step by step (`fb.derive`), by one of the methods in
 `freebody_textbook.methods`."""
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def derive(
     parameters: Mapping[str, str | float] | None = None,
     **options: Any,
 ) -> Derivation:
-    """A derivation of the model's equations as an ordered list of steps.
+    """Derive the model's equations, as an ordered list of steps.
 
     A joint of several coordinates is taken apart into joints of one, a quaternion into yaw, pitch
     and roll (R = R_z R_y R_x). Bodies that nothing holds, such as the quadrotor, are derived in
@@ -110,7 +110,7 @@ def derive(
 
 
 def _setting(record: Method, model: Model, load: tuple[str, ...], style: BookNotation) -> Setting:
-    """The model over polynomials, with what a method and a notation ask for; load: names of the
+    """The model over polynomials, prepared for a method and a notation; load: names of the
     components of the force on the tip."""
     extra = (*load, *multipliers(model), *velocity_names(model))
     caller = f"derive {record.name!r}"
@@ -125,7 +125,8 @@ def _setting(record: Method, model: Model, load: tuple[str, ...], style: BookNot
 
 
 def _with_lengths(steps: tuple[Step, ...]) -> tuple[Step, ...]:
-    """The steps; the first that tells only how long a line is says where the line can be had."""
+    """The steps, the first of which that prints only the number of terms of a line explains how to
+    get the line."""
     first = next((step for step in steps if any(map(_is_shown_by_length, step.equations))), None)
     reason = (
         " Where only the number of terms is given, the line is too long to read; in Python the "
@@ -140,7 +141,7 @@ def _is_shown_by_length(line: Equation) -> bool:
 
 
 def method_named(name: str) -> Method:
-    """The method of that name or alias."""
+    """The derivation method with a name or alias."""
     for method in METHODS.values():
         if name == method.name or name in method.aliases:
             return method
@@ -148,8 +149,8 @@ def method_named(name: str) -> Method:
 
 
 def default_method(model: Model) -> Method:
-    """The method for a model where none is asked for: the first that serves it, of closed chains
-    rather one that says so."""
+    """The default method for a model: the first that supports it, for closed chains preferably one
+    made for these."""
     served = [method for method in METHODS.values() if _serves(method, model)]
     return next((method for method in served if model.loops and method.closed_first), served[0])
 
@@ -159,7 +160,7 @@ def _serves(method: Method, model: Model) -> bool:
 
 
 def _require_served(method: Method, model: Model) -> None:
-    """Refuse a robot that the method is not written for."""
+    """Raise an error if a method does not support the robot."""
     if _serves(method, model):
         return
     what = f"derive {method.name!r}"
@@ -178,7 +179,7 @@ def _require_served(method: Method, model: Model) -> None:
 
 
 def _options(method: Method, load: bool | None, options: Mapping[str, Any]) -> dict[str, str]:
-    """The method's options, one that is not chosen with its default; refuses what the method would
+    """The method's options, completed by defaults; raises an error for options that the method does
     not use."""
     own = [option.name for option in method.options]
     for name in options:
@@ -201,7 +202,7 @@ def _options(method: Method, load: bool | None, options: Mapping[str, Any]) -> d
 
 
 def _require_angles(method: Method, notation: BookNotation, model: Model) -> None:
-    """Refuse angles of links where joints are what is spoken of."""
+    """Raise an error for link angles where a method uses joint angles."""
     if notation.absolute and (model.passive or model.loops):
         what = "is a closed chain" if model.loops else "has joints without motor"
         raise FreebodyError(

@@ -1,5 +1,5 @@
-"""Parameters that formulas give in a derivation or an answer: lc = l/2 of every link,
-I1 = m1 l1²/12, or a number."""
+"""Parameters given by formulas in a derivation or an answer: lc = l/2 for every link, I1 = m1
+l1²/12, or numbers."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ _NOT_FINITE = re.compile(r"\s*[-+]?(?:nan|inf(?:inity)?)\s*", re.IGNORECASE)
 
 
 def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float]) -> dict[str, Trig]:
-    """The values of the parameters that formulas give, in the others; a name without its number is
-    that of every link.
+    """Values of the parameters given by formulas, as polynomials in the others; a name without
+    number applies to every link.
 
     Raises UnknownNameError, and FreebodyError for a formula that cannot be read, that changes with
     the motion, that names a parameter given by a formula, or that makes a mass or a moment of
@@ -70,7 +70,7 @@ def formulas_of(caller: str, symbols: Symbols, given: Mapping[str, str | float])
 
 
 def _formula_text(caller: str, name: str, formula: object) -> str:
-    """A formula, or a number, as text."""
+    """Text of a parameter's formula or number."""
     if not isinstance(formula, str):
         return repr(finite(formula, f"{caller}: the parameter {name}"))
     if _NOT_FINITE.fullmatch(formula):
@@ -79,7 +79,7 @@ def _formula_text(caller: str, name: str, formula: object) -> str:
 
 
 def as_terms(values: Mapping[str, Trig]) -> Formulas:
-    """Values of parameters in the form that `symbols` takes."""
+    """Parameter values in the form that `symbols` accepts."""
     return tuple(
         (name, tuple((tuple(powers.items()), x) for powers, x in value.terms()))
         for name, value in values.items()
@@ -87,18 +87,18 @@ def as_terms(values: Mapping[str, Trig]) -> Formulas:
 
 
 def _values_of(symbols: Symbols) -> dict[str, Trig]:
-    """The values of the parameters that `symbols` has by formulas."""
+    """Values of the parameters that formulas in `symbols` give."""
     polynomial = symbols.ring.polynomial
     return {name: polynomial((dict(x), k) for x, k in terms) for name, terms in symbols.formulas}
 
 
 def freed(model: Model, given: Mapping[str, str | float]) -> Model:
-    """The model without its own formulas for parameters that are given otherwise."""
+    """A copy of the model without its formulas for parameters that are given otherwise."""
     return model.bind({name: name for name in given}) if model.formulas and given else model
 
 
 def formulas_in_words(symbols: Symbols, layout: Layout) -> list[str]:
-    """A sentence with the formulas that hold in what is derived."""
+    """A sentence with the parameter formulas that are used in a derivation."""
     if not symbols.follows:
         return []
     rows = [
@@ -121,7 +121,7 @@ def _bad(caller: str, name: str, formula: str, problem: FreebodyError) -> Freebo
 
 
 def _of_each_link(caller: str, symbols: Symbols, name: str, formula: str) -> dict[str, str]:
-    """A formula for one parameter, or that of a family for every link."""
+    """A formula for one parameter, or for the parameters with that letter of every link."""
     parameters = symbols.model.parameters
     names = () if name in parameters else names_in(_parsed(caller, name, formula))
     found = of_each_link(name, formula, names, parameters)

@@ -1,5 +1,5 @@
-"""Equations of motion for the page of a study, where they are short enough to read: the module that
-`freebody.beside` names, so that the core need not know the textbook."""
+"""Equations of motion for a study's page, if they are short enough to read; loaded by name through
+`freebody.beside`, so that freebody does not depend on the textbook."""
 
 from __future__ import annotations
 
@@ -17,15 +17,16 @@ JOINTS = 4
 
 @dataclass(frozen=True)
 class Shown:
-    """Equations as MathML; base: whether they are in base parameters, which stand below them."""
+    """Equations as MathML; base: whether they use base parameters, whose definitions follow
+    them."""
 
     mathml: str
     base: bool
 
 
 def shown(model: Model) -> Shown | None:
-    """The equations of a small arm, by base parameters where only that is short; None where neither
-    is."""
+    """The equations of a small arm, in base parameters if only these are short; None if neither is
+    short."""
     if not _has_closed_form(model):
         return None
     closed = equations(model)
@@ -36,8 +37,8 @@ def shown(model: Model) -> Shown | None:
 
 
 def _has_closed_form(model: Model) -> bool:
-    """Whether there are few joints of one coordinate each, none that follows another, no
-    loop and no strut."""
+    """Whether a closed form can be shown: few joints with one coordinate each, none following
+    another, no loop and no strut."""
     bodies = model.bodies
     simple = all(body.kind.turns or body.kind.slides for body in bodies)
     return (

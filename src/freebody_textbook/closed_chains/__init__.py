@@ -1,2 +1,2 @@
-"""Closed chains in closed form: loop equations, how tip and drives move together, the equations of
-the first kind."""
+"""Closed chains in closed form: loop equations, velocity relations between tip and drives,
+Lagrange's equations of the first kind."""

@@ -1,5 +1,5 @@
-"""A planar mechanism in absolute coordinates: of each body the place of its centre of mass and the
-angle of its axes, x, y and φ, with joints and loops as constraints (5.21-5.29).
+"""A planar mechanism in absolute coordinates: position x, y of each body's centre of mass and angle
+φ of its axes, with joints and loops as constraints (5.21-5.29).
 
 M is constant and diagonal, and Φ_q has entries for the two bodies that a constraint joins, no
 others. A body that several joints in a row free altogether, such as a platform on legs, is held by
@@ -33,26 +33,26 @@ _HALF = 0.5
 
 
 class _AbsoluteOrder(Order):
-    """All angles are about one axis, which the structure of the tree does not tell here."""
+    """The order of symbols in absolute coordinates, where all angles are about one axis."""
 
     @cached_property
     def blocks(self) -> tuple[tuple[str, ...], ...]:
-        """Blocks of angles about parallel axes: all in a single one."""
+        """Groups of angles about parallel axes: a single group."""
         return (self.angles,)
 
 
 class _AbsoluteLayout(Layout):
-    """The printed layout of polynomials in absolute coordinates."""
+    """The layout for printing polynomials in absolute coordinates."""
 
     @cached_property
     def order(self) -> Order:
-        """The kinds and the order of the symbols."""
+        """The order of symbols in print, and the kind of each."""
         return _AbsoluteOrder(self.symbols)
 
 
 @dataclass(frozen=True)
 class Constraint:
-    """Equations of a joint (its body) or of a loop; first: the place of the first of them."""
+    """The equations of a joint (with its body) or of a loop; first: index of the first one."""
 
     values: tuple[Trig, ...]
     first: int
@@ -61,16 +61,17 @@ class Constraint:
 
     @property
     def rows(self) -> range:
-        """The places of the constraint's equations among all."""
+        """Indices of the constraint's equations among all."""
         return range(self.first, self.first + len(self.values))
 
 
 class AbsoluteCoordinates:
-    """The constraints of a planar model and their derivatives, as polynomials in x, y and φ of its
-    bodies (indices in the tree)."""
+    """The constraints of a planar model and their derivatives, as polynomials in the absolute
+    coordinates x, y and φ of its bodies (indices in the tree)."""
 
     def __init__(self, given: Symbols, efforts: Mapping[int, str]):
-        """efforts: what acts along the joints, names by body."""
+        """Set up the constraints of a model. efforts: names of forces or torques along the joints,
+        by body."""
         self.given, self.efforts = given, efforts
         tree = given.tree
         self.numbers = {k: i + 1 for i, k in enumerate(tree.body_of)}
@@ -88,7 +89,8 @@ class AbsoluteCoordinates:
         return x, y, phi
 
     def _symbols(self) -> Symbols:
-        """The model over a ring with absolute coordinates in the place of the joints'."""
+        """Symbols of the model in a ring with absolute coordinates in place of joint
+        coordinates."""
         given = self.given
         moving = {x + end for x in given.coordinates for end in ("", RATE, SECOND)}
         signs = {sign_of(x + RATE) for x in given.coordinates}
@@ -106,12 +108,12 @@ class AbsoluteCoordinates:
 
     @cached_property
     def tree(self) -> Tree:
-        """The model's tree over the ring, of which only the constant numbers are read."""
+        """The model's tree over the ring, used only for its constant numbers."""
         return self.symbols.tree
 
     @cached_property
     def layout(self) -> Layout:
-        """The printed layout of polynomials in absolute coordinates."""
+        """The layout for printing polynomials in absolute coordinates."""
         return _AbsoluteLayout(self.symbols)
 
     # ------------------------------------------------------------ poses
@@ -119,7 +121,7 @@ class AbsoluteCoordinates:
         return self.symbols.element(x)
 
     def mass(self, i: int) -> tuple[Trig, Vector, Trig]:
-        """(m, centre of mass in body axes, I) of body i; of one without mass zeros."""
+        """(m, centre of mass in body axes, I) of body i; zeros for a body without mass."""
         masses = self.tree.bodies[i].masses
         if not masses:
             return self.symbols.zero(), self.tree.space.zero, self.symbols.zero()
@@ -136,7 +138,7 @@ class AbsoluteCoordinates:
         return R, sub((ring[x], ring[y]), times(R, self.mass(i)[1]))
 
     def point(self, i: int, at: Vector) -> tuple[Trig, ...]:
-        """A point of body i in the world."""
+        """World position of a point of body i."""
         R, p = self.pose(i)
         return tuple(map(self._element, add(p, times(R, at))))
 
@@ -146,7 +148,8 @@ class AbsoluteCoordinates:
 
     # ------------------------------------------------------------ joints and loops
     def along(self, i: int) -> tuple[Trig, ...]:
-        """(direction of the slide of joint i, across it) in the world: fixed to the body before."""
+        """(direction of the slide of joint i, direction across it) in world axes; both are fixed to
+        the preceding body."""
         body = self.tree.bodies[i]
         R = product(self.pose(body.parent)[0], body.R)
         ux, uy = map(self._element, times(R, body.axis))
@@ -159,11 +162,12 @@ class AbsoluteCoordinates:
         return tuple(a - b for a, b in zip(self.point(i, (0.0, 0.0)), there, strict=True))
 
     def turned(self, i: int) -> Trig:
-        """The angle of body i against the body before, with what its placement turns it by."""
+        """The angle of body i relative to the preceding body, including the constant rotation of
+        its placement."""
         return self.angle(i) - self.angle(self.tree.bodies[i].parent)
 
     def coordinate(self, i: int) -> Trig:
-        """The coordinate of joint i, which its motor works along, up to a constant turn."""
+        """The coordinate of joint i up to a constant turn; its motor does work along it."""
         if self.tree.bodies[i].primitive.turns:
             return self.turned(i)
         ux, uy, _, _ = self.along(i)
@@ -172,13 +176,13 @@ class AbsoluteCoordinates:
 
     @cached_property
     def joints(self) -> tuple[int, ...]:
-        """The bodies that a joint holds; the others are free."""
+        """The bodies with a joint; other bodies are free."""
         return tuple(i for i in self.bodies if self.tree.bodies[i].parent not in self.links)
 
     @cached_property
     def constraints(self) -> tuple[Constraint, ...]:
-        """The constraints of the loops first, whose multipliers are then those of joint
-        coordinates, and of each joint."""
+        """The constraints of all loops, whose multipliers equal those in joint coordinates, and
+        then of every joint."""
         found: list[Constraint] = []
         first = 0
         for loop in self.tree.loops:
@@ -205,8 +209,8 @@ class AbsoluteCoordinates:
             yield from (self._element(e.value) for e in self.equations_of(loop))
 
     def equations_of(self, loop: TreeLoop) -> list[LoopEquation]:
-        """The equations of a loop with what their multipliers press with; of a rod those of |r|² -
-        d²."""
+        """The equations of a loop, with the forces of their multipliers; for a rod |r|² - d² =
+        0."""
         own = TreeLoop(loop.name, loop.closure, loop.frames, _HALF)
         frames = (self._frame(name) for name in loop.frames)
         return loop_equations(self.tree.space, own, *frames)
@@ -249,8 +253,8 @@ class AbsoluteCoordinates:
 
     @cached_property
     def forces(self) -> list[Trig]:
-        """Generalized forces by coordinate, Q - Φ_qᵀ λ, which M q̈ equals; Q: motors, weights and
-        load."""
+        """Generalized forces Q - Φ_qᵀ λ by coordinate, the right side of M q̈ = …; Q: motors,
+        weights and load."""
         ring = self.symbols.ring
         total = [a + b for a, b in zip(self._weights(), self._load(), strict=True)]
         pairs = [(self.coordinate(i), ring[name]) for i, name in self.efforts.items()]
@@ -269,15 +273,15 @@ class AbsoluteCoordinates:
 
     @cached_property
     def potential(self) -> Trig:
-        """V of the weights: the negative of their forces times the places, and a constant of what
-        is fixed to the base."""
+        """Potential energy V of the weights: minus force times position, plus the constant of parts
+        fixed to the base."""
         ring, total = self.symbols.ring, self._element(resting_energy(self.tree))
         for force, name in zip(self._weights(), self.names, strict=True):
             total = total - force * ring[name]
         return total
 
     def _load(self) -> list[Trig]:
-        """Generalized forces of the force on the tip."""
+        """Generalized forces from the force on the tip."""
         force = tuple(self.symbols.ring[x] for x in COMPONENTS if x in self.given.extra)
         if not force:
             return [self.symbols.zero()] * len(self.names)
@@ -287,8 +291,8 @@ class AbsoluteCoordinates:
 
 
 def links_of(given: Symbols) -> Iterator[int]:
-    """Bodies without mass that stand between the joints which replace one that frees its body
-    altogether and has no motor."""
+    """Indices of massless bodies between the single joints that replace a free joint without
+    motor."""
     n = 0
     for body in (given.given or given.model).bodies:
         parts = body.kind.nv if body.kind.composed else 1

@@ -1,4 +1,4 @@
-"""Lagrange's equations of the first kind in closed form, and what is left of them in independent
+"""Lagrange's equations of the first kind in closed form, and their reduction to independent
 coordinates.
 
     M q̈ + Φ_qᵀ λ = n,   Φ_q q̈ = c                       (5.27-5.29)
@@ -34,7 +34,7 @@ MOST = 8
 
 
 def multiplier_names(loops: LoopEquations) -> tuple[str, ...]:
-    """Names of the multipliers."""
+    """Names of the multipliers of some loop equations."""
     return tuple(f"{MULTIPLIER}{k}" for k in range(1, len(loops.names) + 1))
 
 
@@ -46,14 +46,14 @@ def multipliers(model: Model) -> tuple[str, ...]:
 
 
 def is_multiplier(name: str) -> bool:
-    """Whether a name is that of a multiplier."""
+    """Whether a name is one of a multiplier."""
     return atom(name).letter == MULTIPLIER
 
 
 @dataclass(frozen=True)
 class FirstKind:
-    """M q̈ + Φ_qᵀ λ = n, Φ_q q̈ = c, exact polynomials. The ring holds the multipliers and the
-    torques of the drives."""
+    """Lagrange's equations of the first kind M q̈ + Φ_qᵀ λ = n, Φ_q q̈ = c as exact polynomials.
+    The ring contains the multipliers and the drive torques."""
 
     loops: LoopEquations
     equations: Equations
@@ -71,7 +71,8 @@ class FirstKind:
 
     @cached_property
     def rest(self) -> list[Trig]:
-        """Velocity terms, gravity, friction and springs: what motors need besides M q̈."""
+        """Velocity terms, gravity, friction and springs: the generalized forces needed besides M
+        q̈."""
         e = self.equations
         return [c + g + d for c, g, d in zip(e.c, e.g, e.drives, strict=True)]
 
@@ -94,15 +95,16 @@ class FirstKind:
 
     @cached_property
     def reduction(self) -> Reduction | None:
-        """The equations in independent coordinates; None where the count leaves none, where no
-        choice of them determines the others, and for more than `MOST` loop equations, whose
-        determinants would fill books."""
+        """The equations in independent coordinates; None if there are no independent coordinates,
+        if none of their choices determines the others, or if there are more than `MOST` loop
+        equations."""
         chosen = _independent(self.loops)
         return None if chosen is None else Reduction(self, chosen)
 
 
 def _independent(loops: LoopEquations) -> tuple[int, ...] | None:
-    """Coordinates whose rates tell all others: the drives if they do, else the first that do."""
+    """Independent coordinates, whose rates determine all others: the drives if possible, otherwise
+    the first suitable ones; None if there are none."""
     n, f = len(loops.symbols.coordinates), loops.gruebler
     if f <= 0 or len(loops.names) > MOST:
         return None
@@ -131,7 +133,7 @@ class Reduction:
 
     @cached_property
     def _solved(self) -> tuple[PolynomialRows, Trig]:
-        """Δ times the dependent rates by u̇, and Δ times their γ in the last column; and Δ."""
+        """Δ times the dependent rates by u̇ with Δ times their γ as last column, and Δ."""
         loops, s = self.system.loops, self.system.symbols
         A = [[row[k] for k in self.dependent] for row in loops.Phi_q]
         right = [
@@ -142,12 +144,12 @@ class Reduction:
 
     @property
     def delta(self) -> Trig:
-        """det of the columns of Φ_q that belong to the dependent coordinates."""
+        """Determinant Δ of the columns of Φ_q of the dependent coordinates."""
         return self._solved[1]
 
     @cached_property
     def scaled(self) -> PolynomialRows:
-        """Δ N, polynomials: Φ_q (Δ N) = 0 on every position, closed or not."""
+        """The matrix Δ N as polynomials: Φ_q (Δ N) = 0 at every position, closed or not."""
         return [self._row(k, slice(None, -1)) for k in range(len(self.system.symbols.coordinates))]
 
     @cached_property
@@ -177,7 +179,7 @@ class Reduction:
 
     @cached_property
     def mass(self) -> PolynomialRows:
-        """Reduced mass matrix times a polynomial, Δ² NᵀM N."""
+        """Reduced mass matrix Δ² NᵀM N, a matrix of polynomials."""
         s = self.system.symbols
         columns = list(zip(*self.scaled, strict=True))
         return times(times(columns, self.system.M, s), self.scaled, s)

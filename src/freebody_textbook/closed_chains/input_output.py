@@ -1,5 +1,5 @@
-"""J_a ẋ + J_b θ̇ = 0 between the tip's motion and the drives of a parallel robot, in closed form
-(2.35-2.40).
+"""The velocity relation J_a ẋ + J_b θ̇ = 0 between tip and drives of a parallel robot, in closed
+form (2.35-2.40).
 
 The loop equations hold the tip's rates ẋ, the driven rates θ̇ and those of the passive joints. The
 latter leave when equations are combined so that their columns cancel, as one multiplies with the
@@ -54,14 +54,14 @@ class ClosedInputOutput:
 
     @cached_property
     def first(self) -> Determinant:
-        """det J_b: where it vanishes the tip loses a motion, a singular position of the first
-        type."""
+        """The determinant det J_b; where it vanishes, the tip loses a direction of motion:
+        singularity of the first type."""
         return self._determinant(self.J_b)
 
     @cached_property
     def second(self) -> Determinant:
-        """det J_a: where it vanishes the tip gives way though the drives stand still, the second
-        type."""
+        """The determinant det J_a; where it vanishes, the tip can move while the drives are locked:
+        singularity of the second type."""
         return self._determinant(self.J_a)
 
     def _determinant(self, rows: PolynomialRows) -> Determinant:
@@ -69,13 +69,13 @@ class ClosedInputOutput:
         return Determinant(Kinematics(s, self.frame), determinant(rows, s))
 
     def evaluate(self, quantity: Any, q: Any) -> Array:
-        """Numbers of J_a or J_b at q (..., n), with the model's parameter values."""
+        """Numeric values of J_a or J_b at q (..., n), with the model's parameter values."""
         return self.loops.evaluate(quantity, q)
 
 
 @dataclass(frozen=True)
 class _MotionEquations:
-    """Equations a ẋ + b θ̇ + c ṗ = 0; p the coordinates in between."""
+    """Velocity equations a ẋ + b θ̇ + c ṗ = 0; p: coordinates to be eliminated."""
 
     a: PolynomialRows
     b: PolynomialRows
@@ -85,7 +85,7 @@ class _MotionEquations:
 def input_output(
     loops: LoopEquations, frame: str | None, rows: Sequence[str] | None
 ) -> ClosedInputOutput:
-    """Relation of the drives' rates and the tip's in closed form; see
+    """The velocity relation between drives and tip in closed form; see
     `LoopEquations.input_output`."""
     model = loops.model
     name = model.frame(frame).name
@@ -112,8 +112,8 @@ def _rows(dim: int, driven: int, rows: Sequence[str] | None) -> tuple[str, ...]:
 
 
 def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _MotionEquations:
-    """The loop equations, and where the tip's motion is not that of coordinates the equations of
-    its motion."""
+    """The loop equations for velocities, with equations for the tip's motion unless its components
+    are coordinates."""
     s = loops.symbols
     J = jacobian(s.tree, s.q, frame)
     motion = [[s.element(x) for x in J[r]] for r in rows]
@@ -130,7 +130,7 @@ def _system(loops: LoopEquations, frame: str, rows: list[int]) -> _MotionEquatio
 
 
 def _coordinate(row: Sequence[Trig]) -> int | None:
-    """The coordinate whose rate a row of the Jacobian is."""
+    """The coordinate whose rate equals a row of the Jacobian; None if there is none."""
     used = [k for k, x in enumerate(row) if not x.is_zero]
     return used[0] if len(used) == 1 and row[used[0]] == 1 else None
 
@@ -138,8 +138,8 @@ def _coordinate(row: Sequence[Trig]) -> int | None:
 def _with_tip(
     loops: LoopEquations, frame: str, rows: list[int], motion: PolynomialRows
 ) -> tuple[PolynomialRows, PolynomialRows]:
-    """(columns of ẋ, columns of q̇): motion q̇ - ẋ = 0 and the loops; a pin at the tip holds its
-    other frame at x."""
+    """(columns of ẋ, columns of q̇) of the equations motion q̇ - ẋ = 0 and of the loops; a pin at
+    the tip holds its other frame at x."""
     s, dim = loops.symbols, loops.model.dim
     zero, one = s.zero(), s.element(1.0)
     a = [[-one if k == j else zero for k in range(len(rows))] for j in range(len(rows))]
@@ -159,7 +159,7 @@ def _with_tip(
 
 
 def _same_place(loops: LoopEquations, one: str, other: str) -> bool:
-    """Whether two frames are on one body with one origin."""
+    """Whether two frames are on the same body with the same origin."""
     (i, _, p), (k, _, r) = (loops.tree.frames[name] for name in (one, other))
     return i == k and all(
         loops.symbols.element(x) == loops.symbols.element(y) for x, y in zip(p, r, strict=True)
@@ -169,8 +169,8 @@ def _same_place(loops: LoopEquations, one: str, other: str) -> bool:
 def _eliminated(
     loops: LoopEquations, system: _MotionEquations
 ) -> tuple[PolynomialRows, PolynomialRows]:
-    """J_a and J_b: the equations combined so that the coordinates in between leave, group by
-    group."""
+    """The matrices J_a and J_b: the passive coordinates are eliminated, group by group of coupled
+    equations."""
     s = loops.symbols
     J_a: PolynomialRows = []
     J_b: PolynomialRows = []
@@ -192,7 +192,7 @@ def _eliminated(
 
 
 def _groups(c: PolynomialRows) -> list[tuple[list[int], list[int]]]:
-    """(rows, columns) that hang together; a row without entries is a group of its own."""
+    """Groups (rows, columns) of coupled equations; a row of zeros is a group by itself."""
     groups: list[tuple[set[int], set[int]]] = []
     for r, row in enumerate(c):
         rows, columns = {r}, {k for k, x in enumerate(row) if not x.is_zero}

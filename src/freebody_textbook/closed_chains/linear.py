@@ -26,7 +26,7 @@ _FACTORED = 120
 
 @dataclass(frozen=True)
 class Ratio:
-    """above / below, polynomials; `below` is 1 where the quotient is a polynomial."""
+    """A quotient above / below of polynomials; `below` is 1 if it is a polynomial."""
 
     above: Trig
     below: Trig
@@ -42,8 +42,8 @@ class Ratio:
         return self.below == 1
 
     def form(self, layout: Layout) -> Expression:
-        """The quotient as it is printed, numerator and denominator factored, a sign in front of the
-        whole."""
+        """Printed form of the quotient, numerator and denominator factored, with the sign in
+        front."""
         above = product(self.above, layout)
         if self.is_polynomial:
             return above
@@ -61,7 +61,8 @@ class Ratio:
 
 
 def quotient(above: Expression, below: Expression) -> Expression:
-    """A fraction; a long numerator stands behind 1 / below, where a line can be broken."""
+    """A fraction for print; a long numerator is written after 1 / below, so that the line can be
+    broken."""
     if isinstance(above, ex.Sum) and all(isinstance(term, ex.Negative) for term in above.terms):
         return ex.neg(quotient(ex.neg_each(above), below))
     if isinstance(above, ex.Negative):
@@ -74,7 +75,7 @@ def _is_negative(x: Expression) -> bool:
 
 
 def ratio(above: Trig, below: Trig) -> Ratio:
-    """A quotient in lowest terms, as far as factors are found."""
+    """A quotient of polynomials, reduced by the factors that are found."""
     ring = above.ring
     one = Trig(ring, ring.constant(1), 0)
     if above.is_zero:
@@ -87,7 +88,7 @@ def ratio(above: Trig, below: Trig) -> Ratio:
 
 
 def _content(*values: Trig) -> Fraction:
-    """The number that makes all coefficients whole and without common divisor."""
+    """The number by which coefficients are multiplied to become integers without common divisor."""
     coefficients = [c for x in values for _, c in x.terms()]
     return Fraction(
         math.gcd(*(c.numerator for c in coefficients)),
@@ -110,7 +111,8 @@ def _cancelled(above: Trig, below: Trig) -> tuple[Trig, Trig]:
 
 
 def _over(x: Trig, factor: Trig, factors: list[tuple[Trig, int]]) -> Trig:
-    """x / factor, from the factors of x: division with remainder does not see s² = 1 - c²."""
+    """The quotient x / factor, from the factors of x, as polynomial division does not use s² = 1 -
+    c²."""
     rest = [f for f, e in _less(factors, factor) for _ in range(e)]
     ring = x.ring
     product_of_rest = reduce(lambda a, b: a * b, rest, Trig(ring, ring.constant(1), 0))
@@ -143,7 +145,7 @@ def product(x: Trig, layout: Layout) -> Expression:
 
 
 def common(values: Iterable[Trig]) -> Trig:
-    """A polynomial that divides all of them, its first coefficient 1."""
+    """A common divisor of polynomials, with first coefficient 1."""
     nonzero = [x for x in values if not x.is_zero]
     poly = reduce(lambda a, b: a.gcd(b), (x.poly for x in nonzero))
     ring = nonzero[0].ring
@@ -153,7 +155,7 @@ def common(values: Iterable[Trig]) -> Trig:
 
 
 def without_common(row: Sequence[Trig]) -> list[Trig]:
-    """A row of coefficients, what all share divided out."""
+    """A row of coefficients divided by their common divisor."""
     if all(x.is_zero for x in row):
         return list(row)
     shared = common(row)
@@ -200,7 +202,7 @@ def left_null(S: Sequence[Sequence[Trig]], s: Symbols) -> PolynomialRows | None:
 
 
 def _independent(S: Sequence[Sequence[Trig]], s: Symbols) -> tuple[tuple[int, ...], Trig | None]:
-    """p rows whose determinant is not zero, and that determinant: the shortest of them."""
+    """The p rows with a nonzero determinant that has the fewest terms, and that determinant."""
     best: tuple[tuple[int, ...], Trig | None] = ((), None)
     for rows in combinations(range(len(S)), len(S[0])):
         delta = determinant([S[r] for r in rows], s)

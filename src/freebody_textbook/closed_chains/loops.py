@@ -34,7 +34,7 @@ _HALF = 0.5
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoopEquations(InWords, InTextbookForm, ByValue):
-    """The loop equations of a model, exact polynomials in normal form: equal means identical."""
+    """The loop equations of a model as exact polynomials in normal form: equal means identical."""
 
     symbols: Symbols
 
@@ -48,7 +48,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     @cached_property
     def tree(self) -> Tree:
-        """The tree, its distances such that the algorithms give equations in the notes' form."""
+        """The model's tree, with distances arranged to give equations in the notes' form."""
         tree = self.symbols.tree
         loops = tuple(
             replace(loop, distance=_HALF) if loop.closure.distance else loop for loop in tree.loops
@@ -62,7 +62,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """A name for each equation: the loop's, and the component of its reaction."""
+        """Names of the equations: the loop, and the component of its reaction."""
         space = self.tree.space
         return tuple(
             f"{loop.name}.{part}"
@@ -71,19 +71,19 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         )
 
     def rows(self, loop: TreeLoop) -> range:
-        """The places of a loop's equations among all."""
+        """Indices of a loop's equations among all."""
         sizes = [x.closure.size(self.tree.space) for x in self.tree.loops]
         k = [x.name for x in self.tree.loops].index(loop.name)
         return range(sum(sizes[:k]), sum(sizes[: k + 1]))
 
     def gap(self, loop: TreeLoop) -> Vector:
-        """Vector from the first frame's origin of a loop to the second's, world axes."""
+        """Vector in world axes from the origin of a loop's first frame to that of the second."""
         a, b = (frame_pose(self.tree, self.world, frame)[1] for frame in loop.frames)
         return tuple(self.symbols.element(x) for x in sub(b, a))
 
     @cached_property
     def Phi(self) -> list[Trig]:
-        """Φ(q) (5.21); of a distance the notes' (2.33): |r|² - d²."""
+        """The loop equations Φ(q) (5.21); for a rod |r|² - d² as in (2.33)."""
         values = []
         for own, loop in zip(self.tree.loops, self.symbols.tree.loops, strict=True):
             if loop.closure.distance:
@@ -103,14 +103,14 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     @cached_property
     def c(self) -> list[Trig]:
-        """-Φ̇_q q̇ (5.28): what Φ_q q̈ must be."""
+        """The right side c = -Φ̇_q q̇ (5.28) of Φ_q q̈ = c."""
         s = self.symbols
         return [s.element(x) for x in loop_constraints.constraint_bias(self.tree, s.q, s.qd)]
 
     @cached_property
     def scale(self) -> list[Trig]:
-        """For each equation how many times that of the numeric functions it is: 2d of a distance,
-        else 1."""
+        """The factor of each equation relative to the one used by the numeric functions: 2d for a
+        rod, otherwise 1."""
         factors: list[Any] = []
         for loop in self.symbols.tree.loops:
             factors += [2 * loop.distance if loop.closure.distance else 1.0] * loop.closure.size(
@@ -146,7 +146,8 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
         return self.input_output(frame, rows).J_b
 
     def input_output(self, frame: str | None = None, rows: Sequence[str] | None = None) -> Any:
-        """How a frame (default: the tip) moves with the driven joints, in closed form.
+        """The velocity relation between a frame (by default the tip) and the driven joints, in
+        closed form.
 
         rows: of its motion, among "vx", "vy", "vz", "wx", "wy", "wz" (plane "vx", "vy", "w");
         default the first ones, as many as joints are driven. Returns a `ClosedInputOutput`. Raises
@@ -158,7 +159,7 @@ class LoopEquations(InWords, InTextbookForm, ByValue):
 
     # ------------------------------------------------------------ for the reader
     def expressions(self) -> list[Expression]:
-        """Φ as it is printed, squared distances as squares of components (2.33)."""
+        """The loop equations Φ as printed, squared distances as squares of components (2.33)."""
         shown: list[Expression] = []
         for own, loop in zip(self.tree.loops, self.symbols.tree.loops, strict=True):
             if loop.closure.distance:

@@ -20,8 +20,8 @@ from freebody_textbook.closed_chains.loops import LoopEquations
 
 @dataclass(frozen=True)
 class LoopStatics:
-    """Torques that joints need, linear in the multipliers, by coordinate; the passive
-    coordinates."""
+    """Joint torques of a closed chain at rest, linear in the multipliers, by coordinate; with the
+    passive coordinates."""
 
     loops: LoopEquations
     needed: Mapping[int, Trig]
@@ -29,7 +29,7 @@ class LoopStatics:
 
     @cached_property
     def A(self) -> PolynomialRows:
-        """A λ = right: one row a passive joint."""
+        """The matrix A of A λ = right, one row per passive joint."""
         return [self._slopes(k) for k in self.passive]
 
     @cached_property
@@ -41,15 +41,15 @@ class LoopStatics:
         return [self.needed[k].derivative(name) for name in multiplier_names(self.loops)]
 
     def unloaded(self, k: int) -> Trig:
-        """k_k: what joint k needs where the loops press with nothing."""
+        """The torque k_k that joint k needs when the loops exert no forces."""
         s = self.loops.symbols
         multipliers = [s.ring[name] for name in multiplier_names(self.loops)]
         return self.needed[k] - inner(self._slopes(k), multipliers, s)
 
     @cached_property
     def _solution(self) -> tuple[list[Trig], Trig] | None:
-        """Multipliers as quotients with a common denominator: (Δ λ, Δ); None where statics does not
-        determine them."""
+        """Multipliers with a common denominator: (Δ λ, Δ); None if statics does not determine
+        them."""
         s = self.loops.symbols
         square = len(self.passive) == len(self.loops.names)
         if not square or determinant(self.A, s).is_zero:
@@ -59,21 +59,21 @@ class LoopStatics:
 
     @property
     def determined(self) -> bool:
-        """Whether the passive joints are as many as the loop equations, and tell the
+        """Whether there are as many passive joints as loop equations, and they determine the
         multipliers."""
         return self._solution is not None
 
     @cached_property
     def multipliers(self) -> list[Ratio] | None:
-        """λ; None where the passive joints do not tell them: they are shared among the drives as
-        these choose."""
+        """The multipliers λ; None if the passive joints do not determine them, so that they depend
+        on how the drives share the load."""
         if self._solution is None:
             return None
         above, below = self._solution
         return [ratio(x, below) for x in above]
 
     def torque(self, k: int) -> Ratio | None:
-        """The torque of joint k's motor, λ put in."""
+        """The torque of joint k's motor with the multipliers substituted."""
         if self._solution is None:
             return None
         above, below = self._solution

@@ -1,1 +1,1 @@
-"""Commands of the program `freebody` that are about equations."""
+"""Commands of the program `freebody` about equations."""

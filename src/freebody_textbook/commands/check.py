@@ -113,7 +113,7 @@ def check(
 
 
 def _answer(given: list[str]) -> str | Path:
-    """A file, what stdin says, or the arguments themselves as lines."""
+    """The answer: the path of a file, the text from stdin, or the arguments as lines."""
     from freebody.formats import read_file
 
     answer = "\n".join(given)

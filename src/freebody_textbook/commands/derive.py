@@ -30,18 +30,18 @@ _ENDINGS: dict[str, _Form] = {
 
 
 class Command(TyperCommand):
-    """`derive` with the options of its methods and a list of them; their table is read when it is
-    run itself."""
+    """The command `derive`, with the options of all derivation methods and a list of them; both are
+    read only when it runs."""
 
     def get_params(self, ctx: typer.Context) -> list[Any]:
-        """The parameters of the function below, then the methods' options, then --help."""
+        """The parameters of the command's function, then the methods' options, then --help."""
         from freebody_textbook.methods import METHODS
 
         *params, last = super().get_params(ctx)
         return [*params, *_options_of(METHODS.values()), last]
 
     def format_help(self, ctx: typer.Context, formatter: Any) -> None:
-        """The help, the methods listed below its first paragraph."""
+        """Print the help, with the methods listed below its first paragraph."""
         from freebody_textbook.methods import METHODS
 
         lines = [f"{method.name}: {method.words} ({method.source})." for method in METHODS.values()]
@@ -50,11 +50,11 @@ class Command(TyperCommand):
 
 
 def _options_of(methods: Iterable[Method]) -> list[Any]:
-    """The methods' options, as the parser makes them of a signature; `derive` finds in the context
-    what was given."""
+    """Command line parameters made from the methods' options; `derive` reads their values from the
+    context."""
 
     def command(**_options: str | None) -> None:
-        """Bearer of the options' signature, never called."""
+        """Carry the options' signature; this function is never called."""
 
     owned = [(method, option) for method in methods for option in method.options]
     command.__signature__ = Signature([_parameter(*pair) for pair in owned])
@@ -67,7 +67,7 @@ def _options_of(methods: Iterable[Method]) -> list[Any]:
 
 
 def _parameter(method: Method, option: MethodOption) -> Parameter:
-    """An option of a method as an argument with what the parser needs to know."""
+    """A signature parameter for an option of a method."""
 
     def keep(context: typer.Context, value: str | None) -> None:
         if value is not None:
@@ -154,7 +154,7 @@ def derive(
 def _text(
     derivation: Derivation, form: _Form, out: Path | None, labels: options.LabelsOption | None
 ) -> str:
-    """The derivation in one form; Markdown refers to drawings in files beside it."""
+    """The derivation as text in one form; Markdown refers to drawings in files beside it."""
     from freebody_textbook.drawings.illustrate import write_drawings
 
     shown = labels or "names"

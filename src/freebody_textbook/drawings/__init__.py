@@ -1,1 +1,1 @@
-"""Drawings of derivations, and of the pages on which they can be tried."""
+"""Drawings of derivations, and of their interactive pages."""

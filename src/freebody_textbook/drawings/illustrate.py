@@ -1,5 +1,5 @@
-"""The drawings of a derivation: an arm with its names, and beside the steps the vectors, velocities
-and free bodies."""
+"""The drawings of a derivation: the robot with names, and with the steps vectors, velocities and
+free bodies."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ _LOAD = {2: (0.85, -0.53), 3: (0.5, -0.65, -0.6)}
 
 
 def living_parts(derivation: Derivation) -> LivingParts | None:
-    """The parts of a derivation's page that can be tried; None where no drawing shows the robot."""
+    """The interactive parts of a derivation's page; None if no drawing shows the robot."""
     seen = _lettered(derivation)
     drawing = _drawn(seen, "overview", forces.scales_of(seen.loads))
     return drawing and living(
@@ -58,7 +58,8 @@ def living_parts(derivation: Derivation) -> LivingParts | None:
 
 
 def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
-    """SVG text for "overview" and for every figure that a step asks for and that can be drawn."""
+    """The drawings as SVG text: "overview", and each figure that a step refers to and that can be
+    drawn."""
     shown = illustrations(derivation, labels).items()
     return Drawings(
         {name: picture(drawing, WIDE, TALL).inline() for name, drawing in shown},
@@ -67,7 +68,7 @@ def drawings(derivation: Derivation, labels: str = "names") -> Drawings:
 
 
 def write_drawings(derivation: Derivation, document: Path, labels: str = "names") -> dict[str, str]:
-    """Each drawing as an SVG file beside a document; the files' names by figure, for
+    """Write each drawing as an SVG file beside a document; returns the file names by figure, for
     `Derivation.markdown`."""
     names = {}
     for name, drawing in illustrations(derivation, labels).items():
@@ -78,7 +79,7 @@ def write_drawings(derivation: Derivation, document: Path, labels: str = "names"
 
 
 def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Drawing]:
-    """The drawings as data, by their names; labels: "names", "values" or "both"."""
+    """The drawings as data, by name; labels: "names", "values" or "both"."""
     labels = labels_of("a derivation's drawings", derivation.equations.symbols.model, labels)
     moving, spoken = _lettered(derivation), _spoken(derivation)
     wanted: dict[str, Step | None] = {"overview": None}
@@ -101,7 +102,8 @@ def illustrations(derivation: Derivation, labels: str = "names") -> dict[str, Dr
 def _noted(
     moving: Snapshot, name: str, step: Step | None, scales: Sequence[forces.Scale], labels: str
 ) -> Drawing | None:
-    """The drawing that a step calls by a name, or without a step the first one, with its notes."""
+    """The drawing that a step refers to by name (without a step: the first figure), with its
+    notes."""
     weights = step is None or _has_weights(step)
     seen = replace(moving, names=replace(moving.names, weights=weights))
     drawing = _drawn(seen, name, scales)
@@ -117,7 +119,7 @@ def _noted(
 
 
 def _state(seen: Snapshot) -> list[str]:
-    """The state that values belong to, in words."""
+    """Lines that describe the state drawn."""
     arrays = (("q", seen.q), ("q̇", seen.qd), ("q̈", seen.qdd))
     rows = [f"{name} = ({', '.join(significant(x) for x in array)})" for name, array in arrays]
     if seen.wrenches is not None:
@@ -127,7 +129,7 @@ def _state(seen: Snapshot) -> list[str]:
 
 
 def _spoken(derivation: Derivation) -> set[str]:
-    """Labels of all symbols in the derivation's equations and in its table of symbols."""
+    """Labels of all symbols in a derivation's equations and its table of symbols."""
     printed: list[Expression] = [line for step in derivation.steps for line in step.equations]
     printed += [x for row in derivation.glossary for x in row.symbols]
     symbols = (x for line in printed for x in nodes(line) if isinstance(x, Symbol))
@@ -135,13 +137,14 @@ def _spoken(derivation: Derivation) -> set[str]:
 
 
 def _has_weights(step: Step) -> bool:
-    """Whether weights are among a step's forces; not where the accelerations contain gravity."""
+    """Whether a step's forces include weights; False if the accelerations contain gravity."""
     used = (x for line in step.equations for x in nodes(line) if isinstance(x, Symbol) and x.bold)
     return any(x.name.rstrip("0123456789") == "g" for x in used)
 
 
 def _vanishing(step: Step, drawing: Drawing) -> list[str]:
-    """Forces and moments in the equations of a free body that are not drawn, in words."""
+    """Phrases for forces and moments that a free body's equations contain but its drawing does not,
+    as they vanish."""
     if not step.operation.startswith("Free body "):
         return []
     shown = {canonical(e.name.removeprefix("−")) for e in drawing.elements}
@@ -152,7 +155,7 @@ def _vanishing(step: Step, drawing: Drawing) -> list[str]:
 
 
 def _is_heavy(seen: Snapshot, name: str) -> bool:
-    """Whether the body of a drawing `free-body N`, or what it carries, has a weight."""
+    """Whether the body of a drawing `free-body N`, or a body that it carries, has weight."""
     alone = name.startswith("free-body") and not seen.pose.bodies[int(name.split()[1]) - 1].mass
     return bool(np.any(seen.model.gravity)) and not alone
 
@@ -161,15 +164,16 @@ _QUANTITIES = ("position", "velocity", "acceleration", "dimension", "angle", "z"
 
 
 def _is_spoken_of(element: Element, spoken: set[str]) -> bool:
-    """Whether an element is no vector, length or coordinate, or one that is spoken of."""
+    """Whether a drawn element is kept: vectors, lengths and coordinates only if the derivation uses
+    their names."""
     named = getattr(element, "label", "") and element.name not in ("X", "Y", "Z")
     free = element.role not in _QUANTITIES or not named
     return free or canonical(element.name) in spoken
 
 
 def _shown(derivation: Derivation) -> Snapshot:
-    """A state that is seen well: moving, or at rest; under a load on the tip if the equations have
-    one."""
+    """The state to be drawn, chosen to be clearly visible: in motion or at rest; with a load on the
+    tip if the equations have one."""
     symbols = derivation.equations.symbols
     drawn_by = [step.figure for step in derivation.steps if step.figure]
     apart = any(not name.startswith(_FREE) for name in drawn_by)  # its joints taken apart
@@ -184,21 +188,21 @@ def _shown(derivation: Derivation) -> Snapshot:
 
 
 def _lettered(derivation: Derivation) -> Snapshot:
-    """The state that is shown, in the letters of the derivation."""
+    """The drawn state with the names in the derivation's letters."""
     seen = _shown(derivation)
     naming = replace(seen.names.naming, letters=derivation.lettering)
     return replace(seen, names=replace(seen.names, naming=naming))
 
 
 def _tip_load(model: Model) -> list[float]:
-    """A force on the tip of a good part of the robot's weight, or of 10 N where there is none."""
+    """A load for the tip, comparable to the robot's weight, or 10 N if it has none."""
     size = 0.6 * model.mass * float(np.linalg.norm(model.gravity)) or 10.0
     return [*(size * x for x in _LOAD[model.dim]), *[0.0] * (1 if model.dim == 2 else 3)]
 
 
 def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing | None:
-    """The drawing that a step calls by its name; None where there is none of this robot. scales: of
-    each body drawn alone."""
+    """The drawing with a name used by a step; None if this robot has none. scales: of the force
+    arrows on each free body."""
     dim = seen.model.dim
     kind, _, number = name.rpartition(" ")
     if kind == "free-body":
@@ -229,7 +233,7 @@ def _drawn(seen: Snapshot, name: str, scales: Sequence[forces.Scale]) -> Drawing
 
 
 def _free(seen: Snapshot, number: int) -> Drawing:
-    """A body that nothing holds, with its thrusts."""
+    """Drawing of a free body with its thrusts."""
     own = {x: f.name for x, f in thrusts_of(seen.model).items() if f.body == number - 1}
     names = {canonical(label(sym(x))): frame for x, frame in own.items()}
     mass = canonical(label(mass_symbol(seen.model, number - 1)))
@@ -243,7 +247,8 @@ def _load(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _tip(*layers: Layer) -> dict[str, tuple[str, tuple[Layer, ...]]]:
-    """Position of the tip, its velocity and its acceleration, with the joints' rates, on layers."""
+    """Drawing recipes for position, velocity and acceleration of the tip, and the joint rates, with
+    the given layers."""
     r, v, a = (label(vec("r_P" + ending)) for ending in ("", "_d", "_dd"))
     rates, second = motion.rates, partial(motion.rates, second=True)
     to_tip = partial(geometry.to_tip, name=r)
@@ -296,8 +301,8 @@ _RECIPES: dict[int, dict[str, tuple[str, tuple[Layer, ...]]]] = {
 def _page_figure(
     derivation: Derivation, seen: Snapshot, drawing: Drawing, spoken: Collection[str]
 ) -> PageFigure:
-    """A derivation's first figure, and the state that it shows; spoken: names of quantities in the
-    equations, the only ones that are written."""
+    """Data of a derivation's first figure and its state, for the interactive page; spoken: names in
+    the equations, the only ones used as labels."""
     written = {e.text for e in drawing.elements if isinstance(e, Label)}
     joints = {seen.names.point(seen.pose, body.number) for body in seen.pose.bodies}
     joints |= {seen.names.tip}
@@ -321,7 +326,7 @@ def _page_figure(
 
 
 def _formula(name: Expression) -> str:
-    """A name, in bold where it is a vector's."""
+    """HTML of a name, bold for vectors."""
     vector = any(isinstance(x, Symbol) and x.bold for x in nodes(name))
     return bold(label(name)) if vector else label(name)
 
@@ -329,7 +334,7 @@ def _formula(name: Expression) -> str:
 def _names(
     seen: Snapshot, body: BodyPlace, written: Collection[str], spoken: Collection[str]
 ) -> dict[str, str]:
-    """The labels beside a body and its joint, by what they name."""
+    """Labels beside a body and its joint, by the element that they name."""
     names, n, plane = seen.names, body.number, seen.model.dim == 2
     lengths = _lengths(seen, body)
     found = {what: name for what, name in lengths.items() if canonical(name) in spoken}
@@ -344,7 +349,7 @@ def _names(
 
 
 def _lengths(seen: Snapshot, body: BodyPlace) -> dict[str, str]:
-    """Names of a body's lengths, "" of those that it does not have or that have one name."""
+    """Names of a body's lengths; "" for those that it does not have, or that share a name."""
     names = seen.names
     lengths = {
         "lc": names.centre_length(body) if body.mass > 0 else "",
@@ -359,7 +364,7 @@ def _lengths(seen: Snapshot, body: BodyPlace) -> dict[str, str]:
 
 # ---------------------------------------------------------------- the state
 def _start(derivation: Derivation, seen: Snapshot) -> dict[str, float]:
-    """First values of the symbols: those for which the figure is drawn."""
+    """Initial values of the symbols, those of the figure."""
     symbols, model = derivation.equations.symbols, seen.model
     found = {name: x for name, x in model.parameters.items() if x is not None}
     arrays = (("", seen.q), (RATE, seen.qd), (SECOND, seen.qdd))
@@ -373,7 +378,7 @@ def _start(derivation: Derivation, seen: Snapshot) -> dict[str, float]:
 
 
 def _own(symbols: Symbols, joints: Array, positions: bool) -> Array:
-    """Values of the coordinates of the equations, from those of the joints."""
+    """Values of the equations' coordinates, computed from those of the joints."""
     turned, quarters = symbols.turned, symbols.quarters if positions else ()
     own = joints if turned is None else np.linalg.solve(np.array(turned, dtype=float), joints)
     return np.asarray(own - math.pi / 2 * np.array(quarters or 0.0), dtype=float)

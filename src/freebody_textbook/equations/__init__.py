@@ -1,1 +1,2 @@
-"""Closed forms as exact polynomials, and their views: motion, kinematics, singularities."""
+"""Closed-form equations as exact polynomials, and their views: motion, kinematics,
+singularities."""

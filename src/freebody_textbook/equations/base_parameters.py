@@ -1,5 +1,5 @@
-"""Equations by base parameters: the fewest combinations of masses, first moments and inertias that
-motion depends on.
+"""Equations of motion by base parameters: the fewest combinations of masses, first moments and
+inertias on which the motion depends.
 
 tau = Σ column · parameter, exactly. A body's parameters are called μ (mass), κ (first moment) and J
 (inertia about its joint), a rotor's J_r; each is defined by the model's own.
@@ -35,7 +35,7 @@ proved exactly."""
 
 @dataclass(frozen=True)
 class Base:
-    """A base parameter: its name, body (from 0 in the model's order) and kind, column of the
+    """A base parameter: name, body (counted from 0 in the model's order), kind, column of the
     regressor, and value."""
 
     name: str
@@ -46,7 +46,7 @@ class Base:
 
 
 def base_parameters(s: Symbols) -> tuple[Base, ...]:
-    """The base parameters of a model in symbols, inner bodies first."""
+    """The base parameters of a model as polynomials, inner bodies first."""
     rows = regressor(s.tree, s.q, s.qd, s.qdd)
     columns = {
         base.column: [s.element(row[base.column]) for row in rows] for base in _candidates(s)
@@ -60,7 +60,7 @@ def base_parameters(s: Symbols) -> tuple[Base, ...]:
 
 
 def _candidates(s: Symbols) -> list[Base]:
-    """Parameters that stay with each body when parameters are regrouped, and the rotors."""
+    """Parameters of each body that may remain after regrouping, and the rotors' inertias."""
     tree, names = s.tree, body_parameters(s.tree.space)
     gathered = regrouped(tree, named=True)
     found = []
@@ -88,20 +88,20 @@ def _candidates(s: Symbols) -> list[Base]:
 
 
 def _called(s: Symbols, name: str, n: int) -> str:
-    """mu1, kappa1x, J1xx of m, hx, Ixx."""
+    """Name of a base parameter: mu1, kappa1x, J1xx for m, hx, Ixx."""
     letter = {"m": "mu", "h": "kappa", "I": "J"}[name[0]]
     return _free(s, f"{letter}{n}{name[1:]}")
 
 
 def _free(s: Symbols, name: str) -> str:
-    """A name that the model does not use."""
+    """A name derived from the given one that the model does not use."""
     while name in s.ring.names:
         name = f"B{name}"
     return name
 
 
 def _independent(s: Symbols, found: list[Base], columns: dict[int, list[Trig]]) -> list[Base]:
-    """Parameters whose columns no others combine to; the value of one that depends on others is
+    """Base parameters with linearly independent regressor columns; the values of dependent ones are
     added to theirs."""
     samples = [_samples(s, [columns[base.column] for base in found], seed) for seed in (0, 1)]
     result: list[Base] = []
@@ -119,7 +119,7 @@ def _independent(s: Symbols, found: list[Base], columns: dict[int, list[Trig]]) 
 
 
 def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
-    """Values (samples, columns) at random states, all with the same random lengths."""
+    """Regressor values (samples, columns) at random states with the same random lengths."""
     rng = np.random.default_rng(seed)
     count = 4 * len(columns) + 8
     moving = {x + dots for x in s.coordinates for dots in ("", RATE, SECOND)}
@@ -134,8 +134,8 @@ def _samples(s: Symbols, columns: list[list[Trig]], seed: int) -> np.ndarray:
 
 
 def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
-    """Columns among those at `places` of which column k is a combination, in any sample; none if it
-    is not in all samples."""
+    """The columns among those at `places` of which column k is a linear combination in some sample;
+    empty if it is not in all samples."""
     used: set[int] = set()
     for sample in samples:
         others, column = sample[:, places], sample[:, k]
@@ -149,7 +149,7 @@ def _used(samples: list[np.ndarray], places: list[int], k: int) -> list[int]:
 
 
 def _weights(s: Symbols, column: list[Trig], others: list[list[Trig]]) -> list[Trig] | None:
-    """Polynomials in lengths with Σ others · weights = column, proved; None where none are
+    """Polynomials in lengths with Σ others · weights = column, verified exactly; None if none are
     found."""
     parts = [_by_motion(s, other) for other in others]
     mine = _by_motion(s, column)
@@ -174,8 +174,8 @@ def _weights(s: Symbols, column: list[Trig], others: list[list[Trig]]) -> list[T
 
 
 def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
-    """The polynomials in lengths that products of coordinates, rates and gravity are multiplied
-    with, by row."""
+    """Coefficients (polynomials in lengths) of each product of coordinates, rates and gravity in a
+    regressor column, by row."""
     moving = {x + dots for x in s.coordinates for dots in ("", RATE, SECOND)}
     moving |= {f"{f}_{x}" for f in ("sin", "cos") for x in s.coordinates} | {Order(s).gravity}
     return {
@@ -187,14 +187,14 @@ def _by_motion(s: Symbols, column: list[Trig]) -> dict[tuple, Trig]:
 
 @dataclass(frozen=True, eq=False)
 class BaseEquations(ClosedForm):
-    """The closed forms with base parameters as symbols; those of the model itself do not occur in
-    M, c and g."""
+    """The closed-form equations with base parameters as symbols; the model's own inertial
+    parameters do not occur in M, c and g."""
 
     bases: tuple[Base, ...] = ()
 
     @property
     def is_vast(self) -> bool:
-        """Whether M is too long: not assumed before M is worked out, as base parameters make it
+        """Whether M is too long to read; found only by computing M, which base parameters make
         shorter."""
         return False
 
@@ -225,18 +225,18 @@ class BaseEquations(ClosedForm):
         ]
 
     def definitions(self, layout: ClosedForm) -> list[Equation]:
-        """Each base parameter by the model's own; `layout` prints them."""
+        """Definitions of the base parameters by the model's own; `layout` prints them."""
         return [ex.eq(sym(base.name), layout.form(base.value)) for base in self.bases]
 
 
 def base_view(equations: ClosedForm, names: Letters = NOTES) -> list[list[Equation]]:
-    """The named view in base parameters, and what these are."""
+    """The named view of the equations in base parameters, with their definitions."""
     short = by_base_parameters(equations)
     return [*named(short, short.layout, names), short.definitions(equations)]
 
 
 def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equation]] | None:
-    """The view in base parameters, if that fits on about a page."""
+    """The equations in base parameters, if they fit on about a page; None otherwise."""
     if equations.symbols.is_rewritten or not by_base_parameters(equations).is_short:
         return None
     groups = base_view(equations, names)
@@ -244,7 +244,7 @@ def short_by_base(equations: Equations, names: Letters = NOTES) -> list[list[Equ
 
 
 def by_base_parameters(equations: ClosedForm) -> BaseEquations:
-    """A model's closed forms by base parameters."""
+    """A model's closed-form equations rewritten in base parameters."""
     before = equations.symbols
     before.require_plain("equations by base parameters")
     bases = base_parameters(before)

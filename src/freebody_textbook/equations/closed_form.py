@@ -1,5 +1,5 @@
-"""The closed form of a model's equations, its matrices and vectors as exact polynomials, and
-what its views show: the notes' (3.20)-(3.27) for any arm, or everything written out."""
+"""A model's equations in closed form, matrices and vectors as exact polynomials, with views as in
+the notes' (3.20)-(3.27) or fully expanded."""
 
 from __future__ import annotations
 
@@ -33,7 +33,8 @@ _MOST = 2000
 
 @dataclass(frozen=True, eq=False)
 class ClosedForm(InTextbookForm, ByValue):
-    """Exact polynomials in normal form: equal means identical."""
+    """The closed-form equations of a model as exact polynomials in normal form: equal means
+    identical."""
 
     symbols: Symbols
 
@@ -46,7 +47,7 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def christoffel(self) -> list[list[list[Trig]]]:
-        """[i][j][k] = ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i)."""
+        """The Christoffel symbols [i][j][k] = ½ (∂M_ij/∂q_k + ∂M_ik/∂q_j - ∂M_jk/∂q_i)."""
         n, names = len(self.symbols.coordinates), self.symbols.coordinates
         slope = [
             [[self.M[i][j].derivative(x) for x in names] if j >= i else [] for j in range(n)]
@@ -95,7 +96,7 @@ class ClosedForm(InTextbookForm, ByValue):
         return s.of_angles([sum(laws.values(), s.zero()) for laws in found])
 
     def law_torques(self, k: int) -> dict[str, Trig]:
-        """The torque of each law of the drives at coordinate k, by its name."""
+        """Torques of the drive laws at coordinate k, by the law's name."""
         s, found = self.symbols, dict[str, Trig]()
         for body in s.tree.bodies:
             if body.drive is not None and body.coordinates.v[0] == k:
@@ -134,8 +135,8 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def is_vast(self) -> bool:
-        """Whether the mass matrix alone is too long; looked at from the tip inward, before anything
-        else is worked out.
+        """Whether the mass matrix alone is too long to read; computed from the tip inward before
+        anything else.
 
         The rows and columns of a chain's last joints are the mass matrix of what they carry, the
         rest held still.
@@ -150,14 +151,14 @@ class ClosedForm(InTextbookForm, ByValue):
 
     @cached_property
     def is_short(self) -> bool:
-        """Whether the named view fits on about a page."""
+        """Whether the equations in the named view fit on about a page."""
         if self.is_vast or sum(self.count().values()) > _MOST:
             return False
         return sum(size(line) for group in named(self, self.layout) for line in group) <= SHORT
 
     @property
     def length(self) -> str:
-        """The number of terms in words; of what is vast only that."""
+        """Text of the number of terms; for very long equations only that they are too long."""
         if self.is_vast:
             return f"M alone has more than {_MOST} terms"
         terms = self.count()
@@ -168,8 +169,8 @@ class ClosedForm(InTextbookForm, ByValue):
 
 
 def _from_body(tree: Tree, first: int) -> Tree:
-    """The bodies from one on (whatever they carry is among them), each whose parent is left out
-    held by the base."""
+    """A tree of the bodies from index `first` on; bodies whose parent is left out are fixed to the
+    base."""
     bodies = (replace(body, parent=max(body.parent - first, -1)) for body in tree.bodies[first:])
     return replace(tree, bodies=tuple(bodies))
 
@@ -192,8 +193,7 @@ class Letters:
     """One of `TERMS` of a notation; c and g are not asked where they are not written."""
 
     def apart_from(self, names: Iterable[str]) -> Letters:
-        """The letters, others in the place of those whose entries one of these names is written
-        like."""
+        """The letters, replaced where an entry's name would look like one of the given names."""
         written = [x for x in map(sym, names) if isinstance(x, Symbol)]
         counted = {x.letter for x in written if x.low and "".join(x.low).isdigit()}
         alone = {x.letter for x in written if not x.low}
@@ -214,19 +214,19 @@ NOTES, STANDARD = Letters("H", "h", "G", "coefficients"), Letters("M", "c", "g")
 
 
 def expanded(equations: ClosedForm, layout: Layout) -> list[_Group]:
-    """τ_i, or 0 where there is no motor, with everything written out."""
+    """The equations τ_i = … (or 0 = … without motor) fully expanded."""
     left = motors(equations.symbols.model)
     return [[ex.eq(motor, layout.form(x)) for motor, x in zip(left, equations.tau, strict=True)]]
 
 
 def in_terms(terms: str) -> Letters:
-    """The letters that `Lettering` knows, for one of a notation's `TERMS`."""
+    """The letters that `Lettering` uses for one of a notation's `TERMS`."""
     return NOTES if terms == NOTES.terms else Letters("H", "velocity", "G", terms)
 
 
 def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list[_Group]:
-    """τ_i, or 0, by mass matrix, velocity and gravity terms, then what these are: groups τ, M,
-    velocity, gravity."""
+    """The equations of τ_i (or 0) by mass matrix, velocity and gravity terms, and then the
+    definitions of these: groups τ, M, velocity, gravity."""
     names = names.apart_from(equations.symbols.ring.names)
     velocity = _TERMS[names.terms](equations, names)
     weights = [] if names.terms == "bias" else _entries(names.g, equations.g)
@@ -243,15 +243,14 @@ def named(equations: ClosedForm, layout: Layout, names: Letters = NOTES) -> list
 
 
 def _entries(letter: str, column: Sequence[Trig]) -> list[tuple[Symbol, Trig]]:
-    """The entries of a column that are not zero, with their names."""
+    """The nonzero entries of a column, with their names."""
     return [(entry(letter, i), x) for i, x in enumerate(column, 1) if not x.is_zero]
 
 
 def symmetric(
     letter: str, rows: Sequence[Sequence[Trig]], form: Callable[[Trig], Expression]
 ) -> _Group:
-    """The entries of a symmetric matrix that are not zero, the diagonal first; H12 = H21 is one
-    line."""
+    """The nonzero entries of a symmetric matrix, diagonal first; H12 = H21 is one line."""
     n = len(rows)
     pairs = [(i, i) for i in range(n)] + [(i, j) for i in range(n) for j in range(i + 1, n)]
     return [
@@ -264,7 +263,7 @@ def symmetric(
 def _torque(
     equations: ClosedForm, layout: Layout, names: Letters, velocity: _VelocityTerms, i: int
 ) -> Iterator[Expression]:
-    """Terms of the torque τ_i."""
+    """Printed terms of the torque τ_i."""
     coordinates = equations.symbols.coordinates
     for j, x in enumerate(coordinates):
         if not equations.M[i][j].is_zero:
@@ -278,7 +277,7 @@ def _torque(
 
 
 class _VelocityTerms(Protocol):
-    """Velocity terms in one of a notation's forms."""
+    """Velocity terms in a printed form of some notation."""
 
     def __init__(self, equations: ClosedForm, names: Letters): ...
 
@@ -287,12 +286,12 @@ class _VelocityTerms(Protocol):
         ...
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """Names in the velocity terms, with their values."""
+        """Names used in the velocity terms, with their values."""
         ...
 
 
 class _VelocityVector:
-    """A vector c; or one that holds gravity, friction and springs too."""
+    """Velocity terms as a vector c, which may include gravity, friction and springs."""
 
     def __init__(self, equations: ClosedForm, names: Letters):
         self.letter, self.values = names.c, equations.c
@@ -309,7 +308,7 @@ class _VelocityVector:
 
 
 class _CoriolisMatrix:
-    """The matrix C of Christoffel symbols times the rates."""
+    """Velocity terms as the Coriolis matrix C of Christoffel symbols times the rates."""
 
     def __init__(self, equations: ClosedForm, names: Letters):
         self.rows, self.coordinates = equations.C, equations.symbols.coordinates
@@ -330,8 +329,8 @@ class _CoriolisMatrix:
 
 @dataclass
 class _Coefficients:
-    """Christoffel symbols, each a multiple of a named one: h, or h_1, h_2, …, in larger arms
-    h_ijk."""
+    """Velocity terms by Christoffel symbols, each a multiple of a named coefficient: h, h_1, h_2,
+    …, for larger arms h_ijk."""
 
     equations: ClosedForm
     names: Letters
@@ -353,7 +352,7 @@ class _Coefficients:
 
     @cached_property
     def symbols(self) -> dict[Trig, Symbol]:
-        """Symbol by which each Christoffel symbol is printed: h, h_k or h_ijk."""
+        """The printed name of each Christoffel symbol: h, h_k or h_ijk."""
         n, count, h = len(self.equations.M), len(self.found), self.names.c
         if count == 1:
             return {key: Symbol(h, h) for key in self.found}
@@ -362,13 +361,13 @@ class _Coefficients:
         return {key: entry(h, *(x + 1 for x in first)) for key, (first, _, _) in self.found.items()}
 
     def definitions(self) -> list[tuple[Symbol, Trig]]:
-        """Pairs of symbol and value of each coefficient."""
+        """Definitions of the coefficients: (symbol, value)."""
         return [(symbol, self.values[key]) for key, symbol in self.symbols.items()]
 
     @cached_property
     def values(self) -> dict[Trig, Trig]:
-        """The value of each name: the first multiple found, its sign chosen so that it begins
-        without a minus."""
+        """The named coefficient of each Christoffel symbol: the first multiple found, with a sign
+        that makes its first term positive."""
         is_negative = self.equations.layout.is_negative
         return {
             key: -value if is_negative(value) else value
@@ -376,7 +375,7 @@ class _Coefficients:
         }
 
     def terms(self, i: int) -> Iterator[Expression]:
-        """± factor · h · rates of τ_i."""
+        """Terms ± factor · h · rates in τ_i."""
         symbols = self.symbols
         names = self.equations.symbols.coordinates
         for j, k in self._pairs():
@@ -401,14 +400,14 @@ _TERMS: dict[str, type[_VelocityTerms]] = {
 
 
 def require_polynomial_drives(symbols: Symbols) -> None:
-    """Refuse, by its name, a law of a drive that is no polynomial."""
+    """Raise an error that names a drive law which is not a polynomial."""
     for body in symbols.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:
             _law_torque(body, x.law, symbols.q, symbols.qd)
 
 
 def _law_torque(body: TreeBody, law: DriveLaw, q: Vector, qd: Vector) -> Any:
-    """The torque of a law of a drive. Raises FreebodyError for one that is no polynomial."""
+    """The torque of a drive law. Raises FreebodyError if it is not a polynomial."""
     assert body.drive is not None
     try:
         if law.losses is not None:

@@ -41,8 +41,8 @@ VIEWS = ("auto", "named", "expanded", "intermediates", "base")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Equations(Titled, ClosedForm):
-    """Closed forms of a model, exact polynomials in normal form, and how they read: equal means
-    identical."""
+    """A model's closed-form equations as exact polynomials in normal form (equal means identical),
+    with their views and texts."""
 
     def _title(self) -> str:
         s = self.symbols
@@ -51,14 +51,14 @@ class Equations(Titled, ClosedForm):
     # ------------------------------------------------------------ for the reader
     @property
     def parameters(self) -> dict[str, float | None]:
-        """The parameters that the equations hold by name, with their values where they have one."""
+        """Names of the parameters in the equations, with values where known."""
         used = set(self.symbols.ring.names)
         return {
             name: value for name, value in self.symbols.model.parameters.items() if name in used
         }
 
     def intermediates(self) -> list[Equation]:
-        """Inverse dynamics by named intermediates, each line in terms of those before: see
+        """Inverse dynamics in named intermediate results, each line using those before: see
         `intermediates`."""
         self.symbols.require_plain("intermediates")
         return intermediates(self.symbols)
@@ -76,7 +76,7 @@ class Equations(Titled, ClosedForm):
         return [[lettering.line(line) for line in group] for group in groups]
 
     def _view(self, view: str, letters: Letters) -> list[list[Equation]]:
-        """The equations of a view in the letters of the notes or the usual ones."""
+        """The equations of a view, in the given letters."""
         if view == "intermediates":
             return [self.intermediates()]
         if view == "expanded":
@@ -88,7 +88,8 @@ class Equations(Titled, ClosedForm):
         raise UnknownNameError("view", view, "Equations", VIEWS)
 
     def operations(self, view: str = "named") -> dict[str, int]:
-        """Additions, multiplications and functions that a view takes, line by line as printed."""
+        """Numbers of additions, multiplications and functions that a view needs, counted line by
+        line as printed."""
         total: Counter[str] = Counter(additions=0, multiplications=0, functions=0)
         for line in (line for group in self.groups(view) for line in group):
             total.update(operations(line))
@@ -127,7 +128,7 @@ class Equations(Titled, ClosedForm):
         return page.html(self.groups(view, names), alone=True)
 
     def _lines_on_length(self) -> list[ex.Expression]:
-        """Two lines on the length of equations that are too long to read."""
+        """Two lines in place of equations that are too long to read, with their length."""
         return [
             ex.words(f"{self.symbols.model.name}: {self.length}: too long to read."),
             ex.words(
@@ -153,7 +154,7 @@ class Equations(Titled, ClosedForm):
         return {name: to_sympy(self._expression(getattr(self, name))) for name in names}
 
     def _expression(self, x: Any) -> ex.Expression:
-        """A polynomial, a vector or a matrix of them as one expression."""
+        """A polynomial, vector or matrix as one expression."""
         if isinstance(x, Trig):
             return self.form(x)
         if isinstance(x[0], Trig):
@@ -185,7 +186,7 @@ class Equations(Titled, ClosedForm):
 
 
 def _letters_of(names: NotationName) -> BookNotation:
-    """A notation that has letters alone; refuses others."""
+    """The book notation by name, if it consists of letters alone; raises an error otherwise."""
     if isinstance(names, str) and not (names.endswith(".toml") or names in NAMINGS):
         raise UnknownNameError("naming", names, "Equations", NAMINGS)
     notation = notation_of(names)
@@ -198,7 +199,8 @@ def _letters_of(names: NotationName) -> BookNotation:
 
 
 def equations(model: Model, numbers: bool = False) -> Equations:
-    """The closed-form equations of a model; `numbers` puts in the values of its parameters.
+    """The closed-form equations of a model; numbers: with the parameters' values in place of their
+    symbols.
 
     Raises FreebodyError for spherical and free joints, and for joints that follow another by a
     ratio that is not whole.

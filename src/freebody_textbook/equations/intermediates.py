@@ -1,5 +1,5 @@
-"""Equations by named intermediates: the recursion itself, each component of ω, ω̇, v̇, v̇_c, F, N,
-f and n on a line.
+"""Equations in named intermediate results: the Newton-Euler recursion with each component of ω, ω̇,
+v̇, v̇_c, F, N, f and n on a line.
 
 The recursion is traced once over a graph of interned nodes; then what its record holds is given
 names, in the order of the notes (4.6-4.15, 6.16-6.29), and each line refers to what was named
@@ -29,18 +29,18 @@ from freebody.scalars.rational import exactly
 
 
 class GraphReader(QuantityReader):
-    """Reads parameters as inputs of a graph."""
+    """Reads a model's parameters as inputs of an expression graph."""
 
     combines = False
 
     def __init__(self, graph: Graph, numbers: bool, own: Mapping[str, ParameterFormula]):
-        """own: formulas of the model."""
+        """Read parameters as inputs of `graph`; own: the model's formulas for parameters."""
         self.graph, self.own = graph, own
         self.numbers = numbers
         self.inputs: dict[str, Expr] = {}
 
     def input(self, name: str) -> Expr:
-        """Node of the graph for the input of that name."""
+        """The graph's node for the input with a name."""
         if name not in self.inputs:
             self.inputs[name] = self.graph.input(name)
         return self.inputs[name]
@@ -58,7 +58,7 @@ class GraphReader(QuantityReader):
 
 
 def intermediates(symbols: Symbols) -> list[Equation]:
-    """Inverse dynamics line by line, each in terms of those before."""
+    """Inverse dynamics line by line, each using earlier lines."""
     graph = Graph()
     reader = GraphReader(graph, symbols.reader.numbers, symbols.reader.own)
     q, qd, qdd = (
@@ -100,7 +100,7 @@ def _inward(lines: _Lines, record: Recursion, parents: list[int], axes: str) -> 
 
 @dataclass
 class _Lines:
-    """The equations so far, and the names of the nodes that have one."""
+    """The equations so far, and the names of graph nodes that have one."""
 
     graph: Graph
     taken: set[str]
@@ -115,12 +115,13 @@ class _Lines:
         vector: tuple[Scalar, ...],
         dots: int = 0,
     ) -> None:
-        """Names for the components of a vector; a planar angular one has no axis."""
+        """Name the components of a vector and write their equations; a planar angular vector has no
+        axis letter."""
         for axis, x in zip(axes if len(vector) > 1 else ("",), vector, strict=True):
             self._define(letter, low, axis, x, dots)
 
     def name_sum(self, letter: str, low: tuple[str, ...], x: Scalar) -> None:
-        """A name for an entry of a matrix, where it is a sum."""
+        """Name a matrix entry and write its equation, if the entry is a sum."""
         if isinstance(x, Expr) and self.graph.op[self._positive(x.index)] in ("add", "sub"):
             self._define(letter, low, "", x, 0)
 
@@ -146,7 +147,7 @@ class _Lines:
         return self.graph.a[index] if self.graph.op[index] == "neg" else index
 
     def expression(self, x: Scalar) -> Expression:
-        """A scalar in terms of the names given so far."""
+        """A scalar as an expression in the names given so far."""
         return self._node(x.index) if isinstance(x, Expr) else _number(x)
 
     def _node(self, i: int) -> Expression:
@@ -171,7 +172,7 @@ def _terms(x: Expression) -> tuple[Expression, ...]:
 
 
 def _sum(*parts: Expression) -> Expression:
-    """A sum: first what stands alone, then products, what is subtracted last."""
+    """A sum ordered as: single terms, products, subtracted terms."""
     terms = [term for part in parts for term in _terms(part)]
     return ex.add(
         *sorted(terms, key=lambda t: (isinstance(t, ex.Negative), not isinstance(t, ex.Symbol)))
@@ -183,8 +184,8 @@ def _negative(x: Expression) -> Expression:
 
 
 def _product(a: Expression, b: Expression) -> Expression:
-    """Numbers, parameters, named quantities, brackets, functions; x x is x², -x - y loses its sign
-    to the front."""
+    """A product ordered as numbers, parameters, named quantities, brackets, functions; x x is
+    written x², and the sign of -x - y is moved to the front."""
     powers: dict[Expression, int] = {}
     numbers: list[Expression] = []
     for factor in _factors(ex.mul(a, b)):
@@ -208,7 +209,7 @@ def _factors(x: Expression) -> tuple[Expression, ...]:
 
 
 def _rank(factor: Expression) -> tuple:
-    """Numbers, parameters, what has dots or comes from a line before, brackets, functions."""
+    """Sort key of factors: numbers, parameters, rates and earlier names, brackets, functions."""
     kinds: list[Any] = [ex.Number, ex.Symbol, ex.Sum, ex.Function]
     kind = next((k for k, kind in enumerate(kinds) if isinstance(factor, kind)), len(kinds))
     if not isinstance(factor, ex.Symbol):

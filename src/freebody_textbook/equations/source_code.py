@@ -1,5 +1,5 @@
-"""Closed forms as source code, one function in Python or C that computes M, c, G and tau, and
-expressions as SymPy's."""
+"""Closed-form equations as source code, one Python or C function for M, c, G and tau, and
+expressions in SymPy."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _OWN = word_set("q qd qdd M c G tau p math dynamics sin cos sgn parameters")
 
 @dataclass(frozen=True)
 class Assignment:
-    """An assignment to an entry of an array: name, indices, value."""
+    """Assignment to an array entry: name, indices, value."""
 
     array: str
     indices: tuple[int, ...]
@@ -48,7 +48,7 @@ class Assignment:
 
 
 def entries(equations: Equations) -> list[Assignment]:
-    """M (upper triangle), c, G, and in `drive` friction and springs."""
+    """The assignments of M (upper triangle), c, G, and of `drive` for friction and springs."""
     form, n = equations.layout.form, len(equations.M)
     result = [
         Assignment("M", (i, j), form(equations.M[i][j])) for i in range(n) for j in range(i, n)
@@ -59,7 +59,7 @@ def entries(equations: Equations) -> list[Assignment]:
 
 
 class CodeNames:
-    """Names of code: parameters as words that clash with none; functions of angles become
+    """Names in generated code: parameters as unique identifiers; functions of angles become
     variables."""
 
     def __init__(
@@ -87,7 +87,7 @@ class CodeNames:
 
 
 def _spelt(argument: Expression) -> str:
-    """12 of θ1 + θ2, 1_m2x3 of θ1 - 2 θ3."""
+    """The part of a variable name for an angle: 12 for θ1 + θ2, 1_m2x3 for θ1 - 2 θ3."""
     words = []
     for term in argument.terms if isinstance(argument, Sum) else (argument,):
         sign, term = ("m", term.operand) if isinstance(term, Negative) else ("", term)
@@ -100,7 +100,7 @@ def _spelt(argument: Expression) -> str:
 
 @dataclass(frozen=True)
 class _ClosedFormSource:
-    """A language's way of writing the function: its text, what is put into that, and one
+    """How a programming language writes the function: its template, the parts inserted, and an
     assignment."""
 
     text: str
@@ -236,7 +236,8 @@ def _code(
     functions: Mapping[str, str],
     variables: Mapping[Function, str] | None = None,
 ) -> Callable[[Expression], str]:
-    """A renderer to infix code: `name` spells a symbol, `functions` sin, cos and sgn.
+    """A renderer of expressions to infix code: `name` spells symbols, `functions` are the names of
+    sin, cos and sgn.
 
     `variables` names those sines and cosines that stand in a variable.
     """
@@ -284,8 +285,8 @@ _NAMES = {x: x for x in ("sin", "cos", "tan", "sqrt", "exp", "log")} | {"sgn": "
 
 
 def to_sympy(node: Expression) -> Any:
-    """An expression in SymPy; symbols are real and carry the names of code (theta1, theta1_d, l1,
-    …).
+    """An expression in SymPy; symbols are real and named as in generated code (theta1, theta1_d,
+    l1, …).
 
     Raises MissingPackageError, FreebodyError.
     """

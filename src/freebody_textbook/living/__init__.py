@@ -1,1 +1,1 @@
-"""Pages of derivations that can be tried: the robot's own kernel travels in them as JavaScript."""
+"""Interactive pages of derivations: the robot's kernel is included as JavaScript."""

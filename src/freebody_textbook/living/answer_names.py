@@ -1,5 +1,5 @@
-"""The names that a page reads in answers, as `fb.check` reads them: what each stands for, and what
-may be read in another way."""
+"""Names that an interactive page accepts in answers, as `fb.check` does: their meanings and
+alternative readings."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ QuantityKey = tuple[Any, ...]
 
 
 class PageNames:
-    """The names of one page. readable: quantities of its lines by name; defined: those that a line
-    of its own defines; tried: states at which a name's value is compared with that of
+    """The names of one interactive page. readable: quantities in its lines by name; defined:
+    quantities that its lines define; tried: states at which a name's value is compared with that of
     `fb.check`."""
 
     def __init__(
@@ -88,8 +88,8 @@ class PageNames:
         return found
 
     def _keys(self, name: str, x: Any) -> list[QuantityKey]:
-        """The keys under which `fb.check` knows a name of the page, entry by entry; keys of the
-        page's own where it knows none."""
+        """The keys of the `fb.check` quantities that a page's name means, one per entry; keys of
+        the page's own if there are none."""
         single, table = self.targets.single.get(name), self.targets.tables.get(name)
         if name in self._strange:
             single = table = None
@@ -102,8 +102,8 @@ class PageNames:
         return [(name, k) for k in range(size)]
 
     def _others(self, spellings: Mapping[str, str], defined: Collection[str]) -> set[str]:
-        """Names that are something else to `fb.check`, such as k1, the kinetic energy of body 1:
-        found out in numbers where its values are short; else what a line defines."""
+        """Names that mean something else in `fb.check`, such as k1, the kinetic energy of body 1:
+        compared numerically if short, otherwise taken from the lines' definitions."""
         strange = {spellings[name] for name in spellings if name in defined}
         if len(self.setting.symbols.coordinates) > MOST_THOUGHT or self.setting.turned is not None:
             return strange
@@ -118,21 +118,21 @@ class PageNames:
         return strange
 
     def _valued(self, x: Any) -> list[float]:
-        """A value of the page at these states."""
+        """Values of a page's quantity at the tried states."""
         inputs = self._kernel.inputs
         rows = [{k: v for k, v in row.items() if k in inputs} for row in self._tried]
         return [float(self._kernel.at_random([x], **row)[0, 0]) for row in rows]
 
     def _all_meanings(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """Every name with its meaning: "s" a scalar, "t" a vector or matrix, "q" the number of a
-        quantity, "bodies" where that is one of bodies."""
+        quantity, "bodies" if it belongs to a body."""
         for name in dict.fromkeys((*sorted(self.vocabulary.known), *self._own, *self._called)):
             meaning = self._meaning(name)
             if name not in ("t", "pi"):
                 yield name, meaning
 
     def _meaning(self, name: str) -> dict[str, Any]:
-        """The meaning of one name; empty where it has no value."""
+        """The meaning of one name; {} if it has no value."""
         vocabulary, targets = self.vocabulary, self.targets
         meant = vocabulary.aliases.get(name, self._called.get(name, name))
         single, table = targets.single.get(meant), targets.tables.get(meant)
@@ -152,7 +152,7 @@ class PageNames:
     def _marks(
         self, name: str, asked: AskedQuantity | None, keys: list[QuantityKey]
     ) -> dict[str, int]:
-        """A quantity's number, and whether it is one of bodies."""
+        """The number of a name's quantity, and whether it is a quantity of bodies."""
         found: dict[str, int] = {}
         if any(key in self._values for key in keys):
             found["q"] = self._number(keys[0])
@@ -161,13 +161,13 @@ class PageNames:
         return found
 
     def _of_page(self, name: str, keys: list[QuantityKey]) -> dict[str, Any]:
-        """A name of the page's own lines: a scalar, or a column of entries."""
+        """The meaning of a name defined by the page's lines: a scalar, or a column of entries."""
         if rank(self._own[name]) == 0:
             return {"s": self._values[keys[0]]}
         return {"t": self._table([[key] for key in keys])}
 
     def _scalar(self, name: str, single: AskedQuantity | None) -> ValueSum | list[int] | None:
-        """The number that a name stands for: a symbol, a sine or cosine, or a quantity."""
+        """The scalar meaning of a name: a symbol, a sine or cosine, or a quantity."""
         vocabulary = self.vocabulary
         if name in vocabulary.symbols:
             return self._slots(vocabulary.symbols[name])
@@ -185,8 +185,8 @@ class PageNames:
         return self._numbers.setdefault(key, len(self._numbers))
 
     def _slots(self, value: Any) -> ValueSum | None:
-        """A symbol's value as a sum of symbols, or computed by the page; None where that cannot
-        be."""
+        """A symbol's value as a sum of symbols, or as a number that the page computes; None if it
+        is neither."""
         terms = list(value.terms()) if isinstance(value, Trig) else []
         names = [next(iter(powers)) for powers, c in terms if c == 1 and [*powers.values()] == [1]]
         plain = all(x in symbols_of(self.setting) for x in names)
@@ -197,15 +197,15 @@ class PageNames:
         return None
 
     def of_line(self, name: str, given: Iterable[str]) -> list[int]:
-        """The numbers of a line's own quantities, which an answer may not use: of the one that it
-        gives first."""
+        """Numbers of a line's own quantities, which an answer to it must not use, the line's result
+        first."""
         numbers = (self._meanings.get(spelt(x), {}).get("q") for x in (name, *given))
         own = [x for x in dict.fromkeys(numbers) if x is not None]
         self._asked_for.update(own)
         return own
 
     def asked(self, name: str) -> list[AskedQuantity]:
-        """The quantities that `fb.check` knows by the name of a line, entry by entry."""
+        """The quantities of `fb.check` with the name of a line, one per entry."""
         plain = spelt(name)
         x = self._own.get(plain)
         if x is None:
@@ -217,8 +217,8 @@ class PageNames:
         return entries if len(entries) == len(x) else []
 
     def readings(self, names: Sequence[str]) -> list[dict[str, Any]]:
-        """Numbers and names that may be read in another way, with the sentence that says so; terms:
-        in lines of torques, where they are terms of their own."""
+        """Numbers and names with an alternative reading, and a sentence about it; terms: only as
+        terms by themselves in lines of torques."""
         rows = [
             ({"numbers": self._gravity}, f"‘#’ is read as {self.setting.order.gravity}."),
             ({"names": self._slide}, "x is read as the slide's coordinate."),
@@ -235,7 +235,7 @@ class PageNames:
 
     @property
     def _gravity(self) -> dict[str, ValueSum]:
-        """Numbers that are its value."""
+        """Alternative reading: a number equal to the gravitational acceleration, read as g."""
         g = self.setting.order.gravity
         value = self.setting.symbols.model.parameters.get(g or "")
         if not g or value is None:
@@ -244,21 +244,21 @@ class PageNames:
 
     @property
     def _slide(self) -> dict[str, ValueSum]:
-        """x where the only slide is called otherwise."""
+        """Alternative reading: x for the only slide, if its coordinate has another name."""
         single = sorted(self.targets.single.items())
         meant = {name: slide_meant(self.setting, name, target) for name, target in single}
         return {name: [slide] for name, slide in meant.items() if slide}
 
     @property
     def _cosines(self) -> dict[str, ValueSum]:
-        """C12 where it is a quantity's name."""
+        """Alternative reading: C12 as a cosine, if it is also a quantity's name."""
         single = sorted(self.targets.single.items())
         meant = {name: angle_of_cosine(self.setting, name, target) for name, target in single}
         return {name: ["~cos", *angles] for name, angles in meant.items() if angles}
 
     @cached_property
     def _velocity_terms(self) -> dict[str, ValueSum]:
-        """Velocity terms, called c1 or V1 beside torques."""
+        """Alternative reading: velocity terms named c1 or V1, beside torques."""
         if len(self.setting.symbols.coordinates) > MOST_THOUGHT:
             return {}
         single, found = self.targets.single, dict[str, ValueSum]()
@@ -276,14 +276,14 @@ class PageNames:
 
     @cached_property
     def apart(self) -> list[str]:
-        """Names that are no part of a longer word."""
+        """Names that are never part of a longer word."""
         own = self.vocabulary
         return [x for x in self._meanings if x in own.alone and x not in {*own.symbols, *own.waves}]
 
     def words(self, order: Sequence[str]) -> list[tuple[list[str], dict[str, dict[str, Any]]]]:
-        """All names, those that differ by their figures together, θ1 and θ12 as theta#: spellings
-        that mean the same, and by their figures what they mean; nothing where they have no value
-        here; "apart" of names that stand alone."""
+        """All names, those that differ only in digits grouped under a template (theta# for θ1 and
+        θ12): spellings with the same meaning, and meanings by digits; {} where they have no value;
+        "apart" for names that stand alone."""
         index, apart = _places(order), frozenset(self.apart)
         rows: dict[str, dict[str, dict[str, Any]]] = {}
         for name, meaning in self._meanings.items():
@@ -303,7 +303,7 @@ class PageNames:
 
 
 def key_of(target: AskedQuantity) -> QuantityKey:
-    """Key that tells a quantity from all others."""
+    """Hashable key of a quantity that is unique among all."""
     return target.kind, target.index, target.axis, target.words, target.joint
 
 
@@ -316,12 +316,12 @@ def is_of_bodies(target: AskedQuantity) -> bool:
 
 
 def _places(names: Sequence[str]) -> dict[str, int]:
-    """The places of symbols by name, as the script counts them."""
+    """Indices of symbols by name, as in the script."""
     return {name: -1 - k for k, name in enumerate(names)}
 
 
 def _numbered(meaning: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any]:
-    """A meaning with places of symbols for their names."""
+    """A meaning with symbol names replaced by indices."""
     made = dict(meaning)
     if "s" in made:
         made["s"] = [x if isinstance(x, int) else index.get(x, x[1:]) for x in made["s"]]
@@ -329,12 +329,12 @@ def _numbered(meaning: Mapping[str, Any], index: Mapping[str, int]) -> dict[str,
 
 
 def _template(name: str) -> tuple[str, str]:
-    """A name with # for each run of figures, and the runs."""
+    """A name with # for each run of digits, and these runs."""
     runs = [("".join(run), is_figure) for is_figure, run in groupby(name, str.isdigit)]
     template = "".join("#" if is_figure else run for run, is_figure in runs)
     return template, ",".join(run for run, is_figure in runs if is_figure)
 
 
 def symbols_of(setting: RightEquations) -> tuple[str, ...]:
-    """Names of a ring that states give values to."""
+    """Names of a ring that receive values in states."""
     return tuple(x for x in setting.ring.names if not function_of(x))

@@ -1,5 +1,5 @@
-"""Lines typed into a page and how they are judged: by the tables of the grammar, names, states that
-the robot can be in, and what a wrong answer may have been thought by."""
+"""Judging answers typed into an interactive page: grammar tables, names, states of the robot, and
+misconceptions."""
 
 from __future__ import annotations
 
@@ -63,8 +63,8 @@ _Thoughts = list[list[list[tuple[int, float]]]]
 
 
 class PageAnswers:
-    """The data by which one page judges answers. readable: quantities of its lines by name;
-    defined: those that a line of its own defines."""
+    """The data with which an interactive page judges answers. readable: quantities in its lines by
+    name; defined: quantities that its lines define."""
 
     def __init__(
         self,
@@ -82,8 +82,8 @@ class PageAnswers:
 
     # ------------------------------------------------------------ lines
     def of_line(self, name: str, given: Iterable[str]) -> dict[str, Any]:
-        """How an answer to the line that gives a quantity is judged: by which numbers of its own,
-        which it may not use, and in which sense it is to be equal."""
+        """Data for judging answers to a line: the numbers of its own quantities, those it must not
+        use, and the kind of equality."""
         asked = self.names.asked(name)
         found: dict[str, Any] = {"own": self.names.of_line(name, given)}
         if asked and is_of_bodies(asked[0]):
@@ -101,7 +101,7 @@ class PageAnswers:
         return found | ({"thoughts": self._told(asked)} if asked else {})
 
     def _told(self, asked: Sequence[AskedQuantity]) -> list[int]:
-        """The numbers of the page's lists of thoughts that are about the entries of a line."""
+        """Indices of the page's misconception lists that concern a line's entries."""
         for target in asked:
             if key_of(target) not in self._thought:
                 self._thought[key_of(target)] = self._thoughts(target)
@@ -109,8 +109,8 @@ class PageAnswers:
         return [keys.index(key_of(target)) for target in asked]
 
     def _thoughts(self, target: AskedQuantity) -> _Thoughts:
-        """The thoughts about one quantity by table and row: a sentence by its number, and what the
-        right answer would be under it at the first state."""
+        """Misconceptions about one quantity by table and row: the sentence's number, and the value
+        of the changed answer at the first state."""
         setting = self.setting
         if setting.turned is not None or len(setting.symbols.coordinates) > MOST_THOUGHT:
             return []
@@ -128,8 +128,8 @@ class PageAnswers:
     def _of_one_table(
         self, rows: Iterator[Iterator[_SentenceAndValue]], most: int, told: set[float | None]
     ) -> list[list[tuple[int, float]]]:
-        """The thoughts of one table that can be told: not where others before them always are.
-        told: values of tables before, and then of this one."""
+        """The misconceptions of one table that can occur as explanations, without those that
+        earlier ones always cover. told: values of earlier tables; those of this one are added."""
         here, made = Counter[float](), list[list[tuple[int, float]]]()
         for row in rows:
             said = {x: text for text, full in reversed([*row]) if (x := _rounded(full)) is not None}
@@ -142,8 +142,8 @@ class PageAnswers:
     def _thought_at(
         self, target: AskedQuantity, right: Trig, point: RealPoint
     ) -> Iterator[Iterator[Iterator[_SentenceAndValue]]]:
-        """Sentences with the values of an answer under them, by table and row; first, in a table of
-        its own, that nothing moves."""
+        """Sentences with the values of wrong answers at a point, by table and row; a first table
+        holds the mistake that nothing moves."""
         moving = [name for name in self.setting.ring.names if atom(name).dots]
         still = point.changed(dict.fromkeys(moving, 0)).of(right) or np.nan
         yield iter([iter([(STILL, still)])] if target.kind.may_be_still else [])
@@ -159,19 +159,20 @@ class PageAnswers:
     # ------------------------------------------------------------ states
     @cached_property
     def _tried(self) -> list[dict[str, float]]:
-        """A state of any kind, and one that is admissible."""
+        """Two states for trying answers: an arbitrary one, and one that satisfies loops and
+        equations of motion."""
         found = self._admissible
         held = [] if found is None else [{x: float(v[0]) for x, v in found.values.items()}]
         return [self._signed(row) for row in (self._any[0], *held)]
 
     def _signed(self, row: Mapping[str, float]) -> dict[str, float]:
-        """A state with the signs of its rates."""
+        """A state extended by the signs of its rates."""
         signs = [x for x in self.setting.ring.names if function_of(x)]
         return {**row, **{x: float(np.sign(row.get(symbol_of(x), np.nan))) for x in signs}}
 
     @cached_property
     def _any(self) -> list[dict[str, float]]:
-        """States without conditions; the first have the same parameters."""
+        """Arbitrary states, without conditions; the first ones share their parameter values."""
         chance, names = np.random.default_rng(28), self.setting.symbols.coordinates
         moving = {x + dots for x in names for dots in ("", RATE, SECOND)}
         rows = []
@@ -186,8 +187,8 @@ class PageAnswers:
 
     @cached_property
     def _admissible(self) -> AdmissibleStates | None:
-        """States at which loops are closed and what nothing drives moves by itself; None where any
-        state is admissible."""
+        """States with closed loops and correct motion of joints without drives; None if every state
+        is possible."""
         if self.setting.is_free_body:
             motion = FreeBodyMotion(self.setting)
             thrusts = [self.setting.ring[x] for x in sorted(motion.thrusts)]
@@ -201,9 +202,9 @@ class PageAnswers:
         return StateSampler(self.setting, still=self._at_rest)
 
     def _states(self, names: Sequence[str], values: Mapping[str, float]) -> list[list[float]]:
-        """A row for each state: the number of its set of parameters, -1 where it need not be
-        admissible and others must; how large an energy is in its units; its values. The last states
-        of a set are in other units."""
+        """A row for each state: the number of its parameter set (-1 if it is arbitrary while others
+        must be possible), the scale of energy in its units, and its values. The last states of a
+        set use other units."""
         held = [*self._sampler.loops[0], *self._sampler.passive]
         units = [(1.0, [1.0] * len(names))] * _STATES
         potential = self.names.targets.single.get("V")
@@ -217,8 +218,8 @@ class PageAnswers:
         return rows
 
     def _own_state(self, names: Sequence[str], values: Mapping[str, float]) -> dict[str, Any]:
-        """A state with the values of the robot's own parameters, by which answers in numbers are
-        told, and which of the symbols these are, gravity apart; nothing where there are none."""
+        """A state with the robot's own parameter values, for answers in numbers, and which symbols
+        these are, except gravity; {} if there are none."""
         model, gravity = self.setting.symbols.model, self.setting.order.gravity
         given = {x: float(v) for x, v in model.parameters.items() if v is not None and x in names}
         row = self._any[0] | given
@@ -231,7 +232,7 @@ class PageAnswers:
         return {"values": numbers, "given": [names.index(x) for x in given if x != gravity]}
 
     def _sets(self) -> Iterator[tuple[int, list[dict[str, float]]]]:
-        """Sets of parameters by number, each with its states."""
+        """Parameter sets by number, each with its states."""
         found = self._admissible
         first = range(0, len(self._any), _STATES)
         for k in first if found is None else first[:1]:
@@ -246,19 +247,19 @@ class PageAnswers:
                 yield int(k), [{x: float(v[i]) for x, v in found.values.items()} for i in rows]
 
     def _turned_back(self, row: Mapping[str, float]) -> dict[str, float]:
-        """A state with coordinates of the other sign."""
+        """A state with the signs of its coordinates reversed."""
         names = self.setting.symbols.coordinates
         return {x: -v / 2 if x in names else v for x, v in row.items()}
 
     # ------------------------------------------------------------ for the script
     def symbols(self, inputs: Sequence[Mapping[str, Any]]) -> list[str]:
-        """The symbols with sliders, and others that an answer may be written with."""
+        """The symbols with sliders, and others that answers may contain."""
         names = [x["name"] for x in inputs]
         return [*names, *(x for x in symbols_of(self.setting) if x not in names)]
 
     def page(self, inputs: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-        """The data of the script: tables of the grammar, words, values of further symbols, states
-        and sentences."""
+        """The data for the script: grammar tables, words, values of further symbols, states and
+        sentences."""
         names = self.symbols(inputs)
         others = names[len(inputs) :]
         model = self.setting.symbols.model
@@ -280,8 +281,7 @@ class PageAnswers:
 
 
 def _equations(plain: Derivation, notation: BookNotation) -> RightEquations:
-    """The right equations of `fb.check`, of the model as it was given, or else of what was
-    derived."""
+    """The correct equations of `fb.check`, for the model as given, or else as derived."""
     symbols = plain.equations.symbols
     try:
         model = freed(symbols.given or symbols.model, notation.parameters)
@@ -291,7 +291,7 @@ def _equations(plain: Derivation, notation: BookNotation) -> RightEquations:
 
 
 def _rounded(x: Any) -> float | None:
-    """A value with the digits that travel to a page; None where it is no number."""
+    """A value rounded to the digits stored in a page; None if it is not a number."""
     return float(f"{float(x):.8g}") if np.isfinite(float(x)) else None
 
 
@@ -308,8 +308,8 @@ _ASKED = ("@number", "%name", "@at_rest", "@condition")
 
 @cache
 def tables() -> dict[str, Any]:
-    """The tables by which a page reads: characters and commands, spellings, and those classes and
-    parts of patterns that these name."""
+    """The tables with which a page reads answers: characters and commands, spellings, and the
+    pattern classes and parts that these use."""
     spellings = [row[:2] for row in SPELLINGS]
     used = _used([*_ASKED, *(find for find, _ in spellings)])
     return {
@@ -324,12 +324,12 @@ def tables() -> dict[str, Any]:
 
 
 def _shorter(texts: tuple[str, ...]) -> str | tuple[str, ...]:
-    """Single characters as one text."""
+    """Strings joined to one if all are single characters."""
     return "".join(texts) if all(len(x) == 1 for x in texts) else texts
 
 
 def _used(texts: Iterable[str]) -> set[str]:
-    """Names of classes and patterns that patterns mention, and what these do."""
+    """Names of classes and patterns used in patterns, directly or indirectly."""
     found: set[str] = set()
     waiting = [name for text in texts for name in _MENTIONED.findall(text)]
     while waiting:

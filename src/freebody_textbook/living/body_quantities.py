@@ -1,6 +1,5 @@
-"""Quantities of bodies by name, of which a page tells and draws the values: over polynomials where
-these are short, or over the scalars of a program, with the recursion body by body in their
-place."""
+"""Quantities of bodies by name for interactive pages, over polynomials if these are short,
+otherwise over a program's scalars, with the recursion computed body by body."""
 
 from __future__ import annotations
 
@@ -24,8 +23,8 @@ from freebody_textbook.methods.setting import Setting
 
 
 def body_quantities(s: Setting, reactions: SolvedReactions) -> dict[str, Any]:
-    """All quantities of bodies by the names of derivations; vectors in the axes that are shown, but
-    positions and gravity in those of the world."""
+    """All quantities of bodies by their names in derivations; vectors in the printed axes, but
+    positions and gravity in world axes."""
     ring, energies = s.symbols.ring, Energies(s, s.motion)
     found: dict[str, Any] = {name: ring[name] for name in ring.names}
     found["gravity"] = vector(s, s.tree.gravity)
@@ -66,24 +65,24 @@ def _of_body(s: Setting, reactions: SolvedReactions, i: int) -> dict[str, Any]:
 
 
 def shown(model: Model, values: Mapping[str, Any]) -> list[str]:
-    """Names of the quantities of bodies that a page has a value of, also where no line has them."""
+    """Names of bodies' quantities that have a value on a page, even if no line contains them."""
     known = [x.known for x in BODY_QUANTITIES if x.shown]
     names = (x.format(**numbers(n)) for n in range(1, len(model.bodies) + 1) for x in known)
     return [name for name in names if name in values]
 
 
 class Inputs(dict[str, Expr]):
-    """Inputs of a program by name, in the place of a ring."""
+    """A program's inputs by name, which take the place of a ring."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of all inputs in their order."""
+        """Names of the inputs in order."""
         return tuple(self)
 
 
 class TracedReader(QuantityReader):
-    """Reads parameters as inputs of the program, by name, or by their formulas of these, and
-    numbers as they are."""
+    """Reads a model's parameters as inputs of a program, or by their formulas; numbers stay
+    numbers."""
 
     combines = False
 
@@ -94,7 +93,8 @@ class TracedReader(QuantityReader):
         formulas: Formulas,
         own: Mapping[str, ParameterFormula],
     ):
-        """formulas: of a notation; own: of the model."""
+        """Read parameters as `inputs` of a program; formulas: those given to the derivation; own:
+        the model's."""
         self.inputs, self.numbers, self.formulas, self.own = inputs, numbers, dict(formulas), own
 
     def quantity(self, q: Quantity) -> Scalar:
@@ -116,11 +116,11 @@ class TracedReader(QuantityReader):
 
 @dataclass(frozen=True, eq=False)
 class TracedSymbols(Symbols):
-    """Symbols whose ring is a program's inputs by name."""
+    """Symbols of a model over the inputs of a program in place of a ring."""
 
     @classmethod
     def of(cls, given: Symbols, inputs: Mapping[str, Expr]) -> TracedSymbols:
-        """Symbols of the same model and names, over the scalars of a program."""
+        """The same symbols over the scalars of a program."""
         ring: Any = Inputs(inputs)
         reader: Any = TracedReader(ring, given.reader.numbers, given.formulas, given.reader.own)
         names = given.coordinates, reader, given.extra, given.inertial
@@ -141,11 +141,11 @@ class _Drives:
 
 
 class TracedSetting(Setting):
-    """A setting over such symbols, which has no closed forms."""
+    """A derivation's setting over a program's scalars, without closed forms."""
 
     @property
     def equations(self) -> Any:
-        """Friction and springs alone, by coordinate."""
+        """Friction and spring torques by coordinate, the only equations of such a setting."""
         s = self.symbols
         found: list[Scalar] = [0.0] * self.tree.nv
         for body in self.tree.bodies:

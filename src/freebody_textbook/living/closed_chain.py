@@ -1,5 +1,5 @@
-"""Closed chains in a page: what loops do to bodies, as the multipliers make it, and the equations
-by which the page closes the loops."""
+"""Closed chains in interactive pages: the loops' forces on bodies from the multipliers, and the
+equations for closing the loops."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ _ASIDE, _STEPS, _CLOSED = 0.05, 20, 1e-10
 
 
 def _rank(matrix: Array) -> int:
-    """The number of independent rows, at a position that is known to 1e-12 or so."""
+    """The rank of a matrix at a position known to about 1e-12."""
     return int(np.linalg.matrix_rank(matrix, rtol=1e-8))
 
 
 @dataclass(frozen=True)
 class LoopEnd:
-    """The action of a loop on a body: the point, force and moment, with their names."""
+    """The force and moment of a loop on a body, their point of action and names."""
 
     place: Any
     force: Any
@@ -53,7 +53,7 @@ class ClosedChain:
     why = "by the loops"
 
     def __init__(self, setting: Setting, kernel: PageProgram, start: Sequence[float]):
-        """start: coordinates at which the loops are closed."""
+        """Prepare a closed chain for a page; start: coordinates with the loops closed."""
         self.s, self.at_rest = setting, setting.at_rest
         self._kernel, self._start = kernel, start
         self.loops = Loops(self.s)
@@ -61,14 +61,14 @@ class ClosedChain:
 
     @property
     def passive(self) -> tuple[int, ...]:
-        """Bodies whose joints have no motor: as many as loop equations, which determine their
+        """Bodies whose joints have no motor, as many as loop equations, which determine their
         coordinates."""
         return tuple(i for i in self.s.order if not self.s.driven(i))
 
     @cached_property
     def dependent(self) -> tuple[int, ...]:
-        """Bodies whose coordinates the page computes: those without motor; where every joint has
-        one, the last that the loops determine."""
+        """Bodies whose coordinates the page computes: those without motor; if every joint has one,
+        the last ones that the loops determine."""
         if self.passive:
             return self.passive
         _, jacobian = self._at(np.array(self._start))
@@ -81,8 +81,8 @@ class ClosedChain:
 
     @cached_property
     def is_served(self) -> bool:
-        """Whether the loops determine the coordinates that are not driven, and no loop slides, so
-        that both ends of what it transmits are at one point."""
+        """Whether the page supports the chain: the loops determine all coordinates without drive,
+        and no loop slides."""
         closures = [loop.closure for loop in self.s.tree.loops]
         if any(x.slides or (x.turns and not x.point) for x in closures):
             return False
@@ -91,8 +91,8 @@ class ClosedChain:
 
     @property
     def _is_redundant(self) -> bool:
-        """Whether equations that depend on each other at the start do so after a motion too, which
-        leaves them satisfied."""
+        """Whether loop equations that are dependent at the start stay so in motion and thus
+        satisfied."""
         solved = [self.s.index(i) for i in self.dependent]
         free = [k for k in range(len(self._start)) if k not in solved]
         q = np.array(self._start)
@@ -104,7 +104,7 @@ class ClosedChain:
         return bool(free) and _rank(jacobian) == len(solved) and bool(np.abs(phi).max() < _CLOSED)
 
     def _at(self, q: Array) -> tuple[Array, Array]:
-        """Φ and Φ_q at coordinates, with the model's values."""
+        """The values of Φ and Φ_q at coordinates q."""
         equations, model = self.loops.equations, self.s.symbols.model
         known = {name: x for name, x in model.parameters.items() if x is not None}
         state = {**known, **dict(zip(self.s.symbols.coordinates, q, strict=True))}
@@ -114,7 +114,7 @@ class ClosedChain:
 
     # ------------------------------------------------------------ what is drawn
     def ends(self, n: int) -> list[LoopEnd]:
-        """The actions of loops on body n."""
+        """The actions of the loops on body n."""
         i = self.s.order[n - 1]
         return [self._end(loop, frame, i) for loop, frame in self._acting(i)]
 
@@ -137,7 +137,7 @@ class ClosedChain:
         ]
 
     def _symbol(self, kernel: PageProgram, loop: TreeLoop) -> dict[str, Any]:
-        """The symbol of what closes a loop: marks at its places, in space solids."""
+        """Drawing data of a loop's joint symbol: marks at its points, in space solids."""
         dim = self.s.symbols.model.dim
         given = next(x for x in self.s.symbols.model.loops if x.name == loop.name)
         kind = KINDS[LOOP_KINDS[given.kind].symbol(dim)]
@@ -156,7 +156,7 @@ class ClosedChain:
     # ------------------------------------------------------------ what closes it
     @property
     def solved_names(self) -> tuple[str, ...]:
-        """Symbols that the page computes from the others."""
+        """Names of the symbols that the page computes from others."""
         names = [self.s.coordinate(i) for i in self.dependent]
         dots = ("",) if self.at_rest else ("", RATE, SECOND)
         multipliers = multiplier_names(self.loops.equations) if self.passive else ()
@@ -164,7 +164,7 @@ class ClosedChain:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Symbols that the page needs to close the loops."""
+        """Names of the symbols that the page needs for closing the loops."""
         dots = ("",) if self.at_rest else ("", RATE, SECOND)
         coordinates = [self.s.coordinate(i) for i in self.s.order]
         multipliers = multiplier_names(self.loops.equations)
@@ -172,7 +172,7 @@ class ClosedChain:
 
     @property
     def units(self) -> dict[str, str]:
-        """The units of the multipliers: a rod's equation is that of a distance squared."""
+        """Units of the multipliers; a rod's equation is a squared distance."""
         names = multiplier_names(self.loops.equations)
         return {
             names[k]: "N/m" if loop.closure.distance else "N"
@@ -181,14 +181,14 @@ class ClosedChain:
         }
 
     def _pressed(self, k: int) -> Any:
-        """The entry of Φ_qᵀ λ that belongs to a coordinate."""
+        """The generalized force of the loops, an entry of Φ_qᵀ λ, along a coordinate."""
         names = multiplier_names(self.loops.equations)
         parts = zip(self.loops.equations.Phi_q, names, strict=True)
         return sum((row[k] * self.s.symbols.ring[x] for row, x in parts), self.s.symbols.zero())
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
-        """Places of Φ, Φ_q, c and of what joints without motor would have to give without the
-        loops; which inputs are found from these; and where massless rods reach from and to."""
+        """Data for closing loops in the script: places of Φ, Φ_q, c and of the torques of joints
+        without motor in the output, inputs to be solved for, and end points of massless rods."""
         equations, s = self.loops.equations, self.s
         free = [self.reactions.motor(i) - self._pressed(s.index(i)) for i in self.passive]
         dots = {"q": ""} | ({} if self.at_rest else {"qd": RATE, "qdd": SECOND})

@@ -1,5 +1,5 @@
-"""The bodies that a page draws: where joints and ends are, the forces with their names, vectors in
-axes of the world; and what the moving drawing takes from the figure above it."""
+"""Drawing data of an interactive page's bodies: joints and ends, named forces, vectors in world
+axes; and what the moving drawing takes over from the figure."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ FEW = 4
 
 
 class DrawnBodies:
-    """The bodies of a robot by their quantities; closed: what loops add; labels: as the figure has
-    them."""
+    """A robot's bodies as drawing data, from their quantities; closed: the loops; labels: of the
+    figure."""
 
     def __init__(
         self,
@@ -39,7 +39,7 @@ class DrawnBodies:
         self.tree, self.closed, self.labels = setting.tree, closed, labels
 
     def all(self) -> list[dict[str, Any]]:
-        """All bodies as data for the script, one after the other."""
+        """Drawing data of all bodies."""
         return [self._body(n) for n in range(1, len(self.naming.model.bodies) + 1)]
 
     def _body(self, n: int) -> dict[str, Any]:
@@ -72,20 +72,20 @@ class DrawnBodies:
         return self._placed(own.parent, own.p)
 
     def _placed(self, body: int, p: Any) -> Any:
-        """A point of a body of the tree (-1: the base), in the world."""
+        """World position of a point of a tree body (-1: the base)."""
         if body < 0:
             return vector(self.s, p)
         R, origin = self.s.world[body]
         return vector(self.s, add(origin, times(R, p)))
 
     def _carrier(self, n: int) -> Any:
-        """The axes of joint n on the body before, in the world."""
+        """The axes of joint n on the preceding body, in world axes."""
         own = self._first(n)
         return own.R if own.parent < 0 else product(self.s.world[own.parent][0], own.R)
 
     def _zero(self, n: int) -> Any:
-        """The direction in which the angle of joint n is 0: along the body before, or as its
-        notation has it."""
+        """The direction in which the angle of joint n is 0: along the preceding body, or as defined
+        by the notation."""
         notation, above, first = self.naming.letters.notation, self.naming.parent(n), n
         while above:
             first = above if self.naming.body(above).kind.turns else first
@@ -100,7 +100,7 @@ class DrawnBodies:
         return vector(self.s, [row[0] for row in self.s.world[self.tree.body_of[n - 1]][0]])
 
     def _solids(self, n: int) -> list[dict[str, Any]]:
-        """The parts of a joint's symbol in space."""
+        """Solids that form a joint's symbol in space."""
         kind, turned = self.naming.body(n).kind, self.s.world[self.tree.body_of[n - 1]][0]
         made = []
         for part in kind.solids:
@@ -115,17 +115,17 @@ class DrawnBodies:
         return made
 
     def _is_link(self, n: int) -> bool:
-        """Whether body n stands for nothing, between joints in a row that hold nothing."""
+        """Whether body n is only a massless connection between consecutive joints."""
         return bool(self.closed and n and self.tree.body_of[n - 1] in self.closed.s.links)
 
     def _stands_alone(self, n: int) -> bool:
-        """Whether body n is drawn alone with its forces; of robots of many bodies only those with
-        mass are."""
+        """Whether body n gets a free-body drawing; in robots with many bodies only those with mass
+        do."""
         few = len(self.naming.model.bodies) <= FEW
         return not self._is_link(n) and (few or bool(self._own(n).masses))
 
     def _ends(self, n: int) -> list[Any]:
-        """The points that body n reaches to: further joints and frames."""
+        """The points to which body n extends: further joints and frames."""
         return [
             self._start(end) if isinstance(end, int) else self._frame(end)
             for end in self.labels.figure.ends[n - 1]
@@ -141,11 +141,11 @@ class DrawnBodies:
         ]
 
     def tip(self) -> list[int]:
-        """The places of the tip's coordinates, empty where there is none."""
+        """Output places of the tip's coordinates; empty if there is no tip."""
         return self.kernel.places(self.values["r"]) if "r" in self.values else []
 
     def points(self) -> list[dict[str, Any]]:
-        """Further frames that are points, with their names."""
+        """Drawing data of further point frames, with names."""
         return [
             {"at": self.kernel.places(self._frame(frame)), "name": self.labels.number(name)}
             for frame, name in self.labels.figure.points.items()
@@ -203,8 +203,8 @@ class DrawnBodies:
         return made
 
     def _moment(self, n: int, sign: int) -> dict[str, Any]:
-        """The moment at joint n; at a pin without motor the one that the state would need there. It
-        is not called τ where τ is what turns a body."""
+        """Drawing data of the moment at joint n; for a pin without motor, the moment that the state
+        would require. It is not called τ if τ is the moment on a body."""
         naming = self.naming
         name = naming.joint_moment(n)
         if name == ex.ZERO or self.s.symbols.turned:
@@ -233,7 +233,7 @@ class DrawnBodies:
         return self.tree.bodies[self.tree.body_of[n - 1]]
 
     def _first(self, n: int) -> TreeBody:
-        """The first body of the tree of a joint that is a chain of several."""
+        """The first tree body of a joint that consists of several single joints."""
         before = (k for k in self.tree.body_of if k < self.tree.body_of[n - 1])
         return self.tree.bodies[1 + max(before, default=-1)]
 
@@ -266,20 +266,20 @@ class PageFigure:
 
 @dataclass(frozen=True)
 class Labels:
-    """The formulas that a page writes, each once, and their numbers."""
+    """The formulas used as labels on a page, each stored once and numbered."""
 
     figure: PageFigure
     numbers: dict[str, int] = field(default_factory=dict)
 
     def number(self, formula: str) -> int:
-        """The number of a formula; -1 where there is none."""
+        """The number of a label formula; -1 for an empty one."""
         return self.numbers.setdefault(formula, len(self.numbers)) if formula else -1
 
     def of(self, name: Expression, sign: int = 1) -> int:
-        """The number of a name, with its sign."""
+        """The number of a name's label, with a sign."""
         return self.number("−" * (sign < 0) + self.figure.formula(name))
 
     def template(self) -> str:
-        """All formulas as HTML, for the page to copy."""
+        """All label formulas as HTML, to be copied by the page."""
         texts = (f"<text>{self.figure.typeset(formula)}</text>" for formula in self.numbers)
         return f'<template id="names"><svg>{"".join(texts)}</svg></template>'

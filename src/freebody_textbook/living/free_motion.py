@@ -1,5 +1,5 @@
-"""Motion in a page that nothing prescribes: the accelerations of a free body that thrusts push,
-such as the quadrotor, and of joints without motor of an open chain."""
+"""Forward dynamics in an interactive page: accelerations of a free body with thrusts, such as a
+quadrotor, and of joints without motor in an open chain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ _AXES = "xyz"
 
 
 class FreeFlight:
-    """A single body with velocities in its own axes. setting: over the scalars of a program."""
+    """Flight of a single free body with velocities in body axes. setting: over a program's
+    scalars."""
 
     key = "free"
     why = "by the thrusts"
@@ -52,7 +53,7 @@ class FreeFlight:
         return self.solved_names
 
     def start(self) -> dict[str, float]:
-        """The first state: at the origin and level, with thrusts that bear the weight."""
+        """The initial state: level at the origin, with thrusts that balance the weight."""
         given = self.s.symbols.given or self.s.symbols.model
         mass = part_with_mass(given.bodies[0]).inertia.mass
         weight = 9.81 * (mass if isinstance(mass, float) else 1.0)
@@ -60,7 +61,7 @@ class FreeFlight:
         return level | dict.fromkeys(self._thrusts, weight / len(self._thrusts))
 
     def quantities(self) -> dict[str, Any]:
-        """Quantities that no line defines: symbols, velocities as vectors, gravity."""
+        """Quantities that no line of the derivation defines: symbols, velocity vectors, gravity."""
         ring = self.s.symbols.ring
         own = (*self.s.symbols.coordinates, *self._moving, *self._thrusts)
         found: dict[str, Any] = {x: ring[x] for x in ring.names if x in own or "_" not in x}
@@ -79,7 +80,7 @@ class FreeFlight:
         return found
 
     def body(self, kernel: PageProgram, labels: Labels, letters: Lettering) -> dict[str, Any]:
-        """The drawing of the body, its weight and the thrusts, seen from its origin."""
+        """Drawing data of the body, its weight and the thrusts, relative to its origin."""
         R, at = self.s.world[self._body]
         centre = sub(self.s.centre_position(self._body), at)
         weight = scale(self.s.mass(self._body), self.s.tree.gravity)
@@ -104,15 +105,16 @@ class FreeFlight:
         }  # fmt: skip
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
-        """The accelerations and places of what is missing for them, which is linear in them."""
+        """Data for solving the accelerations in the script: their inputs, and places of the missing
+        force and moment, which are linear in them."""
         return {
             "accelerations": [inputs[name] for name in self.solved_names],
             "needs": kernel.places(self._missing),
         }
 
     def need(self, quantities: Mapping[str, Any]) -> bool:
-        """Keep what force and moment are missing, by the lines that tell f and n; whether there
-        are such lines."""
+        """Store the missing force and moment, from the lines that define f and n; returns whether
+        there are such lines."""
         force = moment = vector(self.s, (0.0, 0.0, 0.0))
         for _, push, p in self._pushes():
             force, moment = add(force, push), add(moment, self.s.tree.space.moment(p, push))
@@ -124,8 +126,8 @@ class FreeFlight:
 
 
 class FreeJoints:
-    """The joints without motor, whose accelerations are those for which they need no torque;
-    values: the chain's quantities."""
+    """Motion of the joints without motor, whose accelerations make their torques vanish; values:
+    the chain's quantities."""
 
     key = "free"
     why = "no motor"
@@ -143,7 +145,8 @@ class FreeJoints:
         return self.solved_names
 
     def page(self, kernel: PageProgram, inputs: Mapping[str, int]) -> dict[str, Any]:
-        """The accelerations and places of what the joints need, which is linear in them."""
+        """Data for solving the accelerations in the script: their inputs, and places of the joints'
+        torques, which are linear in them."""
         return {
             "accelerations": [inputs[name] for name in self.solved_names],
             "needs": [kernel.places(tau)[0] for tau in self._needed],

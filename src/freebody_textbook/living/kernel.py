@@ -1,5 +1,5 @@
-"""A JavaScript function of everything that a page shows: in, the symbols of the equations; out, the
-values of names and lines."""
+"""A JavaScript function of everything that a page shows: input the symbols of the equations, output
+the values of names and lines."""
 
 from __future__ import annotations
 
@@ -28,12 +28,13 @@ _FUNCTIONS = {"sin": elementary.sin, "cos": elementary.cos, "sgn": elementary.si
 
 
 def entries(x: Any) -> tuple[Any, ...]:
-    """The entries of a vector; a scalar alone."""
+    """The entries of a vector; a scalar as a single entry."""
     return tuple(x) if rank(x) else (x,)
 
 
 class PageProgram:
-    """Values that are asked for one by one get places in its output y; then it has a source.
+    """A program for a page: each requested value gets places in its output y; at the end it is
+    written as JavaScript.
 
     names: of all symbols. form: of a polynomial, the formula by which it is evaluated.
     """
@@ -49,7 +50,7 @@ class PageProgram:
         }
 
     def places(self, value: Any) -> list[int]:
-        """The places in y of the entries of a value; equal ones have one place."""
+        """The places in the output y of a value's entries; equal entries share one."""
         indices = [self._graph.operand(self._scalar(x)) for x in entries(value)]
         return [self._places.setdefault(index, len(self._places)) for index in indices]
 
@@ -60,7 +61,7 @@ class PageProgram:
 
     @property
     def size(self) -> int:
-        """Number of results y of the program."""
+        """Number of outputs in y."""
         return len(self._places)
 
     def _program(self, results: Iterable[int]) -> Program:
@@ -77,15 +78,15 @@ class PageProgram:
 
     @property
     def used(self) -> frozenset[str]:
-        """Names of the symbols that what was asked for depends on."""
+        """Names of the symbols on which the requested values depend."""
         program, names = self._program(self._places), tuple(self.inputs)
         return frozenset(
             names[a] for op, a in zip(program.op, program.a, strict=True) if op == "input"
         )
 
     def at_random(self, scalars: Sequence[Any], **given: float) -> Array:
-        """Values (k, 4) of scalars at states that are random but for what is given, and the same at
-        each call."""
+        """Values (k, 4) of scalars at four random states, the same at each call, with some names at
+        given values."""
         program = self._program(self._graph.operand(self._scalar(x)) for x in scalars)
         states = np.random.default_rng(20191).uniform(0.3, 1.7, (len(self.inputs), 4))
         for name, value in given.items():
@@ -94,7 +95,7 @@ class PageProgram:
         return np.array([np.broadcast_to(held[i], 4) for i in program.results]).reshape(-1, 4)
 
     def source(self, inputs: Sequence[str]) -> str:
-        """A plain script with the function; x are the symbols `inputs` in this order."""
+        """JavaScript text of the function; its argument x holds the symbols `inputs` in order."""
         whole = self._program(self._places)
 
         def live(x: Sequence[Any]) -> dict[str, Any]:
@@ -112,7 +113,8 @@ _CONSTANTS = re.compile(r"(?m)(?:^ *const [^\n]*;\n)+")
 
 
 def _in_one(lines: re.Match[str]) -> str:
-    """Lines of declarations as one, without blanks: a third of a long program is `const`."""
+    """Several declarations joined to one without blanks, as `const` would be a third of a long
+    program."""
     declared = [line.strip().removeprefix("const ")[:-1] for line in lines[0].splitlines()]
     joined = _BLANKS.sub(r"\1", ",\n".join(declared))
     return f"const {joined};\n"

@@ -1,5 +1,5 @@
-"""The exact value of each line of a derivation, where it has one: in space in the axes of each
-body, or with all vectors in those of the world, where those of several bodies can be added."""
+"""Exact values of a derivation's lines; in space in each body's axes, or with all vectors in world
+axes, so that those of several bodies can be added."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ _RATES = {"q_d": "qd", "q_dd": "qdd"}
 
 @dataclass(frozen=True)
 class ValuedLine:
-    """A line and the exact value of its sides: a scalar, or a vector as a tuple; of a quotient that
-    is no polynomial a formula of symbols."""
+    """A line with the exact value of its sides: a scalar, a vector as a tuple, or for a quotient
+    that is no polynomial an expression in symbols."""
 
     step: Step
     line: Equation
@@ -47,7 +47,7 @@ class ValuedLine:
 
 @dataclass(frozen=True)
 class LineValues:
-    """All lines that have a value, the values of all names, and what these are made of."""
+    """All lines that have a value, with the values of all names and where these come from."""
 
     quantities: Quantities
     known: frozenset[str]
@@ -58,7 +58,7 @@ class LineValues:
 
 
 def line_values(derivation: Derivation, values: Quantities | None = None) -> LineValues:
-    """The values of a derivation's lines by exact arithmetic.
+    """Values of a derivation's lines in exact arithmetic.
 
     A line has one where two of its sides are found to be the same polynomial, or where its left
     side is a new name that it defines. Of the two ways to count gravity (`quantities`) the one is
@@ -107,16 +107,16 @@ def _lines(derivation: Derivation, values: Quantities, known: frozenset[str]) ->
 def traced_values(
     derivation: Derivation, values: Mapping[str, Any], program: PageProgram
 ) -> LineValues:
-    """The values of a derivation's lines over the scalars of a program, in whose symbols `values`
-    are: all sides of a line that have a value must be equal at random states. Where gravity is an
-    acceleration of the base, the lines themselves tell the accelerations."""
+    """Values of a derivation's lines over a program's scalars, in which `values` are expressed;
+    sides that have a value must agree at random states. Where gravity is an acceleration of the
+    base, the lines themselves define the accelerations."""
     bare = {name: x for name, x in values.items() if not _is_acceleration(name)}
     found = [_traced(derivation, known, program) for known in (values, bare)]
     return max(found, key=lambda one: len(one.lines))
 
 
 def _is_acceleration(name: str) -> bool:
-    """Whether a name is that of the acceleration of a centre of mass."""
+    """Whether a name is an acceleration of a centre of mass."""
     own = atom(name)
     return own.letter == "vc" and own.is_numbered and own.dots == 1
 
@@ -140,7 +140,7 @@ def _traced(derivation: Derivation, values: Mapping[str, Any], program: PageProg
 def _with_sides(
     waiting: Iterable[tuple[Step, Equation]], names: Quantities, in_world: bool
 ) -> Iterator[tuple[ValuedLine, list[Any]]]:
-    """The lines of which two sides or more have a value that is computed, with these values."""
+    """The lines with at least two sides that can be computed, with these values."""
     for step, line in waiting:
         own = [x for side in line.sides if (x := _value(side, names)) is not None]
         if len(own) > 1 and any(isinstance(x, Expr) for x in entries(own[-1])):
@@ -148,7 +148,7 @@ def _with_sides(
 
 
 def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values and the components of their vectors in space, as lines call them."""
+    """The values, together with the components of spatial vectors, by their names in lines."""
     vectors = {name: x for name, x in values.items() if rank(x) == 1 and len(x) == 3}
     parts = {
         f"{name}_{axis}": part
@@ -159,7 +159,7 @@ def _with_parts(values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unlike(lines: Iterable[list[Any]], program: PageProgram) -> set[int]:
-    """The numbers of lines whose sides are not equal, or no numbers."""
+    """Indices of lines whose sides differ, or are not numbers."""
     found, pairs = set(), []
     for k, sides in enumerate(lines):
         first = entries(sides[0])
@@ -177,7 +177,8 @@ def _with_quotients(
     made: Iterable[ValuedLine | None],
     values: Quantities,
 ) -> Iterator[ValuedLine]:
-    """The lines, and those that give a name to a quotient that is no polynomial."""
+    """The valued lines, together with those that define a name as a quotient that is no
+    polynomial."""
     quotients: dict[str, Expression] = {}
     for (step, line), one in zip(waiting, made, strict=True):
         name = line.lhs.name if isinstance(line.lhs, Symbol) else ""
@@ -193,7 +194,7 @@ def _with_quotients(
 def _in_symbols(
     side: Expression, values: Quantities, quotients: Mapping[str, Expression]
 ) -> Expression | None:
-    """A scalar side with the values of its names in their place; None if one has none."""
+    """A scalar side with the values of names substituted; None if a name has none."""
     new: dict[Expression, Expression] = {}
     for x in nodes(side):
         if isinstance(x, Symbol):
@@ -214,7 +215,7 @@ def _valued(
 
 
 def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
-    """Names without value that a line begins with, and what it gives them."""
+    """Names without a value that a line defines, with the value from the line."""
     found: dict[str, Any] = {}
     for line in lines:
         left = line.lhs
@@ -226,8 +227,8 @@ def _defined(lines: Iterable[Equation], values: Quantities) -> dict[str, Any]:
 
 
 def _common(line: Equation, values: Quantities) -> Any:
-    """The value that all sides have which can be evaluated, at least two; None where they are not
-    equal, or where it is a plain number."""
+    """The common value of a line's sides that can be evaluated, at least two; None if they differ
+    or are a plain number."""
     sides = [x for side in line.sides if (x := _value(side, values)) is not None]
     last = sides[-1] if sides else None
     if len(sides) < 2 or rank(last) > 1 or not any(isinstance(x, Trig) for x in entries(last)):
@@ -249,7 +250,7 @@ def _value(side: Expression, values: Quantities) -> Any:
 
 
 def _scalars(side: Expression, values: Quantities) -> dict[Expression, Expression]:
-    """Parameters with the name of a matrix: the matrix is bold."""
+    """Replacements for parameters that have a matrix's name; the matrix is bold."""
     return {
         x: symbol(name)
         for x in nodes(side)
@@ -275,14 +276,15 @@ _PARTIAL = ("omega", "vc")
 
 
 def body_of(name: str) -> str:
-    """The number of the body in whose axes a vector is, by the name with which a line begins."""
+    """The number of the body in whose axes a vector is expressed, from the name on a line's left
+    side."""
     own = atom(name)
     turns = own.letter == "R" and own.is_figures and len(own.figures) == 2 and not own.dots
     return own.figures[-1] if turns else _of_vector(name)
 
 
 def _of_vector(name: str) -> str:
-    """The number of the body to which a symbol belongs as a vector, "" for anything else."""
+    """The number of the body whose vector a symbol is; "" for anything else."""
     own = atom(name)
     if not own.is_figures or own.primes or len(own.figures) > 2 or own.letter not in _VECTORS:
         return ""
@@ -291,14 +293,13 @@ def _of_vector(name: str) -> str:
 
 
 def scalar_name(name: str) -> str:
-    """The name of the value of a parameter that has the name of a matrix, such as I1."""
+    """The key for the value of a parameter that has the same name as a matrix, such as I1."""
     return f"{name} (scalar)"
 
 
 def own_axes(values: Quantities, parameters: dict[str, Any]) -> Quantities:
-    """Each vector in the axes of its body, n0_1 for the moment n1 at its joint; R1_2 is printed as
-    what turns components of body 1 to those of body 2; axes of joints are left to the lines that
-    define them."""
+    """Vectors in their bodies' axes by printed names: n0_1 for the moment n1 at joint 1, R1_2 for
+    the rotation from body 1 to body 2; joint axes are left to the lines that define them."""
     found: dict[str, Any] = {}
     further: dict[str, Any] = {}
     for name, x in values.items():
@@ -319,7 +320,7 @@ def own_axes(values: Quantities, parameters: dict[str, Any]) -> Quantities:
 
 
 def world_axes(values: Quantities) -> Quantities:
-    """Quantities in axes of their bodies, turned into those of the world."""
+    """Quantities with vectors converted from body axes to world axes."""
     found: dict[str, Any] = {}
     for name, x in values.items():
         own = atom(name)

@@ -1,5 +1,5 @@
-"""A page that can be tried: sliders for whatever the equations hold, a drawing with free bodies,
-the values of all lines, and answers that are checked before a line is seen."""
+"""Interactive derivation pages: sliders for the equations' symbols, a drawing with free bodies,
+values of all lines, and answers checked before a line is shown."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ Following = ClosedChain | FreeFlight | FreeJoints
 
 
 def living(derivation: Derivation, figure: PageFigure) -> LivingParts | None:
-    """The living parts of a derivation's page; None of a robot for which there are none: of closed
-    chains they are made where the drives determine the motion and no loop slides."""
+    """The interactive parts of a derivation's page; None if they are not supported, as for closed
+    chains whose drives do not determine the motion or with a sliding loop."""
     plain = derivation.plain or derivation
     symbols = plain.equations.symbols
     if not 0 < len(symbols.model.bodies) <= MOST_BODIES:
@@ -113,7 +113,8 @@ def _parts(
     labels: Labels,
     marked: Mapping[str, Any],
 ) -> LivingParts:
-    """marked: places in the kernel of the tip, if there is one, and of further points."""
+    """The assembled parts of an interactive page. marked: places in the kernel's output of the tip,
+    if any, and of further points."""
     plain, letters = derivation.plain or derivation, derivation.lettering
     spoken = dict.fromkeys(name for line in found.lines for name in line.names)
     spoken |= dict.fromkeys(shown(plain.equations.symbols.model, found.quantities))
@@ -161,8 +162,7 @@ def _parts(
 
 
 def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, Any]:
-    """The parts of the drawing beside the bodies: axes, rods, points, and the tip where there is
-    one."""
+    """Drawing data besides the bodies: axes, rods, points, and the tip if there is one."""
     figure = labels.figure
     drawn: dict[str, Any] = {
         "rule": dict(figure.rule),
@@ -175,7 +175,7 @@ def _figure(labels: Labels, axes: str, marked: Mapping[str, Any]) -> dict[str, A
 
 
 def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
-    """Setting of the derivation over polynomials where these are short, else over the scalars of
+    """The derivation's setting over polynomials if these are short, otherwise over the scalars of
     the program."""
     symbols = derivation.equations.symbols
     load = LOADS[symbols.model.dim] if "fx" in symbols.extra else ()
@@ -189,7 +189,7 @@ def _setting(derivation: Derivation, kernel: PageProgram) -> Setting:
 def _values(
     derivation: Derivation, setting: Setting, closed: ClosedChain | None, kernel: PageProgram
 ) -> tuple[LineValues, Mapping[str, Any]]:
-    """The lines' values, and the quantities that are drawn."""
+    """Values of the derivation's lines, and the quantities to be drawn."""
     layout, ring = derivation.equations.layout, setting.symbols.ring
     traced = isinstance(setting, TracedSetting)
     if not (traced or closed):
@@ -209,7 +209,7 @@ def _values(
 
 # ---------------------------------------------------------------- what the script is given
 def _said(body: Mapping[str, Any]) -> dict[str, Any]:
-    """The data of a body or line without what it lacks."""
+    """The data of a body or line, without empty entries."""
     return {key: x for key, x in body.items() if x or (x == 0 and x is not False)}
 
 
@@ -220,8 +220,8 @@ def _line(
     letters: Lettering,
     answers: PageAnswers,
 ) -> dict[str, Any]:
-    """The data of a line: the places of its value; if it can be asked for, its name and how an
-    answer is judged, which may not use the line's own names, or it would be its own reason."""
+    """The data of a line: places of its value in the output; if it can be asked for, its name and
+    how answers are judged, which must not use the line's own names."""
     left = line.line.lhs
     own = [
         x.name
@@ -236,14 +236,14 @@ def _line(
 
 
 def _option(letters: Lettering) -> str:
-    """The option by which the command line knows a notation."""
+    """The command line option that selects a notation."""
     name = letters.notation.name
     told = f" --notation {name if name in PRESETS else f'{name}.toml'}"
     return told if name != PRESETS[0] else ""
 
 
 def is_diagnosed(line: ValuedLine, found: LineValues) -> bool:
-    """Whether `fb.check` knows what a line begins with by the same name: scalars of the model, and
+    """Whether `fb.check` knows the left side of a line by the same name: scalars of the model, and
     h."""
     name = getattr(line.line.lhs, "name", "")
     asked = name in found.known or (bool(found.known) and name == f"h{atom(name).figures}")
@@ -257,8 +257,7 @@ def _inputs(
     start: Mapping[str, float],
     units: Mapping[str, str],
 ) -> list[dict[str, Any]]:
-    """The symbols that have a slider, of those used: name, value, range, kind; start: values for
-    some."""
+    """Slider data of the used symbols: name, value, range, kind; start: initial values of some."""
     symbols = derivation.equations.symbols
     moving = [x + dots for dots in ("", RATE, SECOND) for x in symbols.coordinates]
     names = [x for x in dict.fromkeys((*moving, *symbols.ring.names)) if x in used]
@@ -298,18 +297,18 @@ def _angles(derivation: Derivation) -> set[str]:
 
 
 def packed(text: str) -> str:
-    """A text deflated, as browsers inflate it themselves."""
+    """Deflate-compressed text, which browsers can decompress."""
     return b64encode(zlib.compress(text.encode(), 9)).decode()
 
 
 @cache
 def _script() -> str:
-    """The part of the script that all pages share."""
+    """The part of the script common to all pages."""
     return f'(function () {{\n"use strict";\n{_code(SCRIPTS)}\n}})();\n'
 
 
 def _code(names: Iterable[str]) -> str:
-    """Files of scripts without their comments."""
+    """Script files joined, without comments."""
     folder = resources.files("freebody_textbook.living")
     text = "\n".join(folder.joinpath(name).read_text(encoding="utf-8") for name in names)
     lines = filter(None, (line.partition("  // ")[0].strip() for line in text.splitlines()))
@@ -325,8 +324,8 @@ _BLANKS = re.compile(
 
 
 def _dense(line: str) -> str:
-    """A line of the script without most blanks; one that may hold a regular expression stays as it
-    is."""
+    """A script line without most blanks; a line that may contain a regular expression is
+    unchanged."""
     parts = _QUOTED.split(line)
     if any("/" in code for code in parts[::2]):
         return line

@@ -1,5 +1,5 @@
-"""The HTML of a page's living parts: the panel with its drawings and sliders, the values below the
-equations, and the units of both."""
+"""HTML of an interactive page: the panel with drawings and sliders, values below the equations, and
+units."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def panel(
     letters: Lettering,
     view: tuple[float, float],
 ) -> str:
-    """The drawings, the sliders in their groups, and the buttons; alone: how many bodies are drawn
-    alone; view: azimuth and elevation from which a robot in space is seen at first, degrees."""
+    """HTML of the drawings, grouped sliders and buttons; alone: number of free-body drawings; view:
+    initial azimuth and elevation of a spatial robot, degrees."""
     groups = []
     for key, title in GROUPS.items():
         rows = [_slider(k, x, letters) for k, x in enumerate(inputs) if x["group"] == key]
@@ -75,7 +75,7 @@ def panel(
 
 
 def _typed(inputs: list[dict[str, Any]], dim: int, letters: Lettering) -> str:
-    """Examples of how names are typed, the first of each group."""
+    """Examples of typed names, the first symbol of each group."""
     first = {x["group"]: letters.symbol(sym_of(x["name"])).name for x in reversed(inputs)}
     names = ", ".join(f"<code>{html.escape(first[x])}</code>" for x in GROUPS if x in first)
     return f"(typed as {names}, vectors as <code>[x, y{', z' * (dim == 3)}]</code>; or in LaTeX)"
@@ -103,8 +103,8 @@ def below(
     unit_of: Callable[[Expression], str],
     of_loops: Container[str],
 ) -> dict[Step, str]:
-    """The values of each step's lines, and a place for answers; of_loops: names of what loops
-    exert, which is in axes of the world."""
+    """HTML of the values of each step's lines, with an input field for answers; of_loops: names of
+    loop forces, which are in world axes."""
     rows: dict[Step, list[str]] = {}
     for k, line in enumerate(lines):
         left = letters(line.line.lhs)
@@ -119,7 +119,7 @@ def below(
 
 
 def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
-    """The axes in which a vector in space is given, in words."""
+    """Phrase for the axes in which a spatial vector is given."""
     if rank(line.value) != 1 or len(line.value) != 3:
         return ""
     if line.in_world or line.names[0] in of_loops:
@@ -129,14 +129,14 @@ def _axes(line: ValuedLine, of_loops: Container[str]) -> str:
 
 
 def is_velocity(name: str) -> bool:
-    """Whether a name is that of a component of a free body's velocity, or of its rate."""
+    """Whether a name is a velocity component of a free body, or its rate."""
     own = atom(name)
     return own.letter in ("v", "omega") and own.index in (("x",), ("y",), ("z",)) and own.dots < 2
 
 
 def units_of_symbols(derivation: Derivation) -> dict[str, str]:
-    """The units of symbols by name, as the derivation's table tells them, and of what only the
-    drawings need."""
+    """Units of symbols by name, from the derivation's table, and of those that only drawings
+    use."""
     symbols = derivation.equations.symbols
     found = {symbol.name: unit for symbol, unit in _told(derivation)}
     for name in symbols.extra:
@@ -153,8 +153,8 @@ def units_of_symbols(derivation: Derivation) -> dict[str, str]:
 
 
 def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
-    """Symbols of the glossary with their units; of several units in a row each serves as many. A
-    symbol of one unit "or" another has none that is sure."""
+    """Symbols in the glossary with their units; if several units are listed in order, each applies
+    to as many symbols. Symbols with alternative units are left out."""
     for row in derivation.glossary:
         units = [unit if " or " not in unit else "" for unit in row.unit.split(", ")]
         each = max(1, len(row.symbols) // len(units))
@@ -164,8 +164,8 @@ def _told(derivation: Derivation) -> Iterator[tuple[Symbol, str]]:
 
 
 class LineUnits:
-    """Units of left sides, by the symbol that they are or begin with: its own, or that of symbols
-    with its letter and like indices; "" where the table tells none, or several."""
+    """Units of left sides, from the symbol that they start with or symbols with the same letter and
+    similar indices; "" if the table gives none, or several."""
 
     def __init__(self, derivation: Derivation, known: Mapping[str, str]):
         self._known = known
@@ -188,8 +188,8 @@ class LineUnits:
 
 
 def _keys(symbol: Symbol) -> Iterator[tuple[object, ...]]:
-    """The keys of symbols like one, from near to far: the letter with its kinds of indices; of
-    totals and components the letter alone."""
+    """Lookup keys of a symbol, from specific to general: letter and kinds of indices; for totals
+    and components the letter alone."""
     yield symbol.letter, symbol.high, ",".join(symbol.low).translate(_ANY_LINK)
     yield symbol.letter, not symbol.low or symbol.low[-1] in "xyz"
 

@@ -1,4 +1,4 @@
-"""Ways to the equations of motion, one file each, and their table."""
+"""Methods of deriving the equations of motion, one file each, and their table."""
 
 from freebody_textbook.derivation import Method
 from freebody_textbook.methods import (

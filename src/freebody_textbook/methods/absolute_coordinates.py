@@ -1,5 +1,5 @@
-"""Lagrange's equations of the first kind in absolute coordinates, as section 5.4 of the notes has
-them in mind: x, y and φ of each body, all joints being constraints (5.21-5.29).
+"""Lagrange's equations of the first kind in absolute coordinates, as in section 5.4 of the notes:
+x, y and φ of each body, with all joints as constraints (5.21-5.29).
 
 The multipliers are then the forces in the joints, and the equations those of Newton and Euler.
 """
@@ -36,7 +36,7 @@ _WIDE = 12
 
 
 def work_out(s: Setting) -> Worked:
-    """The steps; planar chains, open or closed."""
+    """Derive the equations of a planar open or closed chain in absolute coordinates."""
     if len(s.leaders) < len(s.order):
         raise FreebodyError(
             f"derive: absolute coordinates are written out for joints that move by themselves; in "
@@ -58,7 +58,7 @@ def work_out(s: Setting) -> Worked:
 
 
 class _Absolute:
-    """The steps of the derivation in absolute coordinates."""
+    """The steps of a derivation in absolute coordinates."""
 
     def __init__(self, s: Setting):
         self.s = s
@@ -68,7 +68,7 @@ class _Absolute:
         self.loops = Loops(s)
 
     def symbols(self) -> Iterator[Meaning]:
-        """Meanings of the symbols that absolute coordinates bring in."""
+        """Meanings of the symbols that absolute coordinates introduce."""
         names = [self.given.names_of(i) for i in self.bodies]
         places = [x for name in names for x in name[:2]]
         angles = [name[2] for name in names]
@@ -93,7 +93,7 @@ class _Absolute:
         yield from glossary.joint_moments(self.s)
 
     def show(self, x: Trig) -> Expression:
-        """A polynomial in absolute coordinates."""
+        """Printed form of a polynomial in absolute coordinates."""
         shown = self.layout.form(x)
         return shown if ex.size(shown) <= LONGEST else ex.words(f"({len(x)} terms)")
 
@@ -128,7 +128,7 @@ class _Absolute:
         return Step("The constraints", reason, tuple(lines), ("5.21",))
 
     def _turns(self) -> dict[int, Expression]:
-        """The constant turn of a guide, by its equation."""
+        """The constant angle of a slide's guide, by the index of its equation."""
         s = self.s
         return {
             c.rows[-1]: ex.neg_each(_turn_of(s.symbols.model, s.numbers[c.body]))
@@ -198,13 +198,13 @@ class _Absolute:
         return Step("Energies", reason, tuple(lines), ("5.3", "5.4", "5.25"))
 
     def effort(self, i: int) -> Expression:
-        """Torque or force along the coordinate of joint i: its motor, less friction, spring and
+        """Torque or force along the coordinate of joint i: of the motor, minus friction, spring and
         rotor."""
         drive = self.s.show(drive_part(self.s, i))
         return self.s.motor(i) if drive == ex.ZERO else sym(f"Q{self.s.numbers[i]}")
 
     def efforts(self) -> Step:
-        """Generalized forces of motors, by virtual work."""
+        """Step: generalized forces of the motors, by virtual work."""
         s, lines = self.s, []
         for i, name in self.given.efforts.items():
             along = self.show(self.given.coordinate(i))
@@ -223,7 +223,7 @@ class _Absolute:
         return Step("Forces along the coordinates", reason, tuple(lines), ("5.23",))
 
     def body(self, i: int) -> Step:
-        """The three equations of one body."""
+        """Step: the three equations of motion of one body."""
         given, n = self.given, self.s.numbers[i]
         lines = []
         for name in given.names_of(i):
@@ -239,7 +239,7 @@ class _Absolute:
         return Step(f"The equations of body {n}", reason, tuple(lines), ("5.23",))
 
     def meaning(self) -> Step:
-        """The step that says which force each multiplier is."""
+        """Step: the force that each multiplier represents."""
         lines: list[Equation] = []
         for constraint in self.given.constraints:
             lines += self._forces(constraint)
@@ -309,21 +309,22 @@ class _Absolute:
 
 
 class BackToJoints:
-    """The absolute coordinates as functions of those of the joints, and the equations of these."""
+    """Absolute coordinates as functions of joint coordinates, and the equations in joint
+    coordinates."""
 
     def __init__(self, s: Setting, given: AbsoluteCoordinates, loops: Loops):
         self.s, self.given, self.loops = s, given, loops
 
     @cached_property
     def placed(self) -> list[Trig]:
-        """The absolute coordinates by those of the joints."""
+        """The absolute coordinates as polynomials in the joint coordinates."""
         s, found = self.s, []
         for i in self.given.bodies:
             found += [*map(s.symbols.element, s.centre_position(i)), self._angle(i)]
         return found
 
     def _angle(self, i: int) -> Trig:
-        """φ as a sum of the joints' angles, constant turns left out."""
+        """The absolute angle φ as a sum of joint angles, without constant turns."""
         s, total = self.s, self.s.symbols.zero()
         while i >= 0:
             if s.turns(i):
@@ -332,7 +333,7 @@ class BackToJoints:
         return total
 
     def _before(self, i: int) -> list[int]:
-        """Numbers of the joints from that of body i to the ground."""
+        """Indices of the joints on the path from body i to the ground."""
         found = []
         while i >= 0:
             found.append(self.s.numbers[i])
@@ -341,12 +342,13 @@ class BackToJoints:
 
     @cached_property
     def N(self) -> list[list[Trig]]:
-        """∂q/∂u, u being the joints' coordinates."""
+        """The matrix N = ∂q/∂u of absolute coordinates q by joint coordinates u."""
         return [[x.derivative(name) for name in self.s.symbols.coordinates] for x in self.placed]
 
     @property
     def tau(self) -> list[Trig]:
-        """Nᵀ (M q̈ - weights - load) with the loops' part: the joints' multipliers leave."""
+        """The torques Nᵀ (M q̈ - weights - load) plus the loops' part; the joints' multipliers
+        cancel."""
         s, zero = self.s, self.s.symbols.zero()
         needed: list[Trig] = []
         for i, k in zip(self.given.bodies, range(0, len(self.placed), 3), strict=True):
@@ -371,7 +373,7 @@ class BackToJoints:
         return found
 
     def step(self) -> Step:
-        """q by the joints' coordinates, and N."""
+        """Step: absolute coordinates q by the joint coordinates, and N."""
         s = self.s
         names = self.given.names
         lines = []
@@ -422,7 +424,7 @@ class BackToJoints:
 
 
 def _turn_of(model: Model, *joints: int) -> Expression:
-    """The angle by which the placements of joints (their numbers) turn, whole turns left out."""
+    """The constant angle of the placements of some joints, without whole turns."""
     number, named = 0.0, []
     for n in joints:
         for step in model.bodies[n - 1].joint.placement.steps:
@@ -437,7 +439,7 @@ def _turn_of(model: Model, *joints: int) -> Expression:
 
 
 def _as_angle(x: float) -> Expression:
-    """A number of radians, as a part of π where it is one."""
+    """An angle in radians as an expression, a fraction of π if it is one."""
     part = Fraction(x / math.pi).limit_denominator(12)
     if abs(x - part * math.pi) > 1e-9:
         return ex.num(Fraction(x), decimal=True)

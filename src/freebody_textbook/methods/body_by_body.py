@@ -1,5 +1,5 @@
-"""Newton's and Euler's equations of each body of a chain: the reactions solved from the last body
-inward, and the steps that name them, eliminate them and put the motion in (3.5-3.15)."""
+"""Newton's and Euler's equations of every body in a chain: reactions solved from the last body
+inward, and the steps that name them, eliminate them and insert the motion (3.5-3.15)."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ Reaction = tuple[Vector, Vector]
 
 
 class SolvedReactions:
-    """f and n of body i: force and moment of its parent on it at joint i, in the axes that are
-    shown."""
+    """The reactions at all joints: f and n of body i are the parent's force and moment on it at
+    joint i, in the printed axes."""
 
     def __init__(self, setting: Setting):
         self.s = setting
@@ -44,7 +44,7 @@ class SolvedReactions:
 
     @property
     def f(self) -> dict[int, Vector]:
-        """Forces at the joints by body."""
+        """Reaction forces at the joints, by body."""
         return {i: f for i, (f, _) in self._found.items()}
 
     @property
@@ -54,8 +54,8 @@ class SolvedReactions:
 
     @cached_property
     def borne(self) -> dict[int, Reaction]:
-        """(f, n) by the bearings alone: without what a joint without a motor would have to give
-        along its coordinate, which vanishes by its equation of motion."""
+        """The reactions (f, n) of the bearings alone: without the component along the coordinate of
+        a joint without motor, which its equation of motion makes zero."""
         return self._inward(self._without_motor)
 
     def _without_motor(self, i: int, reaction: Reaction) -> Reaction:
@@ -77,7 +77,7 @@ class SolvedReactions:
         return found
 
     def _solved(self, i: int, found: dict[int, Reaction]) -> Reaction:
-        """Reaction at joint i from the two equations of body i, the reactions at its children being
+        """The reaction at joint i from the two equations of body i, when those at its children are
         known."""
         s, space = self.s, self.s.tree.space
         f = scale(s.mass(i), sub(s.centre_acceleration(i), s.gravity(i)))
@@ -96,14 +96,14 @@ class SolvedReactions:
         return f, n
 
     def applied(self, i: int) -> Iterable[tuple[Vector, Vector]]:
-        """Forces on body i from outside, weight apart, with their moments about its joint."""
+        """External forces on body i except weight, with their moments about its joint."""
         s = self.s
         if s.loaded(i):
             yield s.tip_force(), s.tree.space.moment(s.to_tip(i), s.tip_force())
 
     def motor(self, i: int) -> Trig:
-        """The component of joint i's reaction that its motor gives, with those of the joints that
-        it moves besides, and what its drive takes."""
+        """The motor's component of joint i's reaction, with those of the joints that the same motor
+        moves, and its drive's friction, springs and rotor."""
         s, total = self.s, self.drives[i]
         for k in s.together(i):
             f, n = self._found[k]
@@ -113,19 +113,20 @@ class SolvedReactions:
 
     @cached_property
     def drives(self) -> dict[int, Trig]:
-        """Friction, springs and rotors by the motors that they burden; at rest the springs."""
+        """Torques of friction, springs and rotors that the motors must overcome; at rest only
+        springs."""
         return {i: drive_part(self.s, i) for i in self.s.leaders}
 
     def motor_rule(self, i: int, moment: Expression) -> Expression:
-        """The component of the reaction that is the motor's, and its drive's part."""
+        """Printed rule for the motor's component of a reaction, plus its drive's part."""
         s = self.s
         part = s.along(i, moment, s.force_name(s.tree.bodies[i].parent, i))
         return ex.add(part, s.show(self.drives[i]))
 
 
 def drive_part(s: Setting, i: int) -> Trig:
-    """The torque that friction, spring and rotor of joint i, and of those that follow it, take of
-    its motor; at rest what is there then, such as springs."""
+    """The torque that friction, spring and rotor of joint i, and of joints that follow it, require
+    of its motor; at rest only what then acts, such as springs."""
     total = s.symbols.zero()
     for k in s.together(i) if s.at_rest else ():
         body = s.tree.bodies[k]
@@ -136,7 +137,7 @@ def drive_part(s: Setting, i: int) -> Trig:
 
 
 class FreeBodies:
-    """The steps that name the reactions, eliminate them and put the motion in."""
+    """The steps that name the reactions, eliminate them and insert the motion."""
 
     def __init__(self, setting: Setting, reactions: SolvedReactions, tau: dict[int, Trig]):
         self.s = setting
@@ -144,13 +145,14 @@ class FreeBodies:
         self.tau = tau
 
     def about_centres(self) -> list[Step]:
-        """Two equations a body, then the reactions eliminated from the last body inward."""
+        """Steps with two equations per body, and then the elimination of reactions from the last
+        body inward."""
         s = self.s
         return [*map(self.body, s.order), *map(self.eliminated, reversed(s.order))]
 
     # ------------------------------------------------------------ free bodies
     def body(self, i: int) -> Step:
-        """Newton and Euler of one free body."""
+        """Step: Newton's and Euler's equations of one free body."""
         s, n = self.s, self.s.numbers[i]
         lines = (eq(self.forces(i), self.inertia_force(i)), eq(self.moments(i), s.spin_terms(i)))
         numbers = {
@@ -162,21 +164,21 @@ class FreeBodies:
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """Forces on body i from outside, weight apart, each with the way from its joint to where it
-        acts."""
+        """External forces on body i except weight, each with the vector from its joint to the point
+        of action."""
         return [(vec("f"), self.s.tip_name())] if self.s.loaded(i) else []
 
     def turned(self, i: int) -> list[Expression]:
-        """Moments on body i from outside."""
+        """External moments on body i."""
         return []
 
     def further_forces(self, i: int) -> list[str]:
-        """Further forces on body i, besides joints, weight and load, in words."""
+        """Phrases for forces on body i besides joints, weight and load."""
         return []
 
     def forces(self, i: int) -> Expression:
-        """Forces on body i: by its parent, minus those on its children, its weight, those from
-        outside."""
+        """Sum of the forces on body i: its parent's, minus those on its children, weight and
+        external forces."""
         s = self.s
         terms = [s.force_name(s.tree.bodies[i].parent, i)] if s.is_held(i) else []
         terms += [ex.neg(s.force_name(i, k)) for k in s.tree.children(i)]
@@ -185,7 +187,7 @@ class FreeBodies:
         return ex.add(*terms, *(force for force, _ in self.outer(i)))
 
     def moments(self, i: int) -> Expression:
-        """Moments on body i about its centre of mass."""
+        """Sum of the moments on body i about its centre of mass."""
         s = self.s
         arm, children = s.centre_name(i), s.tree.children(i)
         terms = [s.joint_moment(i), *(ex.neg(s.joint_moment(k)) for k in children)]
@@ -197,24 +199,24 @@ class FreeBodies:
         return ex.add(*terms, *self.turned(i))
 
     def inertia_force(self, i: int) -> Expression:
-        """The sum of the forces on body i: its mass times its acceleration."""
+        """The mass times the acceleration of body i, which the forces on it add up to."""
         return self.s.mass_times(i, self.s.name("vc", i, "_d"))
 
     # ------------------------------------------------------------ elimination
     def left_over(self, i: int) -> str:
-        """Unknowns that are left when the reaction at joint i is eliminated, the motor's part
-        aside."""
+        """Phrase for the unknowns that remain when the reaction at joint i is eliminated, besides
+        the motor's part."""
         return "nothing unknown"
 
     def passed(self, i: int) -> Expression:
-        """The force at joint i without reactions: of body i and all that hangs on it, less what
-        acts from outside."""
+        """The force at joint i without reactions: inertia and weight of body i and all bodies that
+        it carries, minus external forces."""
         s = self.s
         terms = [s.needed(i), *(self.passed(k) for k in s.tree.children(i))]
         return ex.add(*terms, *(ex.neg(force) for force, _ in self.outer(i)))
 
     def eliminated(self, i: int) -> Step:
-        """The reaction at joint i from Newton's equation, put into Euler's."""
+        """Step: the reaction at joint i from Newton's equation, inserted into Euler's."""
         s, n = self.s, self.s.numbers[i]
         lines = [
             eq(s.force_name(s.tree.bodies[i].parent, i), self.passed(i)),
@@ -234,7 +236,7 @@ class FreeBodies:
         )
 
     def held(self, i: int) -> Expression:
-        """The moment at joint i with no reaction force in it."""
+        """The moment at joint i, with the reaction forces eliminated."""
         s, children = self.s, self.s.tree.children(i)
         terms = [
             *map(s.joint_moment, children),
@@ -247,8 +249,8 @@ class FreeBodies:
 
     # ------------------------------------------------------------ values
     def crossed(self, i: int) -> Iterator[Equation]:
-        """The cross products of the moment at joint i by components; none in space, nor of closed
-        chains, whose forces have unknown parts."""
+        """Cross products in the moment at joint i by components; none in space or for closed
+        chains, whose forces have unknown components."""
         s = self.s
         if not s.planar or s.tree.loops:
             return
@@ -261,7 +263,7 @@ class FreeBodies:
                 yield _crossed(s, arm, (self.passed(k), self.reactions.f[k]))
 
     def substituted(self, i: int, reactions: bool) -> Step:
-        """Reaction and torque at joint i, the motion put in."""
+        """Step: reaction and torque at joint i with the motion inserted."""
         s, n = self.s, self.s.numbers[i]
         lines = list(self.crossed(i))
         reason = "" if s.tree.children(i) or not lines else f"{_BY_COMPONENTS} "
@@ -283,9 +285,8 @@ class FreeBodies:
 
 
 def angles_between_arms(s: Setting) -> list[Step]:
-    """Products of arms that turn by different angles: sums of products of sines and cosines, which
-    are the cosine or sine of the angle between them; none in space, or where there are no such
-    arms."""
+    """Steps on products of lever arms that turn by different angles, which simplify to the cosine
+    or sine of the angle between them; none in space, or without such arms."""
     arms = _by_angle(s) if s.planar else {}
     pairs = list(combinations(arms.values(), 2))
     if not pairs or len(pairs) > _FEW:
@@ -300,7 +301,7 @@ def angles_between_arms(s: Setting) -> list[Step]:
 
 
 def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
-    """For each angle that arms have the first of these: name, value, and value along the angle."""
+    """For each angle of a lever arm the first such arm: name, value, and value along the angle."""
     found: dict[object, tuple[Expression, Vector, Directed]] = {}
     for name, value in _arms(s):
         parts = directed(s.layout, [s.symbols.element(x) for x in value])
@@ -310,7 +311,7 @@ def _by_angle(s: Setting) -> dict[object, tuple[Expression, Vector, Directed]]:
 
 
 def _arms(s: Setting) -> Iterator[_NamedVector]:
-    """Vectors from the joints to the centres of mass, and from joint to joint."""
+    """Lever arms: vectors from the joints to centres of mass, and from joint to joint."""
     for i in s.weighted:
         yield s.centre_name(i), s.centre(i)
     for i in s.order:
@@ -335,7 +336,7 @@ def _products(
 
 
 def _crossed(s: Setting, arm: _NamedVector, force: _NamedVector) -> Equation:
-    """arm × force by components, and what that is with the motion put in."""
+    """The equation of arm × force by components, and with the motion inserted."""
     (a, u), (f, v) = arm, force
     mass, rest = _without_mass(f)
     x, y = (_component(s, a, axis) for axis in "xy")
@@ -347,14 +348,14 @@ def _crossed(s: Setting, arm: _NamedVector, force: _NamedVector) -> Equation:
 
 
 def _without_mass(force: Expression) -> tuple[Expression, Expression]:
-    """m and v̇ - g of their product."""
+    """The two factors m and v̇ - g of an inertia force."""
     if isinstance(force, Product):
         return ex.mul(*force.factors[:-1]), force.factors[-1]
     return ex.ONE, force
 
 
 def _component(s: Setting, x: Expression, axis: str) -> Expression:
-    """The component of an expression of vectors: each vector by the name of its own component,
+    """A component of a vector expression: each vector is replaced by the name of its component,
     gravity by its value."""
     if x == vec("g"):
         return s.show(s.tree.gravity["xy".index(axis)])

@@ -1,6 +1,5 @@
-"""The quantities of bodies, one record each: names, words, units, when they exist and their values.
-`fb.quantities` tells them, `check` checks them, glossaries explain them and living pages show
-them."""
+"""Records of the quantities of bodies: names, words, units, existence and values. `fb.quantities`
+returns them, `check` checks them, glossaries explain them and interactive pages show them."""
 
 from __future__ import annotations
 
@@ -32,7 +31,8 @@ _EYE = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 @dataclass(frozen=True, eq=False)
 class BodyQuantity:
-    """A quantity of body n; h is the number of the body before, k that of the body behind."""
+    """The record of a quantity of body n; in names h is the number of the preceding body, k that of
+    the next."""
 
     known: str
     """The quantity's name in `fb.quantities`."""
@@ -73,23 +73,23 @@ class BodyQuantity:
 
     @property
     def names(self) -> tuple[tuple[str, int], ...]:
-        """All names in answers, its own first: that of `fb.quantities` without its underscores."""
+        """All names in answers, first the name in `fb.quantities` without underscores."""
         plain = self.known.removesuffix("_d")
         return (plain.replace("_", ""), int(plain != self.known)), *self.also
 
     def spelt(self, n: int, axis: str = "") -> Iterator[str]:
-        """The names of body n's, or of its component along an axis, v2x_d."""
+        """Names of the quantity for body n, or of its component along an axis, v2x_d."""
         for name, dots in self.names:
             letter, _, ending = name.partition("{")
             yield from spellings(letter, ("{" + ending).format(**numbers(n)) + axis, dots)
 
     def told(self, n: int, h: int | None = None) -> str:
-        """The quantity of body n in words; h: the number of the one before, if that is not n -
+        """Description of the quantity for body n; h: number of the preceding body, if it is not n -
         1."""
         return self.words.format(**numbers(n, h))
 
     def meaning(self, planar: bool) -> Meaning:
-        """The quantity of any body in words, for a glossary."""
+        """The quantity's glossary entry, for a general body."""
         bold = not (planar and self.angular)
         of = {"h": "i", "n": "k"} if "{h}" in self.words else {"n": "i"}
         words = self.words.format(**of).removeprefix("the ")
@@ -97,28 +97,29 @@ class BodyQuantity:
 
     @property
     def has_axes_of_body(self) -> bool:
-        """Whether the quantity is a vector in space with the axes of body n."""
+        """Whether the quantity is a spatial vector in the axes of body n."""
         told = self.own_axes and 3 in self.spaces and self.framed is not None
         return told and not self.is_scalar and not self.matrix
 
     def exists(self, b: BodyValues) -> bool:
-        """Whether a body has it; of one whose parts are not made one nothing about its centre."""
+        """Whether a body has the quantity; a body of several masses has none about its centre of
+        mass."""
         fits = b.s.tree.space.dim in self.spaces and (b.is_whole or not self.of_centre)
         return fits and (not self.only or _WHERE[self.only](b))
 
     def axes(self, dim: int) -> str:
-        """Names of the axes of a vector, "xy" or "xyz"; "" of one number."""
+        """Axis letters of a vector, "xy" or "xyz"; "" for a scalar."""
         return "" if (self.angular and dim == 2) or self.is_scalar else "xyz"[:dim]
 
 
 def numbers(n: int, h: int | None = None) -> dict[str, int]:
-    """Numbers that stand for the letters in names of body n's quantities; h: the number of the one
-    before, if that is not n - 1."""
+    """Numbers for the letters in names of body n's quantities; h: number of the preceding body, if
+    it is not n - 1."""
     return {"h": n - 1 if h is None else h, "n": n, "k": n + 1}
 
 
 def values_of(b: BodyValues) -> dict[str, Any]:
-    """The quantities of a body by their names."""
+    """The quantities of a body by name."""
     rows = (x for x in BODY_QUANTITIES if x.exists(b))
     return {x.known.format(**numbers(b.n)): x.value(b) for x in rows}
 
@@ -366,13 +367,14 @@ BY_NAME = {record.known: record for record in BODY_QUANTITIES}
 
 
 def meanings(s: Setting, *known: str) -> Iterator[Meaning]:
-    """Rows of a glossary: what is told of any body of a robot in the plane or in space."""
+    """Glossary entries of the quantities of bodies, for a planar or spatial robot; without those
+    already known."""
     for name in known:
         yield BY_NAME[name].meaning(s.planar)
 
 
 def soft_names(count: int) -> frozenset[str]:
-    """Names of vectors of an arm's bodies that users often give to things of their own."""
+    """Names of vectors of an arm's bodies that users often give to their own quantities."""
     soft = (record for record in BODY_QUANTITIES if record.soft)
     return frozenset(
         name for record in soft for n in range(1, count + 1) for name in record.spelt(n)

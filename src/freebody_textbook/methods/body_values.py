@@ -1,4 +1,4 @@
-"""Ingredients of the values of one body's quantities."""
+"""Building blocks for the values of one body's quantities."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from freebody_textbook.methods.setting import Setting
 
 
 class BodyValues:
-    """Body i of a setting, whose forces come of the reactions of any tree or closed chain; vectors
-    in the axes that are shown."""
+    """Body i of a derivation, for any tree or closed chain with solved reactions; vectors in the
+    printed axes."""
 
     def __init__(self, s: Setting, i: int, reactions: SolvedReactions):
         self.s, self.i, self.reactions = s, i, reactions
@@ -26,7 +26,7 @@ class BodyValues:
 
     @property
     def is_whole(self) -> bool:
-        """Whether the body has one mass, its parts made one."""
+        """Whether the body has a single mass, not several parts."""
         return len(self.s.tree.bodies[self.i].masses) < 2
 
     @property
@@ -36,7 +36,8 @@ class BodyValues:
 
     @property
     def joint(self) -> tuple[Matrix, Vector]:
-        """The rotation from the body's axes to those of the body before, and its origin there."""
+        """The rotation from the body's axes to those of the preceding body, and its origin
+        there."""
         R, p = self.motion.joints[self.i]
         return R, p
 
@@ -87,17 +88,17 @@ class BodyValues:
         return tuple(map(self.vector, rows))
 
     def axes(self, v: Vector) -> tuple[Trig, ...]:
-        """A vector in the body's own axes, in the axes that are shown."""
+        """Components of a vector in body axes, converted to the printed axes."""
         return self.vector(self.s.axes(self.i, v))
 
     def angular(self, v: Vector) -> Any:
-        """A vector in space, one number in the plane."""
+        """An angular vector: three components in space, a scalar in the plane."""
         return self.element(v[0]) if self.s.planar else self.vector(v)
 
 
 class RecursionValues(BodyValues):
-    """Body i of a setting, whose motion and forces come of one run of the recursive Newton-Euler
-    algorithm, with gravity among the forces or in the base's acceleration."""
+    """Body i of a derivation, with motion and forces from one run of the recursive Newton-Euler
+    algorithm; gravity is a force or part of the base's acceleration."""
 
     def __init__(self, s: Setting, i: int, record: Recursion, accelerated: bool):
         self.s, self.i, self.record, self.accelerated = s, i, record, accelerated

@@ -1,5 +1,5 @@
-"""Steps that derivations of closed chains share: where loops are cut, their equations, and which
-wrench a multiplier is."""
+"""Steps for closed chains that several methods share: cutting the loops, their equations, and the
+wrench of each multiplier."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ LONGEST = 500
 
 @dataclass(frozen=True)
 class Loops:
-    """The loops of a setting, in words and as steps."""
+    """The loops of a model, in words and as derivation steps."""
 
     s: Setting
 
@@ -52,11 +52,11 @@ class Loops:
     # ------------------------------------------------------------ words
     @property
     def named(self) -> str:
-        """Words for the robot's loops: the loop, or the loops."""
+        """Phrase "the loop" or "the loops", by their number."""
         return "the loop" if len(self.s.tree.loops) == 1 else "the loops"
 
     def ends(self, loop: TreeLoop) -> tuple[int, int]:
-        """The bodies of the tree that carry its frames; -1 is the ground."""
+        """The tree bodies that carry a loop's two frames; -1 is the ground."""
         a, b = (self.s.tree.frames[frame][0] for frame in loop.frames)
         return a, b
 
@@ -65,7 +65,7 @@ class Loops:
         return f"body {self.s.numbers[i]}" if i >= 0 else "the ground"
 
     def points(self, loop: TreeLoop) -> tuple[str, str]:
-        """ "point P of body 3" of both frames."""
+        """Phrases "point P of body 3" for a loop's two frames."""
         first, second = (
             self._point(name, i) for name, i in zip(loop.frames, self.ends(loop), strict=True)
         )
@@ -80,7 +80,7 @@ class Loops:
         )
 
     def holds(self, loop: TreeLoop) -> str:
-        """Words for the constraint of a loop."""
+        """Phrase for the constraint of a loop."""
         first, second = self.points(loop)
         if loop.closure.distance:
             return f"{literal(loop.name)} is a massless rod from {first} to {second}"
@@ -91,8 +91,7 @@ class Loops:
 
     # ------------------------------------------------------------ steps
     def cut(self) -> Step:
-        """Step: the dependent coordinates, those of the tree that is left when the loops are
-        cut."""
+        """Step: the coordinates of the tree that remains when the loops are cut."""
         s = self.s
         held = "; ".join(self.holds(loop) for loop in s.tree.loops)
         reason = (
@@ -141,8 +140,8 @@ class Loops:
 
     @cached_property
     def is_notes_robot(self) -> bool:
-        """Whether the mechanism is the five-bar as section 2.3 of the notes writes it: a point that
-        slides freely, on two rods."""
+        """Whether the mechanism is the five-bar robot of the notes' section 2.3: a freely sliding
+        point on two rods."""
         s = self.s
         names = set(s.symbols.coordinates)
         lengths = {"b", "l1", "l2", "l3", "l4"}
@@ -199,7 +198,7 @@ class Loops:
         return Step("Acceleration constraints", reason, (rule, *lines), ("5.28",))
 
     def wrenches(self) -> Step:
-        """The step that says which force each multiplier is."""
+        """Step: the force that each multiplier represents."""
         lines: list[Equation] = []
         words: list[str] = []
         for loop in self.s.tree.loops:
@@ -232,23 +231,25 @@ class Loops:
 
     # ------------------------------------------------------------ wrenches
     def acts(self, loop: TreeLoop, i: int) -> bool:
-        """Whether the shown wrench of a loop acts on body i, and not its opposite: on the second
-        frame's body."""
+        """Whether a loop's printed wrench acts on body i, the second frame's body, rather than its
+        opposite."""
         return self.ends(loop)[1] == i
 
     def _index(self, loop: TreeLoop) -> int:
         return [x.name for x in self.s.tree.loops].index(loop.name)
 
     def force_name(self, loop: TreeLoop) -> Expression:
-        """f of the first frame's body on the second's."""
+        """Name of a loop's force, by the first frame's body on the second's."""
         return self.s.naming.loop_force(self._index(loop))
 
     def moment_name(self, loop: TreeLoop) -> Expression:
-        """n of the same, about the second frame's origin."""
+        """Name of a loop's moment, by the first frame's body on the second's, about the second
+        frame's origin."""
         return self.s.naming.loop_moment(self._index(loop))
 
     def wrench(self, loop: TreeLoop) -> tuple[Vector, Vector]:
-        """(force, moment) that acts on that body at its frame, world axes, by the multipliers."""
+        """(force, moment) of a loop on the second frame's body at its frame, in world axes, by the
+        multipliers."""
         own = next(x for x in self.equations.tree.loops if x.name == loop.name)
         s, space = self.s, self.s.tree.space
         ends = (frame_pose(s.tree, self.equations.world, frame) for frame in loop.frames)
@@ -265,7 +266,7 @@ class Loops:
         return force, moment
 
     def force_lines(self, loop: TreeLoop) -> list[Equation]:
-        """The wrench by its multipliers."""
+        """Equations of a loop's wrench by its multipliers."""
         s = self.s
         if loop.closure.distance:
             (k,) = self.equations.rows(loop)
@@ -279,8 +280,8 @@ class Loops:
 
     # ------------------------------------------------------------ how it is shown
     def ratio(self, x: Ratio, common: Trig | None = None) -> Expression:
-        """A quotient as it is printed, over Δ where `common` divides its denominator; a long one is
-        told by its length."""
+        """Printed form of a quotient, over Δ if `common` is divisible by its denominator; a long
+        one is given by its number of terms."""
         layout, below = self.equations.layout, ex.ONE
         if x.is_polynomial:
             shown = x.form(layout)
@@ -307,8 +308,8 @@ class Loops:
         return entry("Phi", k)
 
     def matrix(self, name: Expression, rows: list) -> list[Equation]:
-        """A matrix written out, or row by row where it is wide, or by its entries that are not
-        zero."""
+        """Equations of a matrix: written out, row by row if it is wide, or only its nonzero
+        entries."""
         shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
         if self._is_short(rows, shown):
             return [eq(name, shown)]
@@ -328,7 +329,8 @@ class Loops:
         return ex.size(shown) <= LONG and len(rows) * len(rows[0]) <= _ENTRIES
 
     def unlisted(self, rows: list) -> str:
-        """A sentence on the entries that `matrix` leaves out, if it does, a blank in front."""
+        """A sentence, starting with a blank, on the entries that `matrix` omits; "" if it omits
+        none."""
         shown = ex.matrix([[self._entry(x) for x in row] for row in rows])
         some = any(x.is_zero for row in rows for x in row)
         told = " Entries that are not listed are 0."
@@ -343,13 +345,13 @@ PHI_Q = ex.Symbol("Phi_q", "Φ", ("q",))
 
 
 def block_system() -> Equation:
-    """M q̈ + Φ_qᵀ λ = n and Φ_q q̈ = c as one system (5.29)."""
+    """The equation of M q̈ + Φ_qᵀ λ = n and Φ_q q̈ = c as one block system (5.29)."""
     block = ex.matrix([[sym("M"), ex.transposed(PHI_Q)], [PHI_Q, ex.ZERO]])
     return eq(ex.mul(block, ex.vector(dotted("q", 2), sym("lam"))), ex.vector("n", "c"))
 
 
 def dotted(letter: str, dots: int) -> Expression:
-    """q̇, q̈ and the like: all coordinates in one symbol."""
+    """Symbol of all coordinates or their derivatives: q, q̇, q̈."""
     return ex.Symbol(letter + ("", "_d", "_dd")[dots], letter, dots=dots)
 
 

@@ -1,5 +1,5 @@
-"""The last steps of the methods that find the equations of motion: these sorted, what their terms
-are, and limits in which they are known."""
+"""Last steps of the methods for equations of motion: sorting the equations, explaining their terms,
+and known limiting cases."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ _LOOPS = (
 
 
 def ending(s: Setting, through_loops: Sequence[Expression] = ()) -> list[Step]:
-    """The closed form and what follows it; through_loops: see `_closed_form`."""
+    """Steps for the closed form and what follows it; through_loops: see `_closed_form`."""
     closed = _closed_form(s, through_loops)
     return [closed, *term_meanings(s, closed), *_limits(s)]
 
 
 def _closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> Step:
-    """Torques sorted by accelerations, rates and gravity; with a load on the tip, torque and load
-    together; through_loops: of a closed chain what its loops add, by coordinate."""
+    """Step: the torques sorted by accelerations, rates and gravity; with a load on the tip, torque
+    and load together. through_loops: generalized forces of the loops by coordinate."""
     equations = setting.equations
     numbers = {"RR": tuple(f"3.{k}" for k in range(20, 29))}.get(setting.cited, ("3.28",))
     form = in_terms(setting.letters.notation.terms)
@@ -79,7 +79,7 @@ def _closed_form(setting: Setting, through_loops: Sequence[Expression] = ()) -> 
 
 
 def _with(torques: list[Equation], through_loops: Sequence[Expression]) -> list[Equation]:
-    """The torques with the part of the loops at the end of each."""
+    """Equations of torques with the loops' part added at the end of each."""
     return [
         eq(*line.sides[:-1], ex.add(line.sides[-1], more))
         for line, more in zip(torques, through_loops, strict=True)
@@ -87,7 +87,7 @@ def _with(torques: list[Equation], through_loops: Sequence[Expression]) -> list[
 
 
 def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
-    """τ_i + f · ∂r_P/∂q_i in place of τ_i."""
+    """Equations with τ_i + f · ∂r_P/∂q_i in place of τ_i."""
     shares = [ex.dot(vec("f"), ex.partial(vec("r_P"), x)) for x in setting.symbols.coordinates]
     return [
         eq(ex.add(line.sides[0], share), *line.sides[1:])
@@ -96,7 +96,7 @@ def _loaded(setting: Setting, torques: list[Equation]) -> list[Equation]:
 
 
 def _by(setting: Setting) -> str:
-    """Words for the kinds of terms by which torques are sorted."""
+    """Phrase for the kinds of terms by which torques are sorted."""
     return listed(["accelerations", "products of rates", *(["gravity"] if setting.weighs else [])])
 
 
@@ -116,7 +116,7 @@ def _sorted(setting: Setting) -> str:
 
 
 def _undriven(setting: Setting) -> str:
-    """A sentence on the equations of joints without motor; nothing where all have one."""
+    """A sentence on the equations of joints without motor; "" if every joint has one."""
     if setting.tree.loops or all(map(setting.driven, setting.order)):
         return ""
     return (
@@ -126,7 +126,7 @@ def _undriven(setting: Setting) -> str:
 
 
 def _length_in_words(setting: Setting) -> str:
-    """A sentence on the length of equations that are too long to print."""
+    """A sentence on the number of terms in equations that are too long to print."""
     lines = "" if setting.planar else ", and the recursive method writes them line by line"
     return (
         f"Sorted by {_by(setting)}, the torques are exact but too long to print; fb.equations "
@@ -135,8 +135,8 @@ def _length_in_words(setting: Setting) -> str:
 
 
 def _limits(s: Setting) -> list[Step]:
-    """The limits of a planar row of bodies, each proved: what becomes of the equations is the same
-    polynomial as the equations of the simpler robot."""
+    """Steps for limiting cases of a planar serial chain, each proved by exact comparison with the
+    equations of the simpler robot."""
     if not s.planar or s.tree.loops or s.load or s.symbols.turned or not _is_row(s):
         return []
     found = [*_one_turning(s), *_without_last(s)]
@@ -149,7 +149,7 @@ def _limits(s: Setting) -> list[Step]:
 
 
 def _is_row(s: Setting) -> bool:
-    """Whether there are several bodies, each on the one before, and each joint moves alone."""
+    """Whether the robot is a serial chain of several bodies whose joints are independent."""
     parents = [s.tree.bodies[i].parent for i in s.order]
     return len(s.order) > 1 and parents == [-1, *s.order[:-1]] and all(map(s.is_alone, s.order))
 
@@ -160,7 +160,8 @@ def _readable(lines: Iterable[Equation]) -> bool:
 
 # ---------------------------------------------------------------- a mass to zero
 def _without_last(s: Setting) -> Iterator[tuple[str, list[Equation]]]:
-    """The last body's mass and inertia vanish: the equations of the arm without it."""
+    """Limiting case: with the last body's mass and inertia zero, the equations are those of the arm
+    without it."""
     *inner, last = s.order
     names = _inertia_names(s, last)
     shorter = rnea(replace(s.tree, bodies=s.tree.bodies[:-1]), s.symbols.q, *s._rates)
@@ -182,8 +183,8 @@ def _without_last(s: Setting) -> Iterator[tuple[str, list[Equation]]]:
 
 
 def _inertia_names(s: Setting, last: int) -> list[str]:
-    """The mass and moments of inertia of the last body, as the torques have them; none where one is
-    a number or belongs to other bodies too."""
+    """Names of the last body's mass and moments of inertia in the torques; empty if one is a number
+    or also belongs to other bodies."""
     model = s.symbols.model
     own, others = model.bodies[s.numbers[last] - 1], model.bodies[: s.numbers[last] - 1]
     found = dict.fromkeys(
@@ -199,8 +200,8 @@ def _inertia_names(s: Setting, last: int) -> list[str]:
 
 # ---------------------------------------------------------------- one joint turning
 def _one_turning(s: Setting) -> Iterator[tuple[str, list[Equation]]]:
-    """All joints but the first that turns are held, angles after it at 0: a rigid body that swings
-    about that joint."""
+    """Limiting case: with all joints locked but the first turning one and later angles 0, the arm
+    is a rigid pendulum about that joint."""
     pivot = next((i for i in s.order if s.turns(i) and not s.slides(i)), None)
     if pivot is None:
         return
@@ -227,8 +228,8 @@ def _one_turning(s: Setting) -> Iterator[tuple[str, list[Equation]]]:
 
 
 def _swinging(s: Setting, pivot: int) -> Trig:
-    """The torque that turns a rigid body about a joint: its moment of inertia there times the
-    acceleration, less the moment of its weights, and what the joint's drive takes."""
+    """The torque of a rigid body turning about a joint: moment of inertia times acceleration, minus
+    the moment of its weights, plus the drive's friction and springs."""
     k, total = s.index(pivot), s.symbols.zero()
     _, origin = s.world[pivot]
     for i in s.order[s.order.index(pivot) :]:
@@ -240,7 +241,7 @@ def _swinging(s: Setting, pivot: int) -> Trig:
 
 
 def _at_zero(s: Setting, held: Iterable[int], straight: Iterable[int]) -> Callable[[Trig], Trig]:
-    """A polynomial where these joints stand still, and these angles are 0."""
+    """Function that sets the rates of locked joints and some angles to 0 in a polynomial."""
     still = {s.coordinate(i) + dots for i in held for dots in (RATE, SECOND)}
     angles = {s.coordinate(i) for i in straight}
     gone = still | {f"sin_{x}" for x in angles} | set(map(sign_of, still))
@@ -257,7 +258,7 @@ def _at_zero(s: Setting, held: Iterable[int], straight: Iterable[int]) -> Callab
 
 
 def _is_straight(s: Setting, pivot: int, at: Callable[[Trig], Trig]) -> bool:
-    """Whether joint and centres of mass lie on one line."""
+    """Whether a joint and the centres of mass beyond it are on one line."""
     _, origin = s.world[pivot]
     arms = [
         sub(s.centre_position(i), origin) for i in s.weighted if s.numbers[i] >= s.numbers[pivot]
@@ -268,6 +269,6 @@ def _is_straight(s: Setting, pivot: int, at: Callable[[Trig], Trig]) -> bool:
 
 
 def _dropped(x: Trig, names: Iterable[str]) -> Trig:
-    """A polynomial without the terms that hold one of these names."""
+    """A polynomial without the terms that contain one of the names."""
     gone = set(names)
     return x.ring.polynomial((powers, c) for powers, c in x.terms() if not gone & powers.keys())

@@ -1,4 +1,4 @@
-"""Energies of an arm and the work of a load, of which Lagrange's equations are made (5.1-5.5)."""
+"""Energies of a robot and the virtual work of a load, for Lagrange's equations (5.1-5.5)."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ HALF = ex.num(Fraction(1, 2))
 
 
 class Energies:
-    """The energies as polynomials; accelerations do not occur in them."""
+    """The energies of a robot as polynomials without accelerations."""
 
     def __init__(self, setting: Setting, moving: BodyMotions):
         self.s = setting
         self.moving = moving
 
     def kinetic(self, i: int) -> Trig:
-        """½ m v_c² + ½ ω · I ω of body i, of each of its parts."""
+        """Kinetic energy ½ m v_c² + ½ ω · I ω of body i, summed over its parts."""
         space, v, w = self.s.tree.space, self.moving.v[i], self.moving.w[i]
         total = self.s.symbols.zero()
         for part in self.s.tree.bodies[i].masses:
@@ -38,7 +38,7 @@ class Energies:
         return total * 0.5
 
     def potential(self, i: int) -> Trig:
-        """-m g · r_c of body i, of each of its parts."""
+        """Potential energy -m g · r_c of body i, summed over its parts."""
         R, p = self.s.world[i]
         total = self.s.symbols.zero()
         for part in self.s.tree.bodies[i].masses:
@@ -47,7 +47,7 @@ class Energies:
 
     @cached_property
     def springs(self) -> Trig:
-        """Energy that the laws of the joints' drives store."""
+        """Potential energy stored by the drives' laws, such as springs."""
         total = self.s.symbols.zero()
         for body in self.s.tree.bodies:
             if body.drive is not None:
@@ -56,7 +56,7 @@ class Energies:
 
     @cached_property
     def storing_laws(self) -> list[DriveLaw]:
-        """The laws of drives that store energy, each once, in the table's order."""
+        """The drive laws that store energy, each once, in the table's order."""
         acting = {
             x.law.name
             for body in self.s.tree.bodies
@@ -67,12 +67,12 @@ class Energies:
 
     @property
     def storing(self) -> str:
-        """The parts that store energy besides weights, in words."""
+        """Phrase for the parts that store energy besides weights."""
         return listed(list(dict.fromkeys(f"{law.words}s" for law in self.storing_laws)))
 
     @property
     def stored(self) -> list[str]:
-        """Sentences on the energies of what stores any besides weights."""
+        """Sentences on the energies stored besides those of weights."""
         return [law.stored for law in self.storing_laws]
 
     @cached_property
@@ -87,12 +87,12 @@ class Energies:
 
     @cached_property
     def resting(self) -> Trig:
-        """-m g · r_c of what is fixed to the base: a constant."""
+        """Potential energy -m g · r_c of parts fixed to the base, a constant."""
         return self.s.symbols.element(resting_energy(self.s.tree))
 
     @property
     def has_resting(self) -> bool:
-        """Whether what is fixed to the base has a potential energy."""
+        """Whether parts fixed to the base have potential energy."""
         return not self.resting.is_zero
 
     @property
@@ -124,7 +124,8 @@ class Energies:
 
 
 def virtual_work(s: Setting) -> tuple[Step, dict[int, Trig]]:
-    """The step, and what the load adds to the force along each coordinate: f · ∂r_P/∂q_i."""
+    """The step of virtual work, and the load's generalized force for each coordinate, f ·
+    ∂r_P/∂q_i."""
     tip = [s.symbols.element(x) for x in s.tip_position()]
     lines = [
         eq(vec("f"), ex.Vector(tuple(map(sym, s.load)))),

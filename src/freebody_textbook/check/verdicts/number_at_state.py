@@ -125,14 +125,14 @@ class NumberAtState:
 
     @cached_property
     def thought(self) -> RealPoint:
-        """The state at which reasons for a wrong number are sought, with less slack: one digit
-        would agree with many."""
+        """The point of the state with a smaller tolerance, used when explaining a wrong number: to
+        one digit too many explanations would fit."""
         largest = abs(self.yours) + abs(self.right)
         slack = min(self.point.slack, _VAGUE * abs(self.yours) + EXACT * largest)
         return replace(self.point, slack=slack)
 
     def _slack(self, point: RealPoint) -> float:
-        """Half a unit of the last digit, or the tolerance that is given."""
+        """The allowed difference: half a unit of the last digit, or the given tolerance."""
         if self.written and self.written.within:
             return float(self.written.within) * self.factor
         if self.tolerance is not None:
@@ -140,7 +140,8 @@ class NumberAtState:
         return self.factor * self._of_digits()
 
     def _of_digits(self) -> float:
-        """The change of the answer by half a unit of the last digit of each of its numbers."""
+        """The change of the answer when each of its numbers changes by half a unit of its last
+        digit."""
         root, source = self.claim.node, self.claim.source
         total = 0.0
         for node in nodes(root):
@@ -153,35 +154,35 @@ class NumberAtState:
 
     @property
     def is_lone(self) -> bool:
-        """Whether the answer is a single number, apart from its sign."""
+        """Whether the answer is a single number, possibly with a sign."""
         return sum(1 for node in nodes(self.claim.node) if not node.parts) == 1
 
     @property
     def digits(self) -> int:
-        """The number of digits that count in the answer; four of one that is computed from several
+        """The number of significant digits in the answer; four if it is computed from several
         numbers."""
         written = numbers(Lexemes.of(self.claim.source.plain(self.claim.node.span)))
         return next((x.digits for _, x in written), 4) if self.is_lone else 4
 
     @property
     def fits(self) -> bool:
-        """Whether the unit is one of such a quantity."""
+        """Whether the unit fits the quantity."""
         return self.unit is None or self.needed in (None, self.unit.dimension)
 
     @cached_property
     def needed(self) -> Unit | None:
-        """The unit of such a quantity, where it is known."""
+        """The unit of the quantity, if it is known."""
         return unit_of_quantity(self.setting, self.claim.target, self.right_value)
 
     @cached_property
     def used(self) -> list[str]:
-        """The symbols of the right answer."""
+        """Names of symbols in the correct answer."""
         return self._symbols(lambda powers: True)
 
     @property
     def missing(self) -> list[str]:
-        """The symbols on which the right number depends at this state, and which nobody gives: of a
-        multiplier those of the driven joints, of which it follows."""
+        """The symbols without a value on which the correct number depends at this state; for a
+        multiplier those of the driven joints, from which it follows."""
         point = RealPoint.of_state(self.setting.ring, self.values)
         counting = self._symbols(lambda powers: all(point.generator(x) != 0.0 for x in powers))
         left = [name for name in counting if name not in self.values]
@@ -193,13 +194,13 @@ class NumberAtState:
         return unknown if by_motion else left
 
     def _symbols(self, counts: Callable[[Mapping[str, int]], bool]) -> list[str]:
-        """The symbols of the terms that count."""
+        """The symbols in the terms for which `counts` is true."""
         rows = (powers for part in pair(self.right_value) for powers, _ in part.terms())
         names = {symbol_of(name) for powers in rows if counts(powers) for name in powers}
         return [x for x in self.setting.ring.names if x in names]
 
     def better_unit(self) -> str:
-        """The unit in which the number would be right, or nothing."""
+        """The unit in which the number would be correct; "" if there is none."""
         for other in common_units(self.needed) if self.needed else []:
             scale = other.factor / self.factor
             point = replace(self.point, slack=self.point.slack * scale)
@@ -209,13 +210,13 @@ class NumberAtState:
         return ""
 
     def with_values(self, changed: Mapping[str, float]) -> float:
-        """The right number where some values are others."""
+        """The correct number with some values changed."""
         values = _with_signs(self.setting, {**self.values, **changed})
         return RealPoint.of_state(self.setting.ring, values).of(self.right_value)
 
 
 def _with_signs(setting: RightEquations, values: dict[str, float]) -> dict[str, float]:
-    """Values with the signs of rates, which friction is made of."""
+    """Values extended by the signs of rates, which friction terms contain."""
     signs = {
         name: float((values[rate] > 0) - (values[rate] < 0))
         for name in setting.ring.names

@@ -1,5 +1,5 @@
-"""Answers that are numbers, at a state: right to the digits given, or the reason why not, such as
-degrees taken for radians."""
+"""Answers that are numbers at a state: correct to the digits given, or a reason why not, such as
+degrees used as radians."""
 
 from __future__ import annotations
 
@@ -48,8 +48,7 @@ Thought = tuple[str, Callable[[], float]]
 
 
 def reasons(number: NumberAtState, targets: Targets) -> list[str]:
-    """Sentences, two at most, on what may have been thought, each of which alone makes the number
-    right."""
+    """Sentences, at most two, on mistakes each of which explains a wrong number."""
     found = _right_for(number, _plain_reasons(number))
     target, right = number.claim.target, number.right_value
     if not found and number.yours and number.setting.turned is None and isinstance(right, Trig):
@@ -75,7 +74,7 @@ def _plain_reasons(number: NumberAtState) -> Iterator[Thought]:
 
 
 def _other_values(number: NumberAtState) -> Iterator[Thought]:
-    """Values for which the answer would be right."""
+    """Mistaken values with which the answer would be correct."""
     yield from _of_gravity(number)
     for name, given in number.given.items():
         if given.value and name in number.used:
@@ -89,7 +88,7 @@ def _other_values(number: NumberAtState) -> Iterator[Thought]:
 
 
 def _conversions(number: NumberAtState) -> Iterator[Thought]:
-    """Numbers of the state that were put in as they are written."""
+    """Mistakes of unit conversion: values used in the unit in which they are written."""
     used = {name: x for name, x in number.given.items() if name in number.used}
     units = dict.fromkeys(x.unit.text for x in used.values() if x.unit and x.is_converted)
     for unit in units:
@@ -105,7 +104,7 @@ def _conversions(number: NumberAtState) -> Iterator[Thought]:
 
 
 def _radians(number: NumberAtState, used: Mapping[str, GivenValue]) -> Iterator[Thought]:
-    """Angles in radians that were put into a calculator set to degrees."""
+    """The mistake of entering angles in radians into a calculator set to degrees."""
     angles = {n: x.value for n, x in used.items() if n in number.setting.ring.angles}
     if angles and not any(used[name].is_converted for name in angles):
         names = listed(str(sym(name)) for name in angles)
@@ -130,7 +129,7 @@ _VAGUE = "the tolerance, or what the digits leave open, is larger than the right
 
 @dataclass(frozen=True)
 class NumberJudge:
-    """Compares claims in numbers with the right values at their states."""
+    """Judges claims in numbers by comparing them with the correct values at their states."""
 
     setting: RightEquations
     targets: Targets
@@ -139,7 +138,8 @@ class NumberJudge:
     """The share of the right number by which an answer may be off, where not its digits tell it."""
 
     def verdict(self, claim: Claim, explain: bool) -> EquationVerdict | None:
-        """The verdict on a claim that is a number at a state, or has a unit; None of another."""
+        """The verdict on a claim that is a number at a state or has a unit; None for other
+        claims."""
         written = self.numbers.of(claim.node.span)
         given = self.numbers.state_at(claim.node.span)
         if not (isinstance(claim.value, Trig) and claim.value.is_constant):
@@ -156,8 +156,8 @@ class NumberJudge:
         return _NumberVerdict(number).verdict(self.targets if explain else None)
 
     def _refuse_zero_elsewhere(self, claim: Claim, given: GivenState) -> None:
-        """Refuse a bare 0 behind the paragraph of a condition: whether it is a result there or is
-        said of all states cannot be told."""
+        """Raise an error for a bare 0 after the paragraph of a condition, as it may hold at that
+        condition or always."""
         span, right = claim.node.span, claim.target.compute()
         if not self.numbers.is_condition_at(span) or not isinstance(right, Trig):
             return
@@ -171,13 +171,13 @@ class NumberJudge:
             )
 
     def is_still(self, span: Span) -> bool:
-        """Whether what stands there is said of a robot in equilibrium."""
+        """Whether a place in the text refers to a robot in equilibrium."""
         given = self.numbers.state_at(span)
         return all(x in given and given[x].value == 0.0 for x in self._motion)
 
     def _lacks_state(self, number: NumberAtState) -> bool:
-        """Whether a number without unit is a result whose state was left out: it has decimals, or
-        states are given elsewhere."""
+        """Whether a number without unit is a result with its state missing: it is a decimal number,
+        or the answer gives states elsewhere."""
         claim, kind = number.claim, number.claim.target.kind
         if kind.is_equation or kind.of_loops == "positions" or claim.value.is_zero:
             return False
@@ -188,8 +188,8 @@ class NumberJudge:
     def _in_symbols(
         self, claim: Claim, written: WrittenNumber | None, given: GivenState
     ) -> EquationVerdict | None:
-        """The verdict on an answer in symbols that holds at its state only, m₂ g lc₂ cos 75°; None
-        of one that is right in general, or wrong."""
+        """The verdict on an answer in symbols that is correct only at its state, m₂ g lc₂ cos 75°;
+        None if it is correct in general, or wrong."""
         right = claim.target.compute()
         if written is not None:
             needed, unit = unit_of_quantity(self.setting, claim.target, right), written.unit
@@ -214,8 +214,8 @@ class NumberJudge:
         return right_verdict(claim, f"At {used}.")
 
     def at_condition(self, claim: Claim, right: Trig) -> tuple[Trig, str]:
-        """The right answer where the condition of a line without its coordinates holds, and the
-        condition in words; as it is, and "", of any other line."""
+        """(correct answer, condition in words) for a line whose condition gives coordinates that
+        the line does not contain; for other lines the unchanged answer and ""."""
         used = symbols_in(right)
         given = {
             name: x
@@ -244,16 +244,16 @@ class NumberJudge:
         )
 
     def is_right_in_equilibrium(self, yours: Trig, right: Trig) -> bool:
-        """Whether an answer is right where nothing moves."""
+        """Whether an answer is correct in equilibrium, when nothing moves."""
         return self._is_same(yours, right, self._in_equilibrium)
 
     def has_motion(self, claim: Claim) -> bool:
-        """Whether an answer has quantities that are 0 in equilibrium only, as accelerations are:
-        of what stands at them equilibrium tells nothing."""
+        """Whether an answer contains quantities that vanish only in equilibrium, such as
+        accelerations, so that equilibrium cannot decide about their coefficients."""
         return self.has_what_vanishes(claim, self._in_equilibrium)
 
     def has_what_vanishes(self, claim: Claim, given: GivenState) -> bool:
-        """Whether an answer has quantities that are 0 at a state only."""
+        """Whether an answer contains quantities that vanish only at its state."""
         single = self.targets.single
         values = (
             x.value
@@ -271,11 +271,11 @@ class NumberJudge:
 
     @property
     def _motion(self) -> list[str]:
-        """The names of rates and accelerations."""
+        """Names of the rates and accelerations."""
         return [x + dot for x in self.setting.symbols.coordinates for dot in (RATE, SECOND)]
 
     def _rows(self, x: Trig, given: GivenState) -> dict[frozenset[tuple[str, int]], float]:
-        """The terms of a polynomial with the values of a state put in."""
+        """The terms of a polynomial with the values of a state substituted."""
         values = {name: value.value for name, value in given.items()}
         point = RealPoint.of_state(self.setting.ring, values)
         found: dict[frozenset[tuple[str, int]], float] = {}
@@ -286,8 +286,8 @@ class NumberJudge:
         return found
 
     def unused(self, claims: Sequence[Claim], told: Sequence[Span]) -> Iterator[Span]:
-        """Places where something is said of numbers that are no result of the robot's; told: values
-        of parameters."""
+        """Places of written units and states that belong to no result; told: places of parameter
+        values."""
         spans = [*(claim.node.span for claim in claims), *told]
         for x in self.numbers.numbers:
             if not any(x.begun <= start and end <= x.span[1] for start, end in spans):
@@ -296,12 +296,13 @@ class NumberJudge:
 
 @dataclass(frozen=True)
 class _NumberVerdict:
-    """The verdict on one number, in words."""
+    """Makes the verdict on one number in words."""
 
     number: NumberAtState
 
     def verdict(self, targets: Targets | None) -> EquationVerdict:
-        """The verdict in words; with the reasons of a wrong number, where targets are given."""
+        """The verdict on the number in words; with reasons for a wrong number if targets are
+        given."""
         number, claim = self.number, self.number.claim
         if number.fits:
             self._refuse_missing()
@@ -326,7 +327,7 @@ class _NumberVerdict:
         )
 
     def _refuse_missing(self) -> None:
-        """Refuse a number without the state that it belongs to."""
+        """Raise an error for a number whose state is not given."""
         number, claim = self.number, self.number.claim
         if missing := number.missing:
             names = ", ".join(str(sym(x)) for x in missing[:6]) + ", …" * (len(missing) > 6)
@@ -342,7 +343,7 @@ class _NumberVerdict:
 
     # ------------------------------------------------------------ words
     def _where(self) -> str:
-        """The state and the robot whose values the right number needs, in words."""
+        """Phrase for the state and the robot whose values determine the correct number."""
         given, used = self.number.given, self.number.used
         here = in_words({name: x for name, x in given.items() if name in used})
         model = self.number.setting.symbols.model
@@ -351,7 +352,7 @@ class _NumberVerdict:
         return ", ".join(part for part in (here and f"at {here}", values) if part)
 
     def _right(self) -> str:
-        """The right number in the unit of the answer, with a digit more than this has."""
+        """The correct number in the answer's unit, with one digit more than the answer."""
         number = self.number
         unit = number.unit if number.fits and not self._is_of_another_kind() else None
         value = shortest(number.right / (unit.factor if unit else 1.0), max(4, number.digits + 1))
@@ -359,15 +360,15 @@ class _NumberVerdict:
         return value + " " * (text not in ("", "°")) + text
 
     def _is_of_another_kind(self) -> bool:
-        """Whether a moment is given in joules, or an energy in newton metres: a unit of the same
-        dimension that says something else."""
+        """Whether a moment is given in joules, or an energy in newton metres: the dimension fits,
+        the meaning does not."""
         unit = self.number.unit
         if unit is None or unit.dimension != _ENERGY:
             return False
         return ("J" in unit.text) != (self._unit() == "J")
 
     def _unit(self) -> str:
-        """The unit that the quantity has."""
+        """The unit of the quantity."""
         claim, needed = self.number.claim, self.number.needed
         if needed is None:
             return "a unit that is not known here"
@@ -392,7 +393,7 @@ class _NumberVerdict:
         return Mistake(kind, text, source[span], right, line, column, source.caret(span))
 
     def _other_kind(self) -> str:
-        """A sentence about the unit of something else."""
+        """A sentence on a unit that belongs to another kind of quantity."""
         unit = self.number.unit.text if self.number.unit else ""
         text = f"The units do not fit: {unit}, where {self._unit()} is needed."
         other = self.number.better_unit()
@@ -404,6 +405,6 @@ _ENERGY = (1, 2, -2)
 
 
 def _simple(value: Fraction) -> Fraction:
-    """A sine or cosine, ½ where it is that to the digits of a float."""
+    """A sine or cosine as a fraction; exactly ½ if it is that to floating-point accuracy."""
     simple = value.limit_denominator(2)
     return simple if abs(simple - value) <= EXACT else value

@@ -1,4 +1,4 @@
-"""Answers in numbers: compared term by term, each number read to half a unit of its last digit.
+"""Answers in numbers compared term by term, each number within half a unit of its last digit.
 
 A term may be written in numbers where the model has values. With what moves in it, a term is either
 in symbols or in numbers: in m2 0.2 g cos θ2 no one can tell whether 0.2 is meant for lc2. Only g
@@ -42,8 +42,7 @@ _EXACT = Fraction(1, 10**9)
 
 @dataclass(frozen=True)
 class Rounded:
-    """An answer that may be in numbers, and the right one with the values of the model's
-    parameters."""
+    """An answer that may contain numbers, and the correct one with the model's parameter values."""
 
     setting: RightEquations
     source: Source
@@ -62,13 +61,14 @@ class Rounded:
 
     @cached_property
     def _kept(self) -> frozenset[str]:
-        """Symbols that stay symbols: g, where the answer has it."""
+        """Symbols that are not replaced by values: g, if the answer contains it."""
         g = self.setting.order.gravity
         return frozenset([g] if any(g in powers for powers, _ in self.yours.terms()) else [])
 
     @cached_property
     def _in_numbers(self) -> frozenset[SymbolPowers]:
-        """The products of the answer with which no parameter stands that has a value, g apart."""
+        """Products of moving factors whose coefficient in the answer contains no parameter with a
+        value, except g."""
         symbols = set(self._constants) - {self.setting.order.gravity}
         return frozenset(
             key
@@ -78,8 +78,8 @@ class Rounded:
 
     @cached_property
     def applies(self) -> bool:
-        """Whether a term is in numbers where the right one has symbols with values, or left out as
-        these make it 0."""
+        """Whether the answer has a term in numbers where the correct one has parameters with
+        values, or omits one that these make 0."""
         for key, part in self._right_parts.items():
             put = self._put(part, self._kept)
             if put != part and (
@@ -90,7 +90,8 @@ class Rounded:
 
     @cached_property
     def target(self) -> Trig:
-        """The right answer, in numbers wherever the user's is."""
+        """The correct answer, with parameter values substituted in the terms that the answer gives
+        in numbers."""
         if not self.applies:
             return self.right
         return whole(
@@ -105,7 +106,7 @@ class Rounded:
 
     @cached_property
     def is_in_numbers(self) -> bool:
-        """Whether the answer holds no parameter at all, g apart."""
+        """Whether the answer contains no parameter except g."""
         g = self.setting.order.gravity
         return all(
             not set(powers) - {g} for part in self._parts.values() for powers, _ in part.terms()
@@ -113,12 +114,12 @@ class Rounded:
 
     @property
     def is_mixed(self) -> bool:
-        """Whether symbols and numbers in one term give the right number."""
+        """Whether a term mixes symbols and numbers, though its value is correct."""
         return (self._put(self.yours) - self._put(self.right)).is_zero
 
     def wrong(self, relative: Fraction = _EXACT) -> list[Difference] | None:
-        """The terms that differ by more than the digits given, or a share of the right one; None:
-        too long."""
+        """The terms that differ by more than the digits allow, or by more than a fraction of the
+        correct one; None if there are too many terms."""
         if (
             is_too_long(self.yours)
             or is_too_long(self.target)
@@ -128,8 +129,8 @@ class Rounded:
         slack = self._slack()
 
         def within(row: Difference) -> Fraction:
-            """The change that the digits leave open; none where that is more than the right number,
-            so that nearly any would do."""
+            """The difference that the digits of a term allow; 0 if it exceeds the correct number,
+            as then almost any number would pass."""
             half = slack.get(row.key, Fraction(0))
             return half if half <= abs(row.right) else Fraction(0)
 
@@ -143,7 +144,7 @@ class Rounded:
     # ------------------------------------------------------------ digits
     @cached_property
     def _decimals(self) -> dict[Number, Fraction]:
-        """Numbers with digits behind the point, and half a unit of the last one."""
+        """The decimal numbers in the answer, with half a unit of their last digit."""
         found = {}
         for node in nodes(self.node):
             if isinstance(node, Number):
@@ -153,7 +154,7 @@ class Rounded:
         return found
 
     def _slack(self) -> dict[ProductKey, Fraction]:
-        """Change of each term in numbers when every number is half a unit off."""
+        """The change of each numeric term when every number changes by half a unit."""
         total: dict[ProductKey, Fraction] = {}
         for node, half in self._decimals.items():
             moved = replaced(self.node, {node: replace(node, value=node.value + half)})
@@ -171,7 +172,7 @@ class Rounded:
     # ------------------------------------------------------------ values
     @cached_property
     def _constants(self) -> dict[str, Fraction]:
-        """Parameters by name; of those that are angles the sines and cosines.
+        """Values of parameters by name; for angles those of their sines and cosines.
 
         A factor 1 leaves no trace: among symbols it may have been forgotten.
         """
@@ -186,7 +187,7 @@ class Rounded:
         return found
 
     def _put(self, x: Trig, kept: Collection[str] = ()) -> Trig:
-        """A polynomial with the parameters' values, but for those kept."""
+        """A polynomial with parameter values substituted, except for the names kept."""
         known = {name: value for name, value in self._constants.items() if name not in kept}
         rows = []
         for powers, coefficient in x.terms():
@@ -197,8 +198,8 @@ class Rounded:
 
 
 def half_a_unit(text: str, value: Fraction, whole: bool = False) -> Fraction:
-    """Half a unit of the last digit of a number; of a quotient of numbers, what that makes of it.
-    whole: also of a whole number, but for 0."""
+    """Half a unit of a number's last digit; for a quotient of numbers the resulting change. whole:
+    also for integers other than 0."""
     if whole and value and text.isdigit():
         return Fraction(1, 2)
     relative = Fraction(0)

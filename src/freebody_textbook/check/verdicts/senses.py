@@ -1,4 +1,4 @@
-"""Signs that are the answer's own choice: those of loop equations, Φ = 0 as -Φ = 0, and of the
+"""Sign conventions that an answer may choose: of loop equations, Φ = 0 or -Φ = 0, and of
 multipliers, τ = M q̈ + … ± Φ_qᵀ λ."""
 
 from __future__ import annotations
@@ -24,9 +24,8 @@ _MULTIPLIERS = "The multipliers have the opposite sign, τ = M q̈ + … − Φ_
 def others(
     setting: RightEquations, wrong: Sequence[Claim], written: str
 ) -> Iterator[frozenset[str]]:
-    """Sets of names that an answer with wrong claims may have with the other sign: the loop
-    equations that these are about, with their multipliers, all multipliers, and a force from
-    outside."""
+    """Sets of names whose sign an answer with wrong claims may have reversed: an external force;
+    the wrong loop equations with their multipliers; all multipliers."""
     if setting.system is None or not wrong:
         return
     numbers = {x.target.index[0] for x in wrong if x.target.kind.is_of_loop_equation}
@@ -39,20 +38,20 @@ def others(
 
 
 def _multipliers(setting: RightEquations) -> dict[str, str]:
-    """The multipliers, each with its loop equation."""
+    """Names of the multipliers, each with its loop equation."""
     assert setting.system is not None
     names = enumerate(multiplier_names(setting.system.loops), 1)
     return {name: loop_equation(i) for i, name in names}
 
 
 def are_meant(opposed: Set[str], loads: Collection[str], claims: Sequence[Claim]) -> bool:
-    """Whether claims that are right with the other signs show that these are meant: one sign alone
-    is a mistake, but not that of a force from outside."""
+    """Whether reversed signs that make claims correct are a convention rather than a mistake: at
+    least two signs, or that of an external force."""
     return not opposed.isdisjoint(loads) or sum(_signs(opposed, x) for x in claims) > 1
 
 
 def _signs(opposed: Set[str], claim: Claim) -> int:
-    """The number of terms of a claim that have the other sign, as they are written."""
+    """The number of terms in a claim with reversed sign."""
     terms = list(_terms(claim, claim.node if claim.whole is None else claim.whole))
     if claim.target.kind.is_of_loop_equation:
         return len(terms)
@@ -60,7 +59,7 @@ def _signs(opposed: Set[str], claim: Claim) -> int:
 
 
 def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
-    """The terms of a sum; of a bracket with one sign in front a single one."""
+    """The terms of a sum; a bracket with one sign in front counts once."""
     if isinstance(node, Sum):
         for term in node.terms:
             yield from _terms(claim, term)
@@ -71,14 +70,14 @@ def _terms(claim: Claim, node: Expression) -> Iterator[Expression]:
 
 
 def _is_opposed(opposed: Set[str], node: Expression) -> bool:
-    """Whether a symbol is that of a multiplier with the other sign."""
+    """Whether a symbol is a multiplier with reversed sign."""
     return isinstance(node, Named) and generator(node.value) in opposed
 
 
 def noted(
     setting: RightEquations, before: Sequence[EquationVerdict], after: Sequence[EquationVerdict]
 ) -> list[EquationVerdict]:
-    """The verdicts in an answer's own senses, told where it matters."""
+    """The verdicts under an answer's own sign conventions, with notes where they matter."""
     note = _told(setting)
     return [
         replace(new, note=f"{note} {new.note}".strip()) if new.equal and not old.equal else new
@@ -87,7 +86,7 @@ def noted(
 
 
 def _told(setting: RightEquations) -> str:
-    """Sentences on the signs that are opposite in an answer."""
+    """Sentences on the sign conventions that are reversed in an answer."""
     of_loops = _multipliers(setting)
     rows = [row for row in of_loops.values() if row in setting.opposed]
     have = "have" if len(rows) > 1 else "has"

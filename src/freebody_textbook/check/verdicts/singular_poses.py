@@ -1,4 +1,4 @@
-"""Singular poses of answers, "singular at θ2 = 0 or π", put into det J (2.23)."""
+"""Singular poses in answers, "singular at θ2 = 0 or π", checked by det J (2.23)."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _VALUE = LexemePattern("@pose_value")
 def taken_from(
     document: AnswerDocument, vocabulary: Vocabulary, targets: Targets
 ) -> tuple[AnswerDocument, list[Claim]]:
-    """A document without what it says of singular poses, and that."""
+    """A document with its statements about singular poses removed, and these statements."""
     text = document.said or document.formulas
     if "det" not in text and "ingular" not in text:
         return document, []
@@ -70,8 +70,8 @@ def taken_from(
 
 
 def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQuantity]]:
-    """Poses in sentences that call them singular, and lines of nothing else below a determinant;
-    each with the determinant that is to vanish there."""
+    """Poses that a sentence calls singular, or that stand alone below a determinant; each with the
+    determinant that must vanish."""
     lexemes = source.lexemes
     if (of_tip := targets.single.get("detJ")) is not None:
         yield from ((pose, of_tip) for pose in _told(lexemes))
@@ -88,7 +88,7 @@ def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQ
 
 
 def _told(lexemes: Lexemes) -> Iterator[Match]:
-    """Poses in sentences that call them singular."""
+    """Poses in sentences that contain the word singular."""
     end = 0
     for word in _SINGULAR.all(lexemes):
         begun = lexemes.at(lexemes[word.start].start - 40)
@@ -100,7 +100,7 @@ def _told(lexemes: Lexemes) -> Iterator[Match]:
 
 
 def _end_of_sentence(lexemes: Lexemes, k: int) -> int:
-    """The lexeme at which a sentence ends, or a line; a point in a number ends none."""
+    """The lexeme at which a sentence or line ends; decimal points do not end one."""
     for j in range(k, len(lexemes)):
         behind = lexemes[j + 1 : j + 2]
         is_stop = lexemes[j].text == "." and not (behind and behind[0].kind == "digit")
@@ -116,7 +116,7 @@ def _claims(
     targets: Targets,
     determinant: AskedQuantity,
 ) -> Iterator[Claim]:
-    """A claim for each value of a pose."""
+    """A claim for each value of a singular pose."""
     setting, det = targets.setting, determinant.polynomial()
     more = list(_MORE.all(pose.lexemes, *pose.captures.get("more", (0, 0))))
     places = [pose.captures["name"][0], *(x.captures["name"][0] for x in more)]
@@ -141,7 +141,7 @@ def _claims(
 
 
 def _coordinate(source: AnswerText, at: int, vocabulary: Vocabulary, targets: Targets) -> str:
-    """The coordinate whose name begins with a lexeme."""
+    """The coordinate whose name begins at a lexeme."""
     spelt = words.spell(source, at)
     symbol = vocabulary.symbols.get(spelt.plain)
     for name in targets.setting.symbols.coordinates:
@@ -151,7 +151,7 @@ def _coordinate(source: AnswerText, at: int, vocabulary: Vocabulary, targets: Ta
 
 
 def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
-    """Values with the stretches where they stand; ± gives both signs."""
+    """Values of a pose with their places; ± gives two values."""
     for match in _VALUE.all(pose.lexemes, *pose.captures["values"]):
         value = Fraction(match["number"] or match["above"] or 1)
         value = value * PI if "pi" in match or "below" in match else value
@@ -164,8 +164,8 @@ def _values(pose: Match) -> Iterator[tuple[Fraction, Span]]:
 def _images(
     at: tuple[Fraction, Trig], name: str, function: str | None, angles: tuple[str, ...]
 ) -> dict[str, Value]:
-    """Values of generators where a coordinate, or its sine or cosine, is the sum of a number and
-    other angles."""
+    """Values of generators when a coordinate, or its sine or cosine, equals a number plus other
+    angles."""
     number, rest = at
     if function:
         return {f"{function}_{name}": rest + number}
@@ -179,7 +179,7 @@ def _images(
 
 
 def verdict(claim: Claim) -> EquationVerdict:
-    """Whether det J vanishes there."""
+    """The verdict on a singular pose: whether det J vanishes there."""
     right, note = claim.value.is_zero, claim.target.note
     causes = () if right else (f"There det J is not 0: {note}",)
     return EquationVerdict(

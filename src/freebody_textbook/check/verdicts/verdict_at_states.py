@@ -1,5 +1,5 @@
-"""The verdict on claims that are compared at states: what holds where loops are closed, and what is
-told by inverse functions."""
+"""The verdict on claims that are compared at states: equations that hold on closed loops, and those
+with inverse functions."""
 
 from __future__ import annotations
 
@@ -72,8 +72,8 @@ _OTHER_VALUES = {
 
 
 def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> EquationVerdict | None:
-    """The verdict on what functions or loops tell; None of what is neither, and of what loops do
-    not make right though they might not have to."""
+    """The verdict on a claim with inverse functions or about closed loops; None for other claims,
+    and for claims that loops do not make correct though they may not have to."""
     functions = functions_of(claim.node if claim.whole is None else claim.whole)
     if len(of_several_values(claim.node)) > MOST_BRANCHES:
         claim.source.fail(
@@ -97,13 +97,13 @@ def verdict(judge: Judge, claim: Claim, right: Value, explain: bool) -> Equation
 
 
 def _symbols_of(tree: Expression) -> set[str]:
-    """The symbols with which a tree is written."""
+    """The symbols in an expression as written."""
     named = (x.value for x in nodes(tree) if isinstance(x, Named))
     return symbols_in(*(part for value in named for part in pair(value)))
 
 
 def _one_value(found: Agreement) -> str:
-    """Why an answer is wrong that only second values of its functions would make right."""
+    """A sentence on an answer that would be correct only with second values of its functions."""
     count, of = int(found.right.sum()), found.states.count
     return (
         f"As it stands it is right at {count} of {of} positions only. At the others a function "
@@ -113,15 +113,15 @@ def _one_value(found: Agreement) -> str:
 
 
 def _has_conditions(setting: RightEquations) -> bool:
-    """Whether not every state is admissible: loops must close, passive joints and free bodies move
-    by themselves."""
+    """Whether states must satisfy conditions: closed loops, equations of passive joints, or motion
+    of free bodies."""
     is_free = setting.symbols.model.passive or setting.is_free_body
     return setting.system is not None or bool(is_free)
 
 
 @dataclass(frozen=True)
 class _AtStates:
-    """A claim and the states at which it must hold."""
+    """A claim with the states at which it must hold."""
 
     judge: Judge
     claim: Claim
@@ -129,7 +129,8 @@ class _AtStates:
 
     @cached_property
     def moving(self) -> AdmissibleStates | None:
-        """States in motion; with the model's own values where none of its symbols is written."""
+        """States in motion; with the model's parameter values if the claim contains no parameter.
+        None if there are none."""
         free_body = self.judge.free_body
         if free_body is None:
             acting = self.claim.target.acting
@@ -147,27 +148,27 @@ class _AtStates:
 
     @property
     def is_in_numbers(self) -> bool:
-        """Whether no symbol is written to which the model gives a value; gravity apart."""
+        """Whether the claim contains no symbol that has a value in the model, except gravity."""
         return bool(self._known_symbols) and self._has_no_known_symbols
 
     @cached_property
     def _known_symbols(self) -> frozenset[str]:
-        """The symbols to which the model gives a value; gravity apart."""
+        """The symbols that have a value in the model, except gravity."""
         model = self.judge.setting.symbols.model
         given = {name for name, x in model.parameters.items() if x is not None}
         return frozenset(given - {self.judge.setting.order.gravity})
 
     @cached_property
     def _has_no_known_symbols(self) -> bool:
-        """Whether none of these symbols is written."""
+        """Whether the claim contains no symbol that has a value in the model."""
         named = (x.value for x in nodes(self._tree) if isinstance(x, Named))
         symbols = (x for x in named if isinstance(x, Trig) and len(x) == 1)
         return self._known_symbols.isdisjoint(generators_in(*symbols))
 
     @property
     def is_quotient_in_numbers(self) -> bool:
-        """Whether the claim is a quotient written without symbols; of polynomials in numbers the
-        digits count."""
+        """Whether the claim is a quotient without symbols; polynomials in numbers are judged by
+        their digits."""
         value = self.claim.value
         return (
             self.claim.target.kind.takes_quotients or isinstance(value, Ratio)
@@ -175,18 +176,18 @@ class _AtStates:
 
     @property
     def _tree(self) -> Expression:
-        """The tree that is compared: of an equation between two sides their difference."""
+        """The expression that is compared: for an equation between two sides their difference."""
         return self.claim.node if self.claim.whole is None else self.claim.whole
 
     def _sought(self, states: AdmissibleStates) -> Running:
-        """The values to which the tree must be equal."""
+        """The values that the expression must equal."""
         if self.claim.whole is not None:
             return Running.exact(np.zeros(states.count))
         return states.of(self.right)
 
     @cached_property
     def _equal(self) -> Equal:
-        """The sense in which both sides must be equal."""
+        """The kind of equality required: equal, up to whole turns, or up to a constant."""
         ring = self.judge.setting.ring
         is_angle = isinstance(self.right, Trig) and _is_angle(self.right, ring.angles)
         has_level = self.judge.up_to_a_constant(self.claim, self.right) and self._is_energy
@@ -194,7 +195,8 @@ class _AtStates:
 
     @cached_property
     def _is_energy(self) -> bool:
-        """Whether the difference is an energy and a plain number: in other units it changes so."""
+        """Whether the difference of the sides is an energy plus a plain number, so that it changes
+        with units."""
         states, sampler = self.moving, StateSampler(self.judge.setting)
         if states is None or self.is_in_numbers:
             return True
@@ -215,8 +217,8 @@ class _AtStates:
 
     # ------------------------------------------------------------ verdicts
     def verdict(self, explain: bool, by_functions: bool) -> EquationVerdict | None:
-        """Right, with what is to be said of it; wrong, where nothing else can make it right; else
-        None."""
+        """The verdict "right" with its note; "wrong" if no other comparison can make the claim
+        right; otherwise None."""
         states, held = self.moving, self._held()
         assert states is not None
         found = self._agreement(states)
@@ -249,7 +251,8 @@ class _AtStates:
     def _wrong_only_here(
         self, found: Agreement, explain: bool, by_functions: bool
     ) -> EquationVerdict | None:
-        """Wrong, where numbers alone can tell it or a mistake explains it; else None."""
+        """The verdict "wrong", if numbers alone decide or a mistake explains the claim; otherwise
+        None."""
         only_here = by_functions or self._is_by_loops
         if not (only_here or self._goes_another_way):
             return None
@@ -262,8 +265,9 @@ class _AtStates:
 
     @property
     def _may_choose_branches(self) -> bool:
-        """Whether its functions tell of positions, which several postures reach: they have no
-        masses or forces, and stand in an equation of positions or in definitions before."""
+        """Whether inverse functions in the claim give positions, which several postures have: they
+        contain no masses or forces, and belong to an equation of positions or to earlier
+        definitions."""
         first, last = self._tree.span
         parts = (self._tree,)
         if not self.claim.target.kind.has_branches:
@@ -278,14 +282,14 @@ class _AtStates:
 
     @property
     def _is_in_motion(self) -> bool:
-        """Whether rates or accelerations are written, or the quantity is one."""
+        """Whether the claim contains rates or accelerations, or is about one."""
         written = _symbols_of(self._tree) | generators_in(*pair(self.right))
         return any(atom(name).dots for name in written)
 
     def _is_root_of_square(self, node: Function) -> bool:
-        """Whether it is the root of a square of written symbols, whose sign these tell: √(1 − cos²)
-        is no posture's where the angle is known. The root of a rate's square is a speed, without
-        its sense."""
+        """Whether a root is that of a squared expression in written symbols, which fix its sign:
+        √(1 − cos²) needs no choice if the angle is known. The root of a squared rate is a speed
+        without direction."""
         named = (x.value for x in nodes(node.argument) if isinstance(x, Named))
         if node.name != "sqrt" or functions_of(node.argument) or not all(map(_is_symbol, named)):
             return False
@@ -294,7 +298,8 @@ class _AtStates:
         return is_square(self.judge.setting.ring, node.argument)
 
     def _left_out(self, states: AdmissibleStates) -> str:
-        """A sentence on what may have been left out: where it is 0, the claim is right."""
+        """A sentence on parameters that may have been forgotten: with them set to 0 the claim is
+        right."""
         setting = self.judge.setting
         if self.claim.value.is_zero or not _has_conditions(setting):
             return ""
@@ -310,7 +315,7 @@ class _AtStates:
 
     @property
     def _is_by_loops(self) -> bool:
-        """Whether only loops can make it right: no polynomial is a quotient."""
+        """Whether only closed loops can make the claim right: it contains no quotient."""
         claim = self.claim
         return claim.target.kind.holds_by_loops or (
             isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
@@ -318,21 +323,22 @@ class _AtStates:
 
     @property
     def _goes_another_way(self) -> bool:
-        """Whether the claim is written in symbols that the right value does not have, as along the
-        other leg of a loop."""
+        """Whether the claim contains symbols that the correct value does not have, for instance
+        along the other leg of a loop."""
         own, theirs = (symbols_in(*pair(x)) for x in (self.right, self.claim.value))
         return self.claim.whole is None and not theirs <= own
 
     def _held(self) -> AdmissibleStates | None:
-        """Positions in equilibrium, where a claim is said of them and has nothing that moves."""
+        """Positions in equilibrium, if the claim refers to them and contains no moving quantity;
+        None otherwise."""
         numbers = self.judge.numbers
         if not numbers.is_still(self.claim.node.span) or numbers.has_motion(self.claim):
             return None
         return self.judge.states.of(still=True)
 
     def _there(self) -> tuple[AdmissibleStates | None, str]:
-        """States at which what is said of the claim's state holds, and it in words; None where
-        nothing is said, or the claim has what is 0 there, of which the state tells nothing."""
+        """(states with the values given for the claim, these values in words); None for the states
+        if nothing is given, or the claim contains quantities that vanish there."""
         judge = self.judge
         given = judge.numbers.numbers.state_at(self.claim.node.span, in_symbols=True)
         if not given or judge.setting.system is None or self.claim.target.kind.of_loops:
@@ -348,7 +354,7 @@ class _AtStates:
         return found, in_words(given)
 
     def _note(self, found: Agreement) -> str:
-        """A note on a claim that is right; "" of one that is not."""
+        """A note for a claim that is right; "" for a wrong one."""
         closed = self.judge.setting.system is not None
         passive = self.judge.setting.symbols.model.passive
         of_loops = self.claim.target.kind.of_loops
@@ -373,7 +379,7 @@ class _AtStates:
         return ""
 
     def _note_on_digits(self, states: AdmissibleStates) -> str:
-        """A note on a claim in numbers that is right to the digits given; "" of another."""
+        """A note for a claim in numbers that is right to its digits; "" otherwise."""
         if not self._has_no_known_symbols:
             return ""
         every, sought = choices(self._tree), self._sought(states)
@@ -393,8 +399,8 @@ class _AtStates:
         return note and f"In numbers, with the values of {model!r}, to the digits given. {note}"
 
     def _shares_a_posture(self, found: Agreement) -> bool:
-        """Whether the claim is right, as it stands, somewhere where the answer's coordinates before
-        are too."""
+        """Whether the claim is right as it stands at some state where the coordinates given earlier
+        in the answer are right too."""
         claims, right = self.judge.claims, found.right.copy()
         for other in claims[: claims.index(self.claim)]:
             if not other.target.kind.is_posture or other.label == self.claim.label:
@@ -408,7 +414,7 @@ class _AtStates:
     def _wrong(
         self, found: Agreement, findings: tuple[Mistake, ...], causes: tuple[str, ...]
     ) -> EquationVerdict:
-        """Wrong, with the state at which it is farthest off."""
+        """The verdict "wrong", with the state of the largest difference."""
         claim, shown = self.claim, None
         if claim.whole is None:
             shown = example_at(
@@ -418,7 +424,7 @@ class _AtStates:
 
     # ------------------------------------------------------------ mistakes
     def _mistakes(self, found: Agreement) -> Iterator[Mistake]:
-        """Mistakes that alone account for the difference, the likeliest first."""
+        """Mistakes each of which explains the difference, most likely first."""
         tree = self._tree
         fits, work = self._fitting(found), without_values(tree)
         if len(work.values) > _MOST_NODES:
@@ -434,8 +440,8 @@ class _AtStates:
                 yield Wording(self.judge.setting, self.claim.source).of_repair(repair, work)
 
     def _fitting(self, found: Agreement) -> Callable[[Expression], bool]:
-        """Whether a changed tree is right: most are not at the first few states, at which the
-        values of pieces are kept."""
+        """A function that tells whether a changed expression is right; it first tries a few states,
+        with cached node values."""
         states, first = found.states, few(found.states)
         known, sought = first.pieces(self._tree), self._sought(first)
 
@@ -449,12 +455,12 @@ class _AtStates:
 
 
 def _is_symbol(x: Value) -> bool:
-    """Whether it is a number or one of the ring's symbols, and not a quantity made of several."""
+    """Whether a value is a number or a symbol of the ring, not a combination of several."""
     return isinstance(x, Trig) and (x.is_constant or generator(x) is not None)
 
 
 def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
-    """Whether a value is a sum of whole multiples of angles."""
+    """Whether a value is a sum of integer multiples of angles."""
     terms = list(x.terms())
     return bool(terms) and all(
         list(powers.values()) == [1] and powers.keys() <= set(angles) and k.denominator == 1
@@ -463,5 +469,6 @@ def _is_angle(x: Trig, angles: tuple[str, ...]) -> bool:
 
 
 def _can_be_said(repair: Repair) -> bool:
-    """Whether a change prints: of what holds functions only a sign and another function do."""
+    """Whether a change can be printed: of an expression with functions only its sign or another
+    function."""
     return repair.kind in ("sign", "arguments", "inverse") or not functions_of(repair.node)

@@ -1,5 +1,4 @@
-"""Verdicts in words: repairs and differences as sentences a student understands, and numbers at
-which an answer and the right one differ."""
+"""Verdicts as sentences for students: changes, differences, and numerical examples."""
 
 from __future__ import annotations
 
@@ -87,14 +86,14 @@ def wrong_verdict(
 
 @dataclass(frozen=True)
 class Wording:
-    """Sentences about one answer: its text, and how its symbols print."""
+    """Makes sentences about one answer, from its text and the print form of its symbols."""
 
     setting: RightEquations
     source: Source
 
     # ------------------------------------------------------------ repairs of the answer itself
     def of_repair(self, repair: Repair, work: Workspace) -> Mistake:
-        """The mistake that a change mends, at its place in the answer."""
+        """The mistake that a change corrects, with its place in the answer."""
         written = self.written(repair.node.span)
         should = self._opposite(repair) or self.node(repair.new)
         if repair.node is work.root and isinstance(repair.node, Sum):
@@ -114,8 +113,8 @@ class Wording:
         )
 
     def _opposite(self, repair: Repair) -> str:
-        """A piece with the other sign as it is written, where it holds quantities by name; their
-        values would fill lines."""
+        """A piece's text with reversed sign, if it contains named quantities, whose values would be
+        too long."""
         named = (
             isinstance(x, Function) or (isinstance(x, Named) and not self._name(x))
             for x in nodes(repair.node)
@@ -126,18 +125,19 @@ class Wording:
         return text[1:].strip() if text[:1] in "-−" else f"−{text}"
 
     def _around(self, addend: Expression, repair: Repair, work: Workspace, word: str) -> str:
-        """The term that what is changed stands in, where it is another one and not the whole."""
+        """Phrase for the term that contains a changed piece, unless it is the piece itself or the
+        whole side."""
         alone = addend is repair.node or addend is work.root
         return "" if alone else f" {word} {self.written(addend.span)}"
 
     def _factor(self, repair: Repair) -> str:
-        """The factor that a change puts in."""
+        """The factor that a change inserts."""
         if repair.kind != "missing factor" or not isinstance(repair.new, Product):
             return ""
         return self.node(repair.new.factors[-1])
 
     def _reason(self, kind: str, old: Expression, new: Expression) -> str:
-        """Half a sentence that says why a piece is wrong."""
+        """Half a sentence on why a piece is wrong."""
         name = self._name(old)
         if name in self.setting.foreign:
             return f" ({sym(name)} is not a symbol of {self.setting.symbols.model.name})"
@@ -171,7 +171,7 @@ class Wording:
         return ""
 
     def _name(self, node: Expression) -> str:
-        """The generator that a node is."""
+        """The generator that a node stands for; "" if none."""
         if isinstance(node, Named) and isinstance(node.value, Trig):
             names = [next(iter(p), "") for p, _ in node.value.terms()]
             return names[0] if len(names) == 1 else ""
@@ -180,8 +180,8 @@ class Wording:
     # ------------------------------------------------------------ the same seen from the right
     # answer
     def of_reverse(self, repair: Repair, work: Workspace, right: Wording) -> Mistake:
-        """The mistake that turns a piece of the right answer, whose text `right` knows, into the
-        user's."""
+        """The mistake that a change of the correct answer shows, when the change gives the user's
+        answer; right: the wording of the correct answer."""
         should, has = right.written(repair.node.span), right.node(repair.new)
         kind = _OPPOSITE.get(repair.kind, repair.kind)
         addend = work.addend_of(repair.node)
@@ -200,7 +200,7 @@ class Wording:
 
     # ------------------------------------------------------------ differences of terms
     def of_difference(self, row: Difference) -> Mistake:
-        """A term that is missing, extra or has the wrong number."""
+        """The mistake of a missing term, an extra term, or a term with a wrong coefficient."""
         yours = self.term(row.instead or row.key, row.yours)
         right = self.term(row.key, row.right)
         if row.instead is not None:
@@ -220,23 +220,23 @@ class Wording:
         return Mistake("factor", message, yours, right)
 
     def of_number(self, row: Difference) -> Mistake:
-        """A term of an answer in numbers that has the wrong one."""
+        """The mistake of a term with a wrong number, in a numeric answer."""
         yours, right = self.term(row.instead or row.key, row.yours), self.term(row.key, row.right)
         if row.yours and row.right and row.instead is None:
             return Mistake("factor", f"{quoted(yours)} must be {right}.", yours, right)
         return self.of_difference(row)
 
     def term(self, key: tuple, value: Fraction) -> str:
-        """A term of the gathered form."""
+        """Printed form of a term with its coefficient."""
         return str(printed(self.setting.layout, self.setting, key, value))
 
     # ------------------------------------------------------------ pieces
     def written(self, span: tuple[int, int]) -> str:
-        """A piece of the text, in quotes, cut where it is long."""
+        """A piece of the answer's text in quotes, shortened if long."""
         return quoted(self.source[span])
 
     def node(self, node: Expression) -> str:
-        """A piece of a repaired answer, as it prints."""
+        """Printed form of a piece of a corrected answer."""
         match node:
             case Named() if node.name in self.setting.ring.index:
                 return str(sym(node.name))
@@ -259,24 +259,24 @@ class Wording:
 
 
 def _is_usual(name: str) -> bool:
-    """Whether a name is the usual one of an entry, such as H12."""
+    """Whether a name is the usual one of a matrix entry, such as H12."""
     own = atom(name)
     return own.is_numbered and own.letter in _USUAL
 
 
 def quoted(text: str) -> str:
-    """A text in quotes, cut in the middle where it is long."""
+    """A text in quotes, shortened in the middle if long."""
     shown = text if len(text) <= _LONG else f"{text[: _LONG // 2]} … {text[-_LONG // 3 :]}"
     return f"‘{shown}’"
 
 
 def _cut(text: str) -> str:
-    """Cut at the end where it is very long."""
+    """A text shortened at the end if it is very long."""
     return text if len(text) <= 3 * _LONG else text[: 3 * _LONG] + " …"
 
 
 def _times(factor: Fraction) -> str:
-    """Words for a term that must be multiplied by a number."""
+    """Phrase for a term that must be multiplied by a number."""
     size = abs(factor)
     sign = "has the wrong sign and " if factor < 0 else ""
     if size == 1:
@@ -293,7 +293,8 @@ def _times(factor: Fraction) -> str:
 
 
 def example(setting: RightEquations, yours: Value, right: Value) -> Example | None:
-    """Values of the symbols that occur, and both results; None where no try tells them apart."""
+    """Values of the occurring symbols with both results; None if no tried values distinguish the
+    results."""
     pieces = (*pair(yours), *pair(right))
     used = [name for name in setting.ring.names if any(occurs(name, x) for x in pieces)]
     given = setting.symbols.model.parameters
@@ -317,14 +318,14 @@ def example_at(
     tree: Expression,
     right: Value,
 ) -> Example | None:
-    """One of the states, and both results there: the values of the symbols that a tree and the
-    right value have; None where one of them is no number."""
+    """A state as example: the values of the symbols in both sides, and both results; None if a
+    result is not a number."""
     written = [y for x in nodes(tree) if isinstance(x, Named) for y in pair(x.value)]
     waves = {name for x in nodes(tree) if isinstance(x, Wave) for name, _ in x.angle}
 
     def is_told(name: str) -> bool:
-        """Whether an example tells a symbol's value: of multipliers only where the answer has
-        them."""
+        """Whether an example lists a symbol's value; multipliers are listed only if the answer
+        contains them."""
         of = written if name.startswith(MULTIPLIER) else [*written, *pair(right)]
         return name in waves or any(occurs(name, piece) for piece in of)
 
