@@ -247,7 +247,7 @@ class PageAnswers:
                 yield int(k), [{x: float(v[i]) for x, v in found.values.items()} for i in rows]
 
     def _turned_back(self, row: Mapping[str, float]) -> dict[str, float]:
-        """A state with the signs of its coordinates reversed."""
+        """A state with its coordinates halved and of opposite sign."""
         names = self.setting.symbols.coordinates
         return {x: -v / 2 if x in names else v for x, v in row.items()}
 

@@ -28,8 +28,9 @@ SHORT = 14
 
 
 def work_out(setting: Setting, coordinates: str) -> Worked:
-    """The steps; of an open chain that of the second kind, for there are no multipliers.
-    coordinates: of the joints, or absolute ones, for which see `absolute_coordinates`."""
+    """Derive Lagrange's equations of the first kind; open chains get those of the second kind, as
+    they have no multipliers. coordinates: of the joints, or absolute ones, see
+    `absolute_coordinates`."""
     if coordinates == "absolute":
         return absolute_coordinates.work_out(setting)
     if not setting.tree.loops:
@@ -76,7 +77,7 @@ def _symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
 
 
 def _open_chain(setting: Setting) -> Worked:
-    """The derivation of an open chain, for which Φ is empty and (5.23) is (5.24)."""
+    """The derivation of an open chain, for which Φ is empty and (5.23) reduces to (5.24)."""
     second = lagrange.work_out(setting)
     reason = (
         "No loop is closed: there are no equations Φ(q) = 0 between the joint variables, no "
@@ -93,7 +94,7 @@ def _open_chain(setting: Setting) -> Worked:
 
 
 class _FirstKindSteps:
-    """The steps from the energies on."""
+    """The steps of the derivation from the energies on."""
 
     def __init__(self, setting: Setting, loops: Loops):
         self.s, self.loops, self.system = setting, loops, loops.system
@@ -106,14 +107,13 @@ class _FirstKindSteps:
 
     @property
     def forces(self) -> list[Trig]:
-        """Torques that the motors must give, by joint: 0 of those without motor; the load's part
-        taken off."""
+        """Torques of the motors by joint, without the load's part; 0 for joints without motor."""
         zero = self.s.symbols.zero()
         return [self.system.forces[self.s.index(i)] - self.works.get(i, zero) for i in self.s.order]
 
     # ------------------------------------------------------------ one coordinate
     def equation(self, i: int) -> list[Step]:
-        """The derivatives of L and the equation of one coordinate (5.23)."""
+        """Steps: the derivatives of L and the equation of one coordinate (5.23)."""
         s, energies = self.s, self.energies
         found = lagrange.derivatives(s, energies, i)
         friction = found.friction
@@ -147,7 +147,7 @@ class _FirstKindSteps:
 
     # ------------------------------------------------------------ all together
     def together(self) -> list[Step]:
-        """M, n and the system of both (5.25-5.27, 5.29)."""
+        """Steps: M, n and the combined system of equations (5.25-5.27, 5.29)."""
         reason = (
             "Sorted by accelerations: M is the matrix of the kinetic energy, a quadratic form of "
             "the rates, and n holds the generalized forces less all terms without accelerations. "
@@ -178,7 +178,7 @@ class _FirstKindSteps:
         return [first, both]
 
     def _by_coordinate(self) -> list[tuple[int, int]]:
-        """Pairs (coordinate, body) in the order of the coordinates."""
+        """Pairs (coordinate, body), sorted by coordinate."""
         return sorted((self.s.index(i), i) for i in self.s.order)
 
     def _named_rest(self, k: int, i: int) -> Equation:
@@ -190,7 +190,7 @@ class _FirstKindSteps:
 
     # ------------------------------------------------------------ the second kind
     def reduced(self) -> list[Step]:
-        """The equations in independent coordinates (5.24)."""
+        """Steps: the equations in independent coordinates (5.24)."""
         reduction = self.system.reduction
         if reduction is None:
             reason = (
@@ -210,8 +210,8 @@ class _FirstKindSteps:
         return [self._allowed(reduction), self._drift(reduction), self._second(reduction)]
 
     def _shared(self, r: Reduction) -> Trig | None:
-        """The denominator of all quotients, where it is one and too long to be written each
-        time."""
+        """The common denominator of all quotients, if they share one that is too long to print
+        repeatedly; None otherwise."""
         below = [
             x.below for x in (*(x for row in r.N for x in row), *r.drift) if not x.is_polynomial
         ]
@@ -251,7 +251,8 @@ class _FirstKindSteps:
         return Step("Independent coordinates", reason, tuple(lines), ("5.22",))
 
     def _entry(self, r: Reduction, k: int, j: int) -> Expression:
-        """0, 1 or a whole entry of N as it is, else K_kj (K_k with one independent coordinate)."""
+        """Printed entry of N: 0, 1 or a polynomial as it is, otherwise the name K_kj (K_k with one
+        independent coordinate)."""
         x = r.N[k][j]
         if _is_plain(x):
             return ex.Number(x.above.fraction)
@@ -298,8 +299,8 @@ class _FirstKindSteps:
         return Step("Equations of the second kind", reason, tuple(lines), ("5.24",), result=True)
 
     def _written(self, r: Reduction) -> list[Equation]:
-        """The reduced equations by entries of M, n, N and γ; the mass matrix H = NᵀM N by its
-        entries if it is one."""
+        """The reduced equations in the entries of M, n, N and γ; with several independent
+        coordinates by the entries of H = NᵀM N."""
         f = len(r.independent)
         names = [self.s.symbols.coordinates[k] + SECOND for k in r.independent]
         if f == 1:
@@ -315,7 +316,7 @@ class _FirstKindSteps:
         return lines
 
     def _quadratic(self, r: Reduction, j: int, l: int) -> Expression:
-        """Σ M_ik N_ij N_kl, equal terms together."""
+        """The expression Σ M_ik N_ij N_kl, with equal terms combined."""
         n = len(r.N)
         terms: dict[tuple[Expression, ...], int] = {}
         for i in range(n):
@@ -346,14 +347,14 @@ class _FirstKindSteps:
 
 
 def _squared(factors: tuple[Expression, ...]) -> list[Expression]:
-    """Two equal factors at the end as a power."""
+    """Factors with two equal ones at the end combined to a square."""
     if len(factors) == 3 and factors[1] == factors[2]:
         return [factors[0], ex.power(factors[1], 2)]
     return list(factors)
 
 
 def _is_plain(x: Ratio) -> bool:
-    """Whether an entry is a number."""
+    """Whether an entry is a plain number."""
     return x.is_polynomial and x.above.is_constant
 
 

@@ -1,5 +1,5 @@
-"""Newton and Euler for bodies that nothing holds, in the axes of each body (6.1, 6.2): a quadrotor,
-a satellite, a stone that is thrown.
+"""Newton's and Euler's equations of free bodies, in body axes (6.1, 6.2): a quadrotor, a satellite,
+a thrown stone.
 
 v is the velocity of the body's origin and ω its angular velocity, both by components in the body's
 own axes, where the inertia is constant. The derivative of a vector has the components ȧ + ω × a
@@ -29,7 +29,7 @@ from freebody_textbook.methods.setting import Setting
 
 
 def work_out(s: Setting, route: str) -> Worked:
-    """Derive the equations of bodies that nothing holds, body by body."""
+    """Derive the equations of motion of free bodies, body by body."""
     if route != "centre" or s.load:
         raise FreebodyError(
             "derive: f is the sum of all forces on a free body besides its weight, "
@@ -52,7 +52,7 @@ def work_out(s: Setting, route: str) -> Worked:
 
 
 def _robot(count: int) -> tuple[str, ...]:
-    """Sentences on the robot and on the axes of its vectors."""
+    """Sentences that describe the free bodies and the axes of their vectors."""
     many = "A rigid body moves" if count == 1 else f"{count} rigid bodies move"
     return (
         f"{many} freely in space, held by no joint: {PLACES * count} degrees of freedom.",
@@ -79,7 +79,8 @@ def _table(s: Setting, given: Model, bodies: list[FreeBody]) -> Iterator[Meaning
 
 
 def _vectors(bodies: list[FreeBody]) -> Iterator[Meaning]:
-    """Vectors of the bodies; of velocities also components and their derivatives."""
+    """Glossary entries of the bodies' vectors; for velocities also of components and
+    derivatives."""
     for letter, words, unit in (
         ("p", "position of the body's origin, world axes", "m"),
         ("v", "velocity of the body's origin", "m/s"),
@@ -96,7 +97,7 @@ def _vectors(bodies: list[FreeBody]) -> Iterator[Meaning]:
 
 
 def _constants(given: Model, bodies: list[FreeBody]) -> Iterator[Meaning]:
-    """Inertias, orientations, places of the centres of mass and the thrusts."""
+    """Glossary entries of inertias, rotations, centres of mass and thrusts."""
     yield Meaning(tuple(b.inertia for b in bodies), "inertia about the centre of mass", "kg m²")
     yield Meaning(tuple(b.R for b in bodies), "rotation from the body's axes to the world's", "")
     yield Meaning(tuple(x for b in bodies for x in b.q), "the same as a quaternion", "")
@@ -119,7 +120,7 @@ def _coordinates(names: Iterable[str], words: str, unit: str) -> Iterator[Meanin
 
 
 def _parameters(s: Setting, given: Model) -> Iterator[Meaning]:
-    """Parameters that occur, by what they are."""
+    """Glossary entries of the parameters that occur, by their meaning."""
     used = set(s.symbols.ring.names)
     for parameter, words, unit in _in_model(given):
         if parameter.name in used:

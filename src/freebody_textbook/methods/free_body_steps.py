@@ -1,4 +1,4 @@
-"""The steps in which the equations of one free body come about, in its own axes (6.1, 6.2)."""
+"""Steps of the derivation of one free body's equations, in body axes (6.1, 6.2)."""
 
 from __future__ import annotations
 
@@ -32,19 +32,19 @@ UNITS = {"v": "m/s", "omega": "rad/s"}
 
 
 def mark_of(model: Model, k: int) -> str:
-    """Number in the symbols of body k; "" where it is the only body."""
+    """The number of body k in symbols; "" if it is the only body."""
     return str(k + 1) if len(model.bodies) > 1 else ""
 
 
 def part_with_mass(body: Body) -> Attached:
-    """The part that is all of a whole body: beside it there may be loads of no mass."""
+    """The part with mass of a body; further parts may be payloads without mass."""
     masses = [(part, part.inertia.mass) for part in body.inertias]
     weighing = (x for x, m in masses if (m.value if isinstance(m, Parameter) else m) != 0.0)
     return next(weighing, body.inertias[0])
 
 
 def mass_symbol(model: Model, k: int) -> Symbol:
-    """The model's name for the mass of body k, else m with its mark."""
+    """The model's name for the mass of body k, otherwise m with the body's number."""
     mass = part_with_mass(model.bodies[k]).inertia.mass
     name = sym(mass.name if isinstance(mass, Parameter) else f"m{mark_of(model, k)}")
     assert isinstance(name, Symbol)
@@ -52,15 +52,15 @@ def mass_symbol(model: Model, k: int) -> Symbol:
 
 
 def thrusts_of(model: Model) -> dict[str, Frame]:
-    """The frames along whose z axes thrusts push, by the names of the thrusts: frames that are
-    mounted on bodies, the tip apart."""
+    """Frames along whose z axes thrusts act, by the thrusts' names: all frames mounted on bodies,
+    except the tip."""
     frames = [x for x in model.frames if x.mounted and x.body >= 0 and x.name != model.tip]
     return {f"T{j}": frame for j, frame in enumerate(frames, 1)}
 
 
 @dataclass(frozen=True)
 class FreeBody:
-    """Body k of a model of free bodies."""
+    """Body k of a model of free bodies, with its derivation steps."""
 
     s: Setting
     given: Model
@@ -69,12 +69,12 @@ class FreeBody:
     # ------------------------------------------------------------ names
     @cached_property
     def i(self) -> int:
-        """The body of the tree that has the mass, behind its six joints."""
+        """Index of the tree body that has the mass, after its six joints."""
         return self.s.tree.body_of[PLACES * (self.k + 1) - 1]
 
     @cached_property
     def mark(self) -> str:
-        """The body's number in symbols, or "" where it is the only body."""
+        """The body's number in symbols; "" if it is the only body."""
         return mark_of(self.given, self.k)
 
     @cached_property
@@ -98,32 +98,32 @@ class FreeBody:
 
     @property
     def m(self) -> Expression:
-        """The symbol of the body's mass: the model's name, else m."""
+        """The symbol of the body's mass: the model's name, otherwise m."""
         return mass_symbol(self.given, self.k)
 
     @property
     def mass(self) -> Quantity:
-        """The mass as the model gives it."""
+        """The mass in the model, a number or parameter."""
         return part_with_mass(self.given.bodies[self.k]).inertia.mass
 
     @property
     def inertia(self) -> Expression:
-        """The symbol of the body's inertia."""
+        """The symbol of the body's inertia tensor."""
         return sym(f"I{self.mark}")
 
     @property
     def q(self) -> tuple[Symbol, ...]:
-        """The quaternion that tells its orientation."""
+        """Symbols of the quaternion for the body's orientation."""
         return tuple(Symbol(f"q{self.mark}_{x}", "q", (self.mark + x,)) for x in ("w", *XYZ))
 
     @property
     def arm(self) -> Symbol:
-        """The way from its origin to the centre of mass."""
+        """The symbol of the vector from the body's origin to its centre of mass."""
         return Symbol(f"sc{self.mark}", "s", (f"c{self.mark}",), bold=True)
 
     @cached_property
     def is_off_centre(self) -> bool:
-        """Whether its origin is not the centre of mass."""
+        """Whether the body's origin differs from its centre of mass."""
         return self.s.column(self.s.centre(self.i)) != ex.ZERO
 
     # ------------------------------------------------------------ polynomials
@@ -133,14 +133,14 @@ class FreeBody:
 
     @cached_property
     def v(self) -> Vector:
-        """Velocity of the origin, body axes, by the rates of the coordinates: Rᵀ ṗ."""
+        """Velocity of the origin in body axes, Rᵀ ṗ, by the rates of the coordinates."""
         R, p = self.s.world[self.i]
         moving = [self.s.symbols.element(x).along(self.s.symbols.rates) for x in p]
         return self._elements(times(transposed(R), tuple(moving)))
 
     @cached_property
     def w(self) -> Vector:
-        """Angular velocity, body axes, by the rates of the angles."""
+        """Angular velocity in body axes, by the rates of the angles."""
         return self._elements(self.s.motion.w[self.i])
 
     def _elements(self, v: Vector) -> Vector:
@@ -157,7 +157,7 @@ class FreeBody:
 
     @cached_property
     def generalized(self) -> tuple[Trig, ...]:
-        """The forces along the coordinates that do the work of f and n."""
+        """The generalized forces along the coordinates that do the same work as f and n."""
         s, rates = self.s, self.s.symbols.rates
         vd, wd = (tuple(x.along(rates) for x in moving) for moving in (self.v, self.w))
         f, n = self.wrench(self.v, vd, self.w, wd)
@@ -169,7 +169,7 @@ class FreeBody:
 
     # ------------------------------------------------------------ steps
     def steps(self) -> Iterator[Step]:
-        """All steps of this body in their order."""
+        """All derivation steps of this body in order."""
         yield self.pose()
         yield self.laws()
         yield self.written_out()
@@ -205,7 +205,7 @@ class FreeBody:
         return f"θ_{name.removeprefix('theta')}"
 
     def laws(self) -> Step:
-        """Newton and Euler with vectors."""
+        """Step: Newton's and Euler's equations in vectors."""
         v, w, vd, wd = (self.vector(x, d) for d in ("", RATE) for x in UNITS)
         inertia, f, n = self.inertia, self.vector("f"), self.vector("n")
         terms = [vd, ex.cross(w, v)]
@@ -261,7 +261,7 @@ class FreeBody:
         return Step(f"The equations of motion{self._of}", reason, lines, result=True)
 
     def angles(self) -> Step:
-        """ω by the rates of the angles, and back."""
+        """Step: ω by the rates of the angles, and the rates by ω."""
         s, names = self.s, self.coordinates[3:]
         E = [[x.derivative(name + RATE) for name in names] for x in self.w]
         above, below = solved(E, [[x] for x in self.symbols_of("omega")], s.symbols)
@@ -282,7 +282,7 @@ class FreeBody:
         return Step(f"Rates of the angles{self._of}", reason, tuple(lines))
 
     def quaternion(self) -> Step:
-        """The step to the rates of the orientation as a quaternion, without angles."""
+        """Step: the rate of the orientation as a quaternion, without angles."""
         q = self.q
         a, b, c = map(sym, self.components("omega"))
         w, x, y, z = q
@@ -320,7 +320,7 @@ class FreeBody:
         return Step(f"A quaternion in place of the angles{self._of}", reason, lines)
 
     def pushed(self) -> Iterator[Step]:
-        """Thrusts along the z axes of the frames on the body."""
+        """Steps: thrusts along the z axes of the body's frames."""
         s = self.s
         own = {name: x for name, x in thrusts_of(self.given).items() if x.body == self.k}
         if not own:
@@ -352,7 +352,7 @@ class FreeBody:
         yield Step(f"Force and moment of thrusts{self._of}", reason, tuple(lines))
 
     def along_coordinates(self) -> Step:
-        """τ: the work of f and n along the coordinates."""
+        """Step: the generalized forces τ with the same work as f and n."""
         s = self.s
         n = self.vector("n")
         about = ex.add(n, ex.cross(self.arm, self.vector("f"))) if self.is_off_centre else n

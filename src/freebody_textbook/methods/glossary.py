@@ -1,5 +1,5 @@
-"""The table of symbols of a derivation: parameters by what they are in the model, then what the
-method introduces."""
+"""The table of symbols in a derivation: parameters by their meaning in the model, then the symbols
+that the method introduces."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ INERTIA, SPEED, ACCELERATION, JOULE = "kg m²", "m/s", "m/s²", "J"
 def glossary(
     s: Setting, introduced: Iterable[Meaning], forces: bool, steps: Iterable[Step]
 ) -> tuple[Meaning, ...]:
-    """Coordinates and motors, parameters, then what the method introduces and what else stands in
-    its steps; forces: whether there are any."""
+    """The glossary: coordinates and motors, parameters, the method's symbols, and other symbols in
+    the steps; forces: whether the method has any forces."""
     steps = list(steps)
     rows = [*_coordinates(s, forces), *_parameters(s, not forces), *introduced]
     rows = [*_occurring(s, rows, steps), *_further(s, rows, steps)]
@@ -42,7 +42,8 @@ def glossary(
 
 
 def _occurring(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
-    """Rows less the parameters that no equation has, where all equations are written out."""
+    """Glossary entries without parameters that occur in no equation, if all equations are printed
+    in full."""
     seen = [x for step in steps for line in step.equations for x in nodes(line)]
     used = {x.name for x in seen if isinstance(x, Symbol)} | set(s.symbols.coordinates)
     unused = set(s.symbols.model.parameters) - used
@@ -77,8 +78,8 @@ def _coordinates(s: Setting, motors: bool) -> Iterator[Meaning]:
 
 
 def _motors(s: Setting, driven: list[int], words: JointWords, absolute: bool) -> Meaning:
-    """Torques or forces of the motors of joints that are spoken of alike; absolute: along angles of
-    links."""
+    """Glossary entry of the motor torques or forces of joints of one type; absolute: they act along
+    link angles."""
     plural = "s" if len(driven) > 1 else ""
     meaning = f"{words.effort}{plural} of the motor{plural}"
     if absolute:
@@ -87,7 +88,8 @@ def _motors(s: Setting, driven: list[int], words: JointWords, absolute: bool) ->
 
 
 def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
-    """Parameters that occur; of motion alone the lengths from joint to joint and to the tip."""
+    """Glossary entries of occurring parameters; moved: only lengths from joint to joint and to the
+    tip."""
     used = set(s.symbols.ring.names)
     found: dict[tuple[str, str], dict[str, None]] = {}
     for parameter, words, unit in in_model(s, moved):
@@ -110,7 +112,7 @@ def _parameters(s: Setting, moved: bool) -> Iterator[Meaning]:
 
 
 def _further(s: Setting, rows: Iterable[Meaning], steps: Iterable[Step]) -> Iterator[Meaning]:
-    """Generic symbols of the steps that no row explains yet."""
+    """Glossary entries of general symbols in the steps that have none yet."""
     told = {(x.name, x.bold) for row in rows for x in row.symbols if isinstance(x, Symbol)}
     lines = (line for step in steps for line in step.equations)
     used = {(x.name, x.bold) for line in lines for x in nodes(line) if isinstance(x, Symbol)} - told
@@ -135,7 +137,7 @@ _ROTATION = Symbol("R_i,k", "R", ("i",), high="k")
 
 
 def in_model(s: Setting, moved: bool) -> Iterator[tuple[Parameter, str, str]]:
-    """The model's parameters, what each is and its unit; of motion alone no masses and centres."""
+    """The model's parameters with meaning and unit; moved: without masses and centres of mass."""
     for i in s.order:
         yield from _of_joint(s, i)
         if not moved:
@@ -193,7 +195,8 @@ def _of_body(s: Setting, i: int) -> Iterator[tuple[Parameter, str, str]]:
 
 
 def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
-    """Words for a parameter of an inertia; of diagonal entries the axes, unless its name tells."""
+    """Description of an inertia parameter; for diagonal entries the axis, unless its name shows
+    it."""
     if len(tensor) == 1:
         return f"moment of inertia of body {n} about its centre of mass"
     entries = ("x", "", "", "y", "", "z")
@@ -205,7 +208,7 @@ def _inertia(parameter: Parameter, tensor: Sequence[Quantity], n: int) -> str:
 
 
 def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, str]]:
-    """Lengths and angles of a constant pose."""
+    """Lengths and angles of a constant pose: parameter, description and unit."""
     for step in placement.steps:
         turn = isinstance(step, AxisRotation)
         for x in step.by if isinstance(step, Shift) else (step.angle,) if turn else ():
@@ -217,7 +220,7 @@ def placed(placement: Placement, words: str) -> Iterator[tuple[Parameter, str, s
 # ---------------------------------------------------------------- rows that several methods
 # introduce
 def vectors(s: Setting) -> Iterator[Meaning]:
-    """The vectors along the bodies, and the directions of the joints."""
+    """Glossary entries of the vectors along the bodies, and of the joints' directions."""
     if s.load or any(map(s.tree.children, s.order)):
         yield from meanings(s, "s{n}")
     yield from meanings(s, "sc{n}")
@@ -231,26 +234,26 @@ def vectors(s: Setting) -> Iterator[Meaning]:
 
 
 def joint_moments(s: Setting) -> Iterator[Meaning]:
-    """Moments in joints that are more than a motor's torque."""
+    """Glossary entries of moments in joints that are not only a motor's torque."""
     if not all(map(s.is_pin, s.order)):
         yield from meanings(s, "M{n}")
 
 
 def loop_equations(s: Setting) -> Meaning:
-    """Meaning of the symbols Φ_k."""
+    """Glossary entry of the loop equations Φ_k."""
     meaning = "a loop equation, zero where the loop is closed"
     return Meaning((sym("Phi_k"),), meaning, _loop_units(s, "m", "m²", "1"))
 
 
 def multipliers(s: Setting) -> Meaning:
-    """The unknown components of what a loop does."""
+    """Glossary entry of the multipliers, components of the loops' forces."""
     meaning = "multiplier of loop equation k: the loop's constraint force"
     return Meaning((sym("lam_k"),), meaning, _loop_units(s, "N", "N/m", "N m"))
 
 
 def _loop_units(s: Setting, point: str, rod: str, turn: str) -> str:
-    """Units of equations that hold points, a rod's distance squared and directions, where they
-    occur."""
+    """Units of the loop equations that occur: of points, of a rod's squared distance, of
+    directions."""
     closures = [loop.closure for loop in s.tree.loops]
     occurring = {
         point: any(x.point or x.slides for x in closures),

@@ -1,5 +1,4 @@
-"""Kane's equations: partial velocities, generalized active and inertia forces, which add up to
-zero.
+"""Kane's method: partial velocities, and generalized active and inertia forces whose sum is zero.
 
 T. R. Kane and D. A. Levinson, Dynamics: Theory and Applications, McGraw-Hill, 1985, sections 2.12
 (generalized speeds), 2.14 (partial velocities), 4.4 and 4.11 (generalized forces), 6.1 (the
@@ -27,7 +26,8 @@ from freebody_textbook.methods.shared_steps import geometry, joints, motion
 
 
 def work_out(setting: Setting) -> Worked:
-    """The steps, and the torques that make the generalized forces of every joint add up to zero."""
+    """Derive the equations of motion by Kane's method: each joint's generalized forces add up to
+    zero."""
     s = setting
     joints = [_JointRate(s, i) for i in s.leaders]
     steps = [_speeds(s), geometry(s), *motion(s), _inertia_forces(s)]
@@ -67,7 +67,7 @@ def _inertia_forces(s: Setting) -> Step:
 
 
 class _JointRate:
-    """The steps for the rate of the joint of body i, and their values."""
+    """The steps for the rate of body i's joint, with their values."""
 
     def __init__(self, s: Setting, i: int):
         self.s, self.i, self.number, self.speed = s, i, s.numbers[i], s.index(i) + 1
@@ -77,13 +77,12 @@ class _JointRate:
         self.turning = {k: self._partial(s.motion.w[k]) for k in s.weighted if not s.is_point(k)}
 
     def _partial(self, velocity: Iterable) -> Vector:
-        """The factors of the rate in a velocity; in space the axes of a body do not depend on
-        rates."""
+        """The coefficients of the rate in a velocity; in space body axes do not depend on rates."""
         return tuple(self.s.symbols.element(x).derivative(self.rate) for x in velocity)
 
     # ------------------------------------------------------------ partial velocities
     def partial_velocities(self) -> Step:
-        """Partial velocities that are not zero."""
+        """Step: the partial velocities that are not zero."""
         s, lines = self.s, []
         for k in s.weighted:
             if k in self.turning and _some(self.turning[k]):
@@ -116,7 +115,7 @@ class _JointRate:
 
     @property
     def _moved(self) -> str:
-        """The moving thing in words, with the comma that goes before its rate."""
+        """Phrase for what the joint moves, with the comma before its rate."""
         if self.s.is_alone(self.i):
             return f"joint {self.number} moves,"
         return f"{joints(self.s, self.i)} move, joint {self.number}"
@@ -132,7 +131,7 @@ class _JointRate:
         return ex.Symbol(f"omega{n}_{r}", "ω", (str(n), str(r)), bold=not self.s.planar)
 
     def _tip(self) -> Vector:
-        """∂ṙ_P/∂q̇_r = ∂r_P/∂q_r, with the world's components, as the load has them."""
+        """The tip's partial velocity ∂ṙ_P/∂q̇_r = ∂r_P/∂q_r in world axes, like the load."""
         s = self.s
         return tuple(
             s.symbols.element(x).derivative(s.coordinate(self.i)) for x in s.tip_position()
@@ -143,7 +142,7 @@ class _JointRate:
 
     # ------------------------------------------------------------ generalized forces
     def forces(self) -> Step:
-        """The generalized active and inertia force."""
+        """Step: the generalized active force and the generalized inertia force."""
         s = self.s
         active = ex.add(
             s.motor(self.i), *self._active_terms(), ex.neg_each(s.show(self._resisting))
@@ -193,7 +192,7 @@ class _JointRate:
         return ex.Symbol(f"F{self.speed}_star", "F", (str(self.speed),), high="*")
 
     def _active_terms(self) -> Iterator[Expression]:
-        """Terms of weights and load in the active force."""
+        """Terms of weights and load in the generalized active force."""
         s = self.s
         for k in s.weighted if s.weighs else ():
             if _some(self.centres[k]):
@@ -212,7 +211,7 @@ class _JointRate:
 
     @property
     def _resisting(self) -> Trig:
-        """The torque that friction and spring of the joint take."""
+        """Torque of friction and spring at the joint."""
         return self.s.equations.drives[self.s.index(self.i)]
 
     @property
@@ -231,7 +230,7 @@ class _JointRate:
 
     @property
     def _inertia(self) -> Trig:
-        """Generalized inertia force F*_r."""
+        """Generalized inertia force F*_r of the rate."""
         s, total = self.s, -self._rotor
         for k in s.weighted:
             total = total - dot(scale(s.mass(k), s.centre_acceleration(k)), self.centres[k])
@@ -243,7 +242,7 @@ class _JointRate:
     # ------------------------------------------------------------ the equation
     @property
     def torque(self) -> Trig:
-        """The torque or force that the motor must give."""
+        """The torque or force of the joint's motor."""
         return -self._active - self._inertia
 
     def equation(self) -> Step:
@@ -263,7 +262,7 @@ class _JointRate:
 
 
 def _some(v: Vector) -> bool:
-    """Whether a vector of the ring is not zero."""
+    """Whether a vector of polynomials is not zero."""
     return not all(x.is_zero for x in v)
 
 

@@ -30,7 +30,8 @@ _SOUGHT = (
 
 
 def work_out(setting: Setting) -> Worked:
-    """The steps; there are no torques in them. Of a closed chain: see `_of_closed_chain`."""
+    """Derive the kinematics of the tip; the result has no torques. For closed chains see
+    `_of_closed_chain`."""
     if setting.tree.loops:
         return _of_closed_chain(setting)
     work = _TipKinematics(setting)
@@ -56,8 +57,8 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
 
 
 class _TipKinematics:
-    """The steps; counted is the motion of the point, and in the plane the turning where there are
-    joints for it."""
+    """The steps of the tip's kinematics: motion of the point, and in the plane its rotation if
+    enough joints turn."""
 
     def __init__(self, setting: Setting):
         self.s = setting
@@ -67,16 +68,16 @@ class _TipKinematics:
 
     @cached_property
     def turning(self) -> bool:
-        """Whether the angle φ of the last body is counted."""
+        """Whether the angle φ of the last body is included."""
         return self.s.planar and len(self.rows) == 3
 
     def cited(self, *numbers: str) -> tuple[str, ...]:
-        """Numbers of the notes' 2R arm."""
+        """Equation numbers of the notes, if the robot is their 2R arm; otherwise none."""
         return numbers if self.s.cited == "RR" else ()
 
     # ------------------------------------------------------------ forward
     def position(self) -> Step:
-        """Sum of the vectors along the arm."""
+        """Step: the tip's position as a sum of vectors along the arm."""
         s, position = self.s, self.s.column(tuple(self.closed.position))
         told = "The frames of the bodies, followed one after the other,"
         lines = [eq(vec("r_P"), position)]
@@ -106,7 +107,7 @@ class _TipKinematics:
         ]
 
     def _path(self) -> list[int]:
-        """Bodies from the base to the tip's."""
+        """Indices of the bodies from the base to the one with the tip."""
         path = [self.s.tip]
         while self.s.tree.bodies[path[0]].parent >= 0:
             path.insert(0, self.s.tree.bodies[path[0]].parent)
@@ -117,7 +118,7 @@ class _TipKinematics:
         return eq("phi", ex.add(*angles))
 
     def velocity(self) -> Step:
-        """The derivative of the position."""
+        """Step: the tip's velocity, the derivative of its position."""
         s, velocity = self.s, self.closed.velocity
         value = s.column(tuple(velocity[: s.tree.space.dim]))
         lines = [eq(vec("r_P_d"), ex.d_dt(vec("r_P")), value)]
@@ -138,7 +139,7 @@ class _TipKinematics:
         )
 
     def jacobian(self) -> Step:
-        """Step: the Jacobian, whose entries are the factors of the rates."""
+        """Step: the Jacobian, whose entries are the coefficients of the rates."""
         s = self.s
         rates = ex.Vector(tuple(sym(s.coordinate(i) + RATE) for i in s.leaders))
         J = [[s.show_moved(self.closed.J[r][k]) for k in self._columns()] for r in self.rows]
@@ -161,7 +162,7 @@ class _TipKinematics:
         return jacobian_determinant(self.closed, self.rows)
 
     def singular(self) -> list[Step]:
-        """The step to the poses with det J = 0, if J is square."""
+        """Step: the poses with det J = 0, if J is square."""
         s = self.s
         if len(self.rows) != len(s.leaders):
             return []
@@ -208,7 +209,8 @@ class _TipKinematics:
         )
 
     def back(self) -> list[Step]:
-        """Joint velocities and accelerations for a given motion of the tip, if J has an inverse."""
+        """Step: joint velocities and accelerations for a given motion of the tip, if J is
+        invertible."""
         if len(self.rows) != len(self.s.leaders) or self._determinant.polynomial.is_zero:
             return []
         inverse = ex.power("J", -1)
@@ -234,7 +236,7 @@ class _TipKinematics:
         ]
 
     def _inverse(self) -> list[Equation]:
-        """The inverse of a 2×2 Jacobian."""
+        """Equation of the inverse of a 2×2 Jacobian."""
         if len(self.rows) != 2:
             return []
         s = self.s
@@ -247,7 +249,8 @@ class _TipKinematics:
 
 
 def _of_closed_chain(setting: Setting) -> Worked:
-    """The steps; drives and rows of the tip's motion as many as there are freedoms."""
+    """Derive the velocity relation of tip and drives in a closed chain, with as many components of
+    the tip's motion as degrees of freedom."""
     given = setting.symbols.given or setting.symbols.model
     if any(body.kind.quaternion is not None for body in given.bodies):
         raise FreebodyError(
@@ -269,7 +272,7 @@ def _symbols_of_loops(s: Setting) -> Iterator[Meaning]:
 
 
 class _TipAndDrives:
-    """J_a ẋ + J_b θ̇ = 0 and what follows."""
+    """The steps on J_a ẋ + J_b θ̇ = 0 between tip and drives."""
 
     def __init__(self, setting: Setting, loops: Loops, found: ClosedInputOutput):
         self.s, self.loops, self.io = setting, loops, found
@@ -279,7 +282,7 @@ class _TipAndDrives:
         return self.loops.is_notes_robot
 
     def between(self) -> Step:
-        """J_a and J_b (2.35, 2.37-2.40)."""
+        """Step: J_a and J_b (2.35, 2.37-2.40)."""
         x, theta = vec("v"), ex.Symbol("theta_d", "θ", dots=1, bold=True)
         lines: list[Equation] = [
             eq(x, ex.Vector(tuple(map(_component, self.io.rows)))),
@@ -328,7 +331,7 @@ class _TipAndDrives:
         return Step("The robot's Jacobian", reason, tuple(lines), ("2.36",), result=True)
 
     def singular(self) -> Step:
-        """The step to the poses in which det J_b or det J_a vanishes."""
+        """Step: the poses in which det J_b or det J_a vanishes."""
         lines = [*self._where(self.io.first, "b"), *self._where(self.io.second, "a")]
         reason = (
             "First type, det J_b = 0: the drives can move while the tip does not, and the tip "
@@ -339,7 +342,7 @@ class _TipAndDrives:
         return Step("Singular positions", reason, tuple(lines))
 
     def _partly(self) -> str:
-        """A sentence for where fewer components of the tip's motion are counted than it has."""
+        """A sentence for relations that omit some components of the tip's motion."""
         rows = self.io.rows
         if len(rows) >= self.s.tree.space.dim:
             return ""
@@ -373,8 +376,8 @@ def _j(low: str) -> Expression:
 
 
 def _inverse_position(s: Setting) -> list[Step]:
-    """Step: the inverse kinematics of the notes' arm with straight links; none for other arms,
-    which fb.inverse_kinematics solves."""
+    """Step: inverse kinematics of the notes' arm with straight links; none for other arms, for
+    which fb.inverse_kinematics serves."""
     lengths = _lengths(s)
     if lengths is None:
         return []
@@ -403,7 +406,8 @@ def _inverse_position(s: Setting) -> list[Step]:
 
 
 def _lengths(s: Setting) -> tuple[Expression, Expression] | None:
-    """l1 and l2 of two straight links on a pivot at the origin."""
+    """The lengths l1 and l2 of an arm of two straight links with its pivot at the origin; None for
+    other robots."""
     if s.cited != "RR" or s.tip != s.order[1]:
         return None
     first, second = s.order

@@ -1,5 +1,5 @@
-"""Lagrange's equations of the second kind: energies, the Lagrangian, one equation per
-coordinate (5.6-5.20, 6.15)."""
+"""Lagrange's equations of the second kind: energies, the Lagrangian, one equation per coordinate
+(5.6-5.20, 6.15)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _PAIRS = 3
 
 
 def work_out(setting: Setting) -> Worked:
-    """Derive the equations of motion by energies."""
+    """Derive the equations of motion from the energies."""
     s = setting
     energies, found = lagrangian(s)
     steps = [_coordinates(s), *found]
@@ -53,7 +53,7 @@ def work_out(setting: Setting) -> Worked:
 
 
 def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
-    """Meanings of the symbols that the energies bring in."""
+    """Meanings of the symbols that the energies introduce."""
     yield from meanings(s, "rc{n}")
     yield from meanings(s, "omega{n}", "vc{n}")
     yield Meaning(
@@ -69,7 +69,7 @@ def symbols(s: Setting, energies: Energies) -> Iterator[Meaning]:
 
 
 def lagrangian(s: Setting) -> tuple[Energies, list[Step]]:
-    """The energies, and the steps from the positions to L = T - V."""
+    """The energies, and the steps from positions to L = T - V."""
     still = tuple(0.0 for _ in s.symbols.qd)
     moving = outward(s.tree, s.symbols.q, s.symbols.qd, still)
     energies = Energies(s, moving)
@@ -165,8 +165,8 @@ def _velocities(s: Setting) -> Step:
 
 
 def _squared_speeds(s: Setting) -> list[Step]:
-    """v_ci² of each body: its components squared and added up, then shortened; none where they are
-    too long to read, or nothing moves."""
+    """Step: v_ci² of each body, squared and simplified; none if they are too long to read, or
+    nothing moves."""
     lines, mixed = [], False
     for i in s.weighted if s.planar or not s.tree.loops else ():
         value = _speed_squared(s, i)
@@ -191,14 +191,14 @@ def _squared_speeds(s: Setting) -> list[Step]:
 
 
 def _speed_squared(s: Setting, i: int) -> Expression | None:
-    """v_c² of body i; none where it is too long to read, or 0."""
+    """The squared speed v_c² of body i; None if it is too long to read, or 0."""
     v = s.centre_velocity(i)
     value = s.show_moved(dot(v, v))
     return None if value == ex.ZERO or isinstance(value, Words) else value
 
 
 def _square(s: Setting, i: int) -> Expression:
-    """v² of body i's centre of mass, in the plane by the components."""
+    """The square of the velocity of body i's centre of mass, in the plane by its components."""
     name = s.name("vc", i)
     if not s.planar or not isinstance(name, Symbol):
         return ex.power(name, 2)
@@ -206,8 +206,8 @@ def _square(s: Setting, i: int) -> Expression:
 
 
 def _spelt(s: Setting, i: int) -> Expression | None:
-    """The square of a sum of parts, products of sines and cosines left as they come; none where
-    there are no such products, or too many to read."""
+    """The squared speed as a squared sum before simplification; None if it contains no products of
+    sines and cosines, or too many terms to read."""
     parts = directed(s.layout, [s.symbols.element(x) for x in s.centre_velocity(i)])
     pairs = list(combinations(parts, 2))
     if len(pairs) > _PAIRS or not any(one.angle and other.angle for one, other in pairs):
@@ -250,7 +250,8 @@ def _kinetic(s: Setting, energies: Energies) -> Step:
 
 
 def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equation:
-    """T of a body of the plane with v² and ω² put in between, where these are sums."""
+    """The equation of a planar body's T, with v² and ω² inserted as a middle side if they are
+    sums."""
     v, w = _speed_squared(s, i), s.angular(energies.moving.w[i])
     many = isinstance(v, ex.Sum) and len(v.terms) > _FEW
     if not s.planar or v is None or many or not any(isinstance(x, ex.Sum) for x in (v, w)):
@@ -261,7 +262,7 @@ def _with_squares(s: Setting, i: int, energies: Energies, line: Equation) -> Equ
 
 
 def _potential(s: Setting, energies: Energies) -> Step:
-    """Step: the potential energy of weights, and of springs where there are any."""
+    """Step: the potential energy of weights, and of springs if there are any."""
     lines = [eq("V0", s.show(energies.resting))] if energies.has_resting else []
     for i in s.weighted if s.weighs else ():
         n = s.numbers[i]
@@ -317,7 +318,7 @@ def _lagrangian(s: Setting, energies: Energies) -> Step:
 
 @dataclass(frozen=True)
 class LagrangianDerivatives:
-    """The derivatives of L by one coordinate."""
+    """The derivatives of the Lagrangian by one coordinate and its rate."""
 
     step: Step
     needed: Trig
@@ -328,7 +329,7 @@ class LagrangianDerivatives:
 
 
 def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives:
-    """The three derivatives of L by one coordinate, and what they add up to."""
+    """The three derivatives of the Lagrangian in one coordinate's equation, and their sum."""
     x, L = s.coordinate(i), energies.lagrangian
     by_rate, by_position = L.derivative(x + RATE), L.derivative(x)
     moved = by_rate.along(s.symbols.rates)
@@ -354,7 +355,7 @@ def derivatives(s: Setting, energies: Energies, i: int) -> LagrangianDerivatives
 
 
 def _equation(s: Setting, i: int, found: LagrangianDerivatives, work: Trig) -> tuple[Step, Trig]:
-    """The equation of one coordinate; work: what the load adds to its force."""
+    """The equation of one coordinate; work: the load's generalized force."""
     torque, x, friction = found.needed - work, s.coordinate(i), found.friction
     slope, d_position = ex.partial("L", x + RATE), ex.partial("L", x)
     force = s.motor(i) if not s.load else sym(f"Q{s.index(i) + 1}")
@@ -384,7 +385,7 @@ def _equation(s: Setting, i: int, found: LagrangianDerivatives, work: Trig) -> t
 
 
 def _marked(closed: Step, sources: Sequence[TermSources]) -> Step:
-    """The closed form, whose first lines are the torques, with their terms marked."""
+    """The closed form's step with the terms of its torque equations marked by their origin."""
     lines = [
         Equation((*line.sides[:-1], one.marked(line.rhs)))
         for line, one in zip(closed.equations, sources, strict=False)

@@ -1,5 +1,4 @@
-"""Vectors of mechanics as a book writes them: by masses, the lengths that move, and directions that
-turn.
+"""Vectors of mechanics in textbook form: by masses, lengths that move, and rotating directions.
 
 A velocity, acceleration or force is -l₁ (θ̈₁ sin θ₁ + θ̇₁² cos θ₁) - lc₂ (…): terms are grouped by
 mass, then by the length that moves, then by its direction; squares of sums of rates stay together.
@@ -39,7 +38,7 @@ _UNITS = tuple(ex.num(sign, decimal) for sign in (1, -1) for decimal in (False, 
 
 
 def by_lengths(layout: Layout, x: Trig) -> Expression:
-    """A polynomial in the layout described above."""
+    """A polynomial printed by masses, lengths and directions."""
     groups = layout.by_inertia(raw(x))
     return ex.add(*(_times_mass(layout, name, terms) for name, terms in groups.items()))
 
@@ -57,7 +56,7 @@ def _times_mass(layout: Layout, name: str, terms: TrigTerms) -> Expression:
 
 
 def _by_length(layout: Layout, terms: TrigTerms) -> list[tuple[Poly, Inner]]:
-    """(lengths, motion): lengths that move alike are added up."""
+    """Terms grouped as (lengths, motion): lengths with the same motion are added."""
     inner: defaultdict[SymbolPowers, Inner] = defaultdict(dict)
     for (monomial, wave), coefficient in terms.items():
         still = tuple((n, e) for n, e in monomial if n not in layout.order.moving)
@@ -75,13 +74,13 @@ def _by_length(layout: Layout, terms: TrigTerms) -> list[tuple[Poly, Inner]]:
 
 
 def _rank(layout: Layout, key: tuple[SymbolPowers, TrigProduct]) -> tuple:
-    """Accelerations before products of velocities, then by direction."""
+    """Sort key: accelerations before products of velocities, then by direction."""
     rates, wave = key
     return layout.rate_rank(rates), product_rank(wave, layout.order.angles)
 
 
 def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
-    """lengths · Σ rates · direction."""
+    """Printed product lengths · Σ rates · direction."""
     directions: defaultdict[TrigProduct, Poly] = defaultdict(dict)
     for rates, wave in sorted(inner, key=lambda key: _rank(layout, key)):
         directions[wave][rates] = inner[rates, wave]
@@ -100,8 +99,8 @@ def _moved(layout: Layout, lengths: Poly, inner: Inner) -> Expression:
 
 @dataclass(frozen=True)
 class Directed:
-    """along · (cos φ, sin φ) + across · (-sin φ, cos φ); angle: φ as multiples of coordinates, ()
-    of the x axis."""
+    """A planar vector along · (cos φ, sin φ) + across · (-sin φ, cos φ); angle: φ as multiples of
+    coordinates, () for the x axis."""
 
     angle: SymbolPowers
     along: Trig
@@ -109,12 +108,12 @@ class Directed:
 
     @property
     def square(self) -> Trig:
-        """The square of its length."""
+        """The squared length of the vector."""
         return self.along * self.along + self.across * self.across
 
 
 def directed(layout: Layout, vector: Sequence[Trig]) -> list[Directed]:
-    """The parts of a vector by their angles, inner ones first; none where it does not consist of
+    """The parts of a planar vector by their angles, inner ones first; empty if it is not a sum of
     such parts."""
     symbols, angles = layout.symbols, layout.order.angles
     parts: defaultdict[SymbolPowers, list[dict[str, Trig]]] = defaultdict(lambda: [{}, {}])
@@ -137,7 +136,7 @@ def directed(layout: Layout, vector: Sequence[Trig]) -> list[Directed]:
 
 
 def _turned(angle: SymbolPowers, xc: Trig, xs: Trig, yc: Trig, ys: Trig) -> Directed | None:
-    """The part whose components are xc cos φ + xs sin φ and yc cos φ + ys sin φ."""
+    """The directed part with components xc cos φ + xs sin φ and yc cos φ + ys sin φ."""
     if not angle or (xc == ys and xs == -yc):
         return Directed(angle, xc, yc)
     if xc == -ys and xs == yc:  # it turns the other way
@@ -146,7 +145,7 @@ def _turned(angle: SymbolPowers, xc: Trig, xs: Trig, yc: Trig, ys: Trig) -> Dire
 
 
 def _both(one: Directed, other: Directed, names: tuple[str, str]) -> Expression:
-    """A product of functions of the two angles, such as cos φ₁ sin φ₂."""
+    """A product of functions of two vectors' angles, such as cos φ₁ sin φ₂."""
     return ex.mul(*(_wave(f, x.angle) for f, x in zip(names, (one, other), strict=True)))
 
 
@@ -157,10 +156,10 @@ def _wave(name: str, angle: SymbolPowers) -> Expression:
 
 
 def cosine(one: Directed, other: Directed) -> Expression:
-    """cos φ₁ cos φ₂ + sin φ₁ sin φ₂, which is cos(φ₂ - φ₁)."""
+    """The expression cos φ₁ cos φ₂ + sin φ₁ sin φ₂, which equals cos(φ₂ - φ₁)."""
     return ex.add(_both(one, other, ("cos", "cos")), _both(one, other, ("sin", "sin")))
 
 
 def sine(one: Directed, other: Directed) -> Expression:
-    """cos φ₁ sin φ₂ - sin φ₁ cos φ₂, which is sin(φ₂ - φ₁)."""
+    """The expression cos φ₁ sin φ₂ - sin φ₁ cos φ₂, which equals sin(φ₂ - φ₁)."""
     return ex.sub(_both(one, other, ("cos", "sin")), _both(one, other, ("sin", "cos")))

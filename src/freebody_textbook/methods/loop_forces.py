@@ -1,5 +1,4 @@
-"""Forces of the loops of a closed chain on its free bodies, and how they are found from the joints
-that have no motor."""
+"""Forces of a closed chain's loops on its free bodies, determined from the joints without motor."""
 
 from __future__ import annotations
 
@@ -26,7 +25,7 @@ FEW = 4
 
 
 class LoopReactions(SolvedReactions):
-    """Reactions with the loops' wrenches on the bodies."""
+    """Joint reactions of a closed chain, with the loops' wrenches acting on the bodies."""
 
     def __init__(self, setting: Setting, loops: Loops):
         self.loads = loop_constraints.loop_loads(
@@ -42,8 +41,7 @@ class LoopReactions(SolvedReactions):
 
 
 def needs_of(reactions: SolvedReactions, loops: Loops) -> LoopStatics:
-    """The torque that every joint needs, linear in the loops' forces, and which joints have no
-    motor."""
+    """Torques that the joints need, linear in the loops' forces, and the joints without motor."""
     s = reactions.s
     needed = {s.index(i): reactions.motor(i) for i in s.order}
     passive = tuple(s.index(i) for i in s.order if not s.driven(i))
@@ -51,18 +49,18 @@ def needs_of(reactions: SolvedReactions, loops: Loops) -> LoopStatics:
 
 
 class LoopForces:
-    """The forces in the loops, by name and as they act on the bodies."""
+    """The forces in the loops, their names, and their action on the bodies."""
 
     def __init__(self, setting: Setting, loops: Loops):
         self.s, self.loops = setting, loops
 
     @property
     def unknowns(self) -> list[Symbol]:
-        """Symbols λ_k of the multipliers, one a loop equation."""
+        """Symbols λ_k of the multipliers, one per loop equation."""
         return [entry("lam", k) for k in range(1, len(self.loops.equations.names) + 1)]
 
     def step(self, more: str = "") -> Step:
-        """The step that puts forces in the place of each loop."""
+        """Step: forces that replace the cut loops."""
         lines = [line for loop in self.s.tree.loops for line in self.loops.force_lines(loop)]
         held = "; ".join(self.loops.holds(loop) for loop in self.s.tree.loops)
         rods = any(loop.closure.distance for loop in self.s.tree.loops)
@@ -82,25 +80,26 @@ class LoopForces:
         return Step(title, reason, tuple(lines))
 
     def system(self, needs: LoopStatics) -> list[Equation]:
-        """A λ = k of the joints without motor."""
+        """The equations A λ = k of the joints without motor."""
         lines = [eq(ex.mul("A", "lam"), "k"), *self.loops.matrix(sym("A"), needs.A)]
         return [*lines, *(eq(entry("k", j), self.s.show(x)) for j, x in enumerate(needs.right, 1))]
 
     # ------------------------------------------------------------ on one body
     def on(self, i: int) -> list[tuple[Expression, Expression]]:
-        """The forces on body i, each with the way from its joint to where it acts."""
+        """The loops' forces on body i, each with the vector from its joint to the point of
+        action."""
         return [
             (self._signed(self.loops.force_name(loop), loop, i), self.arm(i, frame))
             for loop, frame in self._ends(i)
         ]
 
     def moments_on(self, i: int) -> list[Expression]:
-        """The moments on body i of loops that transmit any."""
+        """The moments of loops on body i, if they transmit any."""
         moments = [(self.loops.moment_name(loop), loop) for loop, _ in self._ends(i)]
         return [self._signed(name, loop, i) for name, loop in moments if name != ex.ZERO]
 
     def in_words(self, i: int) -> list[str]:
-        """The loops' forces on body i, in words."""
+        """Phrases for the loops' forces on body i."""
         found = []
         for loop, frame in self._ends(i):
             acting = [self.loops.force_name(loop), self.loops.moment_name(loop)]
@@ -114,8 +113,8 @@ class LoopForces:
         return x if self.loops.acts(loop, i) else ex.neg(x)
 
     def _ends(self, i: int) -> list[tuple[TreeLoop, str]]:
-        """Loops that act on body i, and the frame at which: its own, or of a slide that of the
-        second body, where the wrench is counted on both."""
+        """Loops that act on body i, each with the frame at which it acts: the body's own, for
+        sliding loops that of the second body."""
         return [
             (loop, loop.frames[1] if loop.closure.slides else frame)
             for loop in self.s.tree.loops
@@ -125,8 +124,7 @@ class LoopForces:
 
     # ------------------------------------------------------------ where they act
     def arm(self, i: int, frame: str) -> Expression:
-        """The way from joint i to a frame where a loop acts: 0 where it is the joint's own
-        place."""
+        """The vector from joint i to a frame at which a loop acts; 0 if it is at the joint."""
         if all(self.s.symbols.element(x).is_zero for x in self._way(i, frame)):
             return ex.ZERO
         if self._is_only_end(i, frame):
@@ -134,8 +132,8 @@ class LoopForces:
         return self.s.naming.to_point(self.s.numbers[i], frame)
 
     def _is_only_end(self, i: int, frame: str) -> bool:
-        """Whether loops and load act on body i at one point, and no further joint: s_i leads
-        there."""
+        """Whether the loops and the load act on body i at a single point and it has no further
+        joint, so that s_i leads to this point."""
         ends = [f for _, f in self._ends(i)]
         ends += [self.s.symbols.model.frame().name] if self.s.loaded(i) else []
         places = [tuple(map(self.s.symbols.element, self._way(i, f))) for f in ends]
@@ -150,12 +148,13 @@ class LoopForces:
         return sub(place, self.s.world[i][1])
 
     def ways(self, i: int) -> list[tuple[Expression, Vector]]:
-        """The ways on body i to where loops act, by name."""
+        """Vectors on body i from its joint to the points where loops act, with names."""
         ways = [(self.arm(i, frame), self._way(i, frame)) for _, frame in self._ends(i)]
         return [(arm, way) for arm, way in ways if arm != ex.ZERO]
 
     def geometry(self, rotations: bool = False) -> Step:
-        """The vectors, those to the loops' frames included; as `geometry`."""
+        """Step: the vectors along the bodies as in `geometry`, including those to the loops'
+        frames."""
         step = geometry(self.s, rotations, inertias=not self.s.at_rest)
         lines: list[Equation] = list(step.equations)
         for i in self.s.order:
@@ -168,7 +167,7 @@ class LoopForces:
 
 
 def without_links(s: Setting, step: Step) -> Step:
-    """A step without the lines of bodies that stand for nothing."""
+    """A step without the equations of massless connecting bodies."""
     skipped = set()
     for i in s.links:
         dotted = [(letter, dots) for letter in ("omega", "v") for dots in ("", "_d")]
@@ -178,7 +177,7 @@ def without_links(s: Setting, step: Step) -> Step:
 
 
 def _in_words(x: Expression) -> str:
-    """A loop's force as sentences write it: f_3,2 or -f_3,2."""
+    """Text of a loop's force in sentences: f_3,2 or -f_3,2."""
     name = x.operand if isinstance(x, ex.Negative) else x
     assert isinstance(name, Symbol)
     return f"{'-' * (name is not x)}{name.letter}_{','.join(name.low)}{name.high}"

@@ -1,5 +1,5 @@
-"""A recursion told module by module: what a line needs of the lines before stands there by name, so
-that it holds the numbers and the coordinate of one joint and of no other.
+"""Recursion in modular form: each line uses the names of earlier results, so that it contains the
+numbers and coordinate of only one joint.
 
 The recursion is run over polynomials in the components of its own vectors: each vector, once
 computed, is kept, and what follows from it is given names for its components.
@@ -46,7 +46,7 @@ AXES = "xyz"
 
 @dataclass(frozen=True)
 class _NamedLayout(Layout):
-    """The printed layout of polynomials with components of vectors in them."""
+    """The layout for printing polynomials whose symbols include components of vectors."""
 
     names: tuple[tuple[str, Symbol], ...] = ()
 
@@ -55,19 +55,19 @@ class _NamedLayout(Layout):
         return dict(self.names)
 
     def symbol(self, name: str) -> Expression:
-        """A component as the lines of its vector have it; any other generator as ever."""
+        """Symbol of a vector component as in the lines of the vector; other generators as usual."""
         return self._symbol_of.get(name) or super().symbol(name)
 
     @cached_property
     def _waves(self) -> dict[str, Expression]:
-        """The sines and cosines, by their generators."""
+        """The sines and cosines by their generators."""
         ring = self.symbols.ring
         made = (f(sym(x)) for x in ring.angles for f in (ex.sin, ex.cos))
         return dict(zip(ring.index, made, strict=False))
 
     def form(self, x: Trig) -> Expression:
-        """Sums of components and rates, with the numbers of the joint before each; what a sine or a
-        cosine turns in brackets before it."""
+        """A polynomial printed as sums of components and rates with the joint's numbers in front;
+        factors of a sine or cosine in brackets before it."""
         by_wave: dict[tuple, dict[tuple, Poly]] = {}
         for powers, coefficient in x.terms():
             wave = tuple((n, e) for n, e in powers.items() if n in self._waves)
@@ -78,8 +78,8 @@ class _NamedLayout(Layout):
         return ex.add(*(self._turned(w, by_wave[w]) for w in sorted(by_wave, key=self._late)))
 
     def _late(self, wave: tuple) -> tuple:
-        """The rank of a product of sines and cosines: what has none first, then cosines before
-        sines."""
+        """Sort key of a product of sines and cosines: those with fewer factors first, cosines
+        before sines."""
         return len(wave), [list(self._waves).index(n) ^ 1 for n, _ in wave]  # cosines first
 
     def _turned(self, wave: tuple, parts: dict[tuple, Poly]) -> Expression:
@@ -93,7 +93,7 @@ class _NamedLayout(Layout):
         return ex.mul(self.order.number(size), total, *waves)
 
     def _moved(self, coefficient: Poly, moving: tuple, size: Fraction) -> Expression:
-        """coefficient / size · moving."""
+        """Printed product coefficient / size · moving."""
         front = self._plain({m: c / size for m, c in coefficient.items()})
         if moving and starts_with_minus(front):
             return ex.neg(ex.mul(ex.neg_each(front), *self._monomial(moving)))
@@ -101,11 +101,12 @@ class _NamedLayout(Layout):
 
 
 class ModularSetting(Setting):
-    """A setting in space whose recursion is modular: its vectors hold the components of others."""
+    """A derivation's setting for spatial robots in modular form: vectors are expressed in
+    components of others."""
 
     @classmethod
     def of(cls, s: Setting) -> Self:
-        """The setting of a robot with components of vectors as symbols."""
+        """The setting of a robot extended by symbols of vector components."""
         given, count = s.symbols.given or s.symbols.model, len(s.symbols.model.bodies)
         names = (
             generator(quantity, n, axis)
@@ -120,12 +121,12 @@ class ModularSetting(Setting):
 
     @classmethod
     def more_names(cls, count: int) -> Iterable[str]:
-        """Further generators, of a robot of so many bodies."""
+        """Names of further ring generators, for a robot with `count` bodies."""
         return ()
 
     @cached_property
     def components(self) -> dict[str, Symbol]:
-        """The symbols of components, by the names of their generators."""
+        """Symbols of the vector components, by generator name."""
         return {
             generator(quantity, self.numbers[i], axis): component(self.vector(quantity, i), axis)
             for quantity, i in self.vectors()
@@ -133,7 +134,7 @@ class ModularSetting(Setting):
         }
 
     def vectors(self) -> Iterator[tuple[str, int]]:
-        """The vectors whose components have names, each with its body."""
+        """The vectors whose components have names, with their body."""
         yield from itertools.product((*_LETTERS, *_BETWEEN), self.order)
 
     def vector(self, quantity: str, i: int) -> Symbol:
@@ -150,11 +151,11 @@ class ModularSetting(Setting):
 
     @property
     def layout(self) -> Layout:
-        """The printed layout of polynomials, components by their symbols."""
+        """The layout for printing polynomials, with components by their symbols."""
         return self._layout
 
     def show_moved(self, x: Scalar) -> Expression:
-        """A component, as any other polynomial."""
+        """Printed component of a vector, like any other polynomial."""
         return self.show(x)
 
     # ------------------------------------------------------------ the recursion
@@ -162,8 +163,8 @@ class ModularSetting(Setting):
         return self.symbols.ring[generator(quantity, self.numbers[i], axis)]
 
     def named(self, quantity: str, i: int, value: Vector) -> Vector:
-        """A vector by the names of its components, but those that are zero or a rate or a parameter
-        themselves."""
+        """A vector with its components replaced by names, except those that are zero, a rate or a
+        parameter."""
         return tuple(
             x if self._is_plain(x) else self._component(quantity, i, axis)
             for axis, x in zip(AXES, value, strict=True)
@@ -188,7 +189,7 @@ class ModularSetting(Setting):
         return {}
 
     def _run(self, gravity: str) -> tuple[Recursion, BodyMotions]:
-        """Recursion run once: (every vector as it comes about, the motion by names)."""
+        """The recursion run once: (computed vectors, vectors replaced by names)."""
         if gravity not in self._runs:
             values: dict[tuple[str, int], Vector] = {}
 
@@ -213,7 +214,7 @@ class ModularSetting(Setting):
         return self._runs[gravity]
 
     def recursion(self, gravity: str) -> Recursion:
-        """The recursion of a robot, each of its vectors over the components of those before it."""
+        """The recursion of a robot, each vector expressed in the components of earlier ones."""
         return self._run(gravity)[0]
 
     def field_name(self, i: int) -> Expression:
@@ -221,24 +222,25 @@ class ModularSetting(Setting):
         return self.vector("field", i)
 
     def gravity(self, i: int) -> Vector:
-        """Components of gravity in the axes of body i, by those in the axes of the body before."""
+        """Components of gravity in the axes of body i, expressed in those in the preceding body's
+        axes."""
         self._run("explicit")
         return self._fields[i]
 
     @cached_property
     def motion(self) -> BodyMotions:
-        """The motion of the recursion, its vectors by name."""
+        """The motion in the recursion, with vectors replaced by names."""
         return self._run("base")[1]
 
 
 def generator(quantity: str, n: int, axis: str) -> str:
-    """A name in the ring that no parameter has."""
+    """A generator name for a vector component, different from all parameters."""
     return f"{quantity}.{n}.{axis}"
 
 
 def last_step(steps: Iterable[Step], full: str) -> Step:
-    """The step that says that the lines are the equations together; full: the length of the closed
-    form in words."""
+    """Step: the statement that the lines together are the equations; full: phrase for the length of
+    the closed form."""
     lines = [line for step in steps for line in step.equations]
     total = Counter[str]()
     for line in lines:

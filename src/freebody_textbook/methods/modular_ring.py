@@ -1,5 +1,5 @@
-"""A chain in space whose last body a loop holds to the ground, told line by line: the recursion,
-with what the loop does turned from the ground to the axes of that body."""
+"""A spatial chain whose last body is connected to the ground by a loop, derived line by line: the
+recursion, with the loop's force transformed from the ground's axes to those of that body."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _OF_LOOP = ("loop.f", "loop.n")
 
 
 def is_ring(s: Setting, forces: Iterable[Trig]) -> bool:
-    """Whether a robot is one serial chain closed by a loop from its last body to the ground, and
-    its equations are too long to read."""
+    """Whether a robot is a serial chain closed by a single loop from its last body to the ground,
+    with equations too long to read."""
     if s.planar or s.load or len(s.tree.loops) != 1:
         return False
     ends = Loops(s).ends(s.tree.loops[0])
@@ -41,7 +41,7 @@ def is_ring(s: Setting, forces: Iterable[Trig]) -> bool:
 
 
 class RingSetting(ModularSetting):
-    """The chain; the loop acts on its last body."""
+    """A derivation's setting for the serial chain; the loop acts on its last body."""
 
     @classmethod
     def more_names(cls, count: int) -> Iterator[str]:
@@ -50,12 +50,12 @@ class RingSetting(ModularSetting):
 
     @cached_property
     def loops(self) -> Loops:
-        """The loop as the other methods describe loops."""
+        """The loop, as the other methods describe loops."""
         return Loops(self)
 
     def vector(self, quantity: str, i: int) -> Symbol:
-        """The symbol of a force or moment; of the loop f_{0,n}, or n_{0,n}; with the number of a
-        body above it in that body's axes."""
+        """Symbol of the loop's force f_{0,n} or moment n_{0,n}; a body number above means that
+        body's axes."""
         if quantity not in _OF_LOOP:
             return super().vector(quantity, i)
         (loop,), force = self.tree.loops, quantity == _OF_LOOP[0]
@@ -70,13 +70,13 @@ class RingSetting(ModularSetting):
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The force, and the moment if the loop transmits any."""
+        """Names of the force, and of the moment if the loop transmits one."""
         return _OF_LOOP if self.tree.loops[0].closure.turns else _OF_LOOP[:1]
 
     @cached_property
     def carried(self) -> dict[str, list[Vector]]:
-        """The force and the moment, in axes of the ground and of each body, by those in the axes
-        before."""
+        """The loop's force and moment in the axes of the ground and of each body, expressed in
+        those in the preceding axes."""
         poses, found = joint_poses(self.tree, self.symbols.q), {}
         wrench = self.loops.wrench(self.tree.loops[0])
         for quantity, value in zip(self.quantities, wrench, strict=False):
@@ -88,7 +88,7 @@ class RingSetting(ModularSetting):
         return found
 
     def tip_load(self) -> tuple[External, ...]:
-        """The loop's force and moment on the last body."""
+        """The loop's force and moment acting on the last body."""
         (loop,), last, space = self.tree.loops, self.order[-1], self.tree.space
         acting = [self.named(x, last, self.carried[x][-1]) for x in self.quantities]
         force, moment = (*acting, space.zero_angular)[:2]
@@ -97,7 +97,7 @@ class RingSetting(ModularSetting):
 
 
 class _RingInward(Inward):
-    """The inward sweep, with the loop on the last body."""
+    """The inward sweep of the recursion, with the loop acting on the last body."""
 
     s: RingSetting
 
@@ -121,7 +121,7 @@ class _RingInward(Inward):
 
 
 def steps(s: Setting) -> list[Step]:
-    """All steps of a ring, from the equations in general to the torques."""
+    """All steps of a ring's derivation, from the general equations to the torques."""
     shown = RingSetting.of(s)
     record: Recursion = shown.recursion("base")
     outward = recursive.Outward(shown, record, True, False)
@@ -156,7 +156,7 @@ def _general(s: RingSetting) -> Step:
 
 
 def _turned(s: RingSetting) -> Step:
-    """Step: quantities turned from the ground's axes through all bodies to the last."""
+    """Step: quantities transformed from the ground's axes through all bodies to the last."""
     lines = []
     for quantity in s.quantities:
         for k, i in enumerate(s.order):
@@ -174,7 +174,7 @@ def _turned(s: RingSetting) -> Step:
 
 
 def symbols(s: Setting) -> Iterator[Meaning]:
-    """Meanings of the symbols that steps of a ring bring in."""
+    """Meanings of the symbols that the derivation of a ring introduces."""
     yield from recursive.symbols(s)
     n = str(s.numbers[s.order[-1]])
     for letter, what, unit in (("f", "force", NEWTON), ("n", "moment", MOMENT)):
@@ -184,7 +184,8 @@ def symbols(s: Setting) -> Iterator[Meaning]:
 
 
 def without_lengths(step: Step, what: str) -> Step:
-    """The step without lines that only tell how long they are; what: what they would hold."""
+    """A step without the lines that only state their length; what: phrase for what they would
+    contain."""
     long = [x for x in step.equations if any(isinstance(node, Words) for node in nodes(x))]
     names = [f"{x.lhs.letter}_{x.lhs.low[0]}" for x in long if isinstance(x.lhs, Symbol)]
     if not names:

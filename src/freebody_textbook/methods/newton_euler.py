@@ -1,5 +1,5 @@
-"""Newton and Euler body by body: free-body diagrams, unknown reactions, elimination, closed form
-(3.5-3.15).
+"""Newton's and Euler's equations body by body: free-body diagrams, unknown reactions, elimination,
+closed form (3.5-3.15).
 
 n_{i,k} is the moment of body i on body k at joint k. A revolute joint's motor is the moment about
 its axis (in the plane the whole moment), a prismatic one's the force along its axis; the other
@@ -38,9 +38,9 @@ from freebody_textbook.methods.whole_bodies import are_free
 
 
 def work_out(setting: Setting, route: str) -> Worked:
-    """The steps; route: moments of each body about its centre of mass, or of what hangs on a joint
-    about its pivot. Of bodies that nothing holds: see `free_bodies`; of closed chains: see
-    `_of_closed_chain`."""
+    """Derive the equations of motion by Newton and Euler. route: moments of each body about its
+    centre of mass, or of all bodies beyond a joint about its pivot. For free bodies see
+    `free_bodies`, for closed chains `_of_closed_chain`."""
     if are_free(setting.symbols.given or setting.symbols.model):
         return free_bodies.work_out(setting, route)
     if setting.tree.loops:
@@ -85,7 +85,7 @@ def _symbols(s: Setting, route: str) -> Iterator[Meaning]:
 
 
 def _of_closed_chain(s: Setting, route: str) -> Worked:
-    """The steps; planar chains only."""
+    """Derive the equations of a planar closed chain by Newton and Euler."""
     if route != "centre":
         raise FreebodyError(
             "derive: moments about pivots are written out for open chains, where a joint carries "
@@ -122,16 +122,16 @@ def _symbols_of_loops(s: Setting) -> Iterator[Meaning]:
 
 
 class _LoopedBodies(FreeBodies):
-    """The free bodies with the forces of the loops on them."""
+    """The free bodies of a closed chain, with the forces of the loops on them."""
 
     def join(self, loops: Loops) -> None:
-        """Take over the loops, with the forces that they exert on the bodies."""
+        """Include the loops and the forces that they exert on the bodies."""
         self.loops, self.loop_forces = loops, LoopForces(self.s, loops)
         self.system = needs_of(self.reactions, loops)
 
     # ------------------------------------------------------------ the bodies
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """The load, and the loops' forces."""
+        """External forces on body i: the load and the loops' forces, each with its lever arm."""
         return [*super().outer(i), *self.loop_forces.on(i)]
 
     def turned(self, i: int) -> list[Expression]:
@@ -139,11 +139,11 @@ class _LoopedBodies(FreeBodies):
         return self.loop_forces.moments_on(i)
 
     def further_forces(self, i: int) -> list[str]:
-        """The loops' forces in words."""
+        """Phrases for the loops' forces on body i."""
         return self.loop_forces.in_words(i)
 
     def left_over(self, i: int) -> str:
-        """The loop's force, of a body that carries the end of a loop."""
+        """Phrase for the loop's force as a remaining unknown, for a body with the end of a loop."""
         carried = [i]
         for k in carried:
             carried += self.s.tree.children(k)
@@ -151,14 +151,14 @@ class _LoopedBodies(FreeBodies):
         return f"nothing unknown{f' but forces in {self.loops.named}' if looped else ''}"
 
     def loops_cut(self) -> Step:
-        """The step that cuts the loops and puts forces in their place."""
+        """Step: cutting the loops and replacing them by forces."""
         return self.loop_forces.step(
             " λ_k is the multiplier of loop equation k, so that Lagrange's equations of the first "
             "kind have the same unknowns."
         )
 
     def count(self, bodies: list[int]) -> Step:
-        """The step that counts equations and unknowns."""
+        """Step: counting equations and unknowns."""
         s, loops = self.s, self.loops.named
         n, m = len(bodies), len(self.loop_forces.unknowns)
         free = [f"body {s.numbers[i]}" for i in bodies if not s.is_held(i)]
@@ -184,7 +184,7 @@ class _LoopedBodies(FreeBodies):
         return Step("Equations and unknowns", reason)
 
     def freed(self, i: int) -> Step:
-        """The equations of a body that no joint holds."""
+        """Step: the equations of a body without a joint."""
         s, n, k = self.s, self.s.numbers[i], i
         joints = [i]
         while s.tree.bodies[k].parent in s.links:
@@ -199,7 +199,7 @@ class _LoopedBodies(FreeBodies):
 
     # ------------------------------------------------------------ the unknowns
     def unknowns(self) -> list[Step]:
-        """A λ = k from the joints without motor."""
+        """Steps: the equations A λ = k from the joints without motor."""
         s = self.s
         free = [i for i in s.order if not s.driven(i)]
         if not free:
@@ -218,7 +218,7 @@ class _LoopedBodies(FreeBodies):
         return [Step(title, f"{reason}{more}{unlisted}", (*lines, *found))]
 
     def _solved(self) -> tuple[str, list[Equation]]:
-        """λ by the entries of k, where that is short."""
+        """The multipliers λ in the entries of k, if they are short."""
         system, symbols = self.system, self.s.symbols
         unknown = self.loop_forces.unknowns
         if len(system.passive) != len(unknown):
@@ -263,15 +263,15 @@ class _LoopedBodies(FreeBodies):
 
 
 def _about_pivots(s: Setting, drives: Mapping[int, Trig]) -> list[Step]:
-    """Steps with one equation a joint, from the base outward; drives: what each joint's friction
-    and the like takes."""
+    """Steps with one moment equation per joint, from the base outward; drives: torque of each
+    joint's friction and springs."""
     if s.cited == "R":
         return [_fixed_axis(s, s.show(drives[s.order[0]]))]
     return [_carried(s, i, drives) for i in s.order]
 
 
 def _arms_of_pivots(s: Setting) -> Iterator[Meaning]:
-    """The symbols that moments about pivots bring in."""
+    """Glossary entries of the symbols for moments about pivots."""
     if s.cited == "R":
         yield Meaning((sym("I_A"),), "moment of inertia about the pivot", INERTIA)
     elif any(s.turns(i) and s.tree.children(i) for i in s.order):
@@ -280,7 +280,7 @@ def _arms_of_pivots(s: Setting) -> Iterator[Meaning]:
 
 
 def _fixed_axis(s: Setting, drive: Expression) -> Step:
-    """A single body on a fixed pivot: its moment of inertia about it."""
+    """Step: a single body on a fixed pivot, with its moment of inertia about the pivot."""
     (i,) = s.order
     centre = s.centre_name(i)
     moments: list[Expression] = [s.motor(i), ex.neg_each(drive)]
@@ -340,7 +340,7 @@ def _carried(s: Setting, i: int, drives: Mapping[int, Trig]) -> Step:
 
 
 def _arms(s: Setting, i: int) -> list[Equation]:
-    """Equations of the arms from pivot i to the centres of mass beyond the next joint."""
+    """Equations of the lever arms from pivot i to the centres of mass beyond the next joint."""
     if not s.turns(i):
         return []
     lines = [eq(_arm(s, i, k), _way(s, i, k, s.centre_name(k))) for k in _subtree(s, i) if k != i]
@@ -362,7 +362,7 @@ def _tip_arm(s: Setting, i: int) -> Expression:
 
 
 def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:
-    """Sum of the vectors from joint i to a point of body k."""
+    """The sum of vectors from joint i to a point of body k."""
     path = [last]
     while k != i:
         parent = s.tree.bodies[k].parent
@@ -372,7 +372,7 @@ def _way(s: Setting, i: int, k: int, last: Expression) -> Expression:
 
 
 def _balance(s: Setting, i: int) -> Expression:
-    """Σ over all that hangs on joint i."""
+    """Sum over all bodies beyond joint i of inertia and weight terms in the moment about it."""
     moments, forces = [], []
     for k in _subtree(s, i):
         moments += [s.spin_terms(k), ex.cross(_arm(s, i, k), s.needed(k))]

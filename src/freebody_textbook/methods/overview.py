@@ -1,5 +1,5 @@
-"""The text before the first step, the robot in words, what is sought and a table of the symbols;
-and legs that are alike, told once."""
+"""The text before a derivation's first step: the robot in words, the goal and a table of symbols;
+and omission of repeated legs."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _Renaming = Mapping[str, str]
 
 
 def overview(s: Setting, method: Method, worked: Worked) -> tuple[str, tuple[Meaning, ...]]:
-    """(what is given and sought, a line for each paragraph; symbols)."""
+    """(paragraphs on what is given and what is sought, symbols)."""
     forces = method.finds_torques
     gravity = _gravity(s) if forces else []
     axes = _axes(s) if forces or s.planar else ["Vectors have components in the world's axes."]
@@ -69,7 +69,7 @@ def _arm(s: Setting) -> str:
 
 
 def _rows(s: Setting) -> str:
-    """A sentence on which bodies the joints join, by rows of bodies one after the other."""
+    """A sentence on which bodies the joints connect, by serial chains."""
     rows: dict[int, list[list[int]]] = {}
     row: list[int] = []
     for i in s.order:
@@ -91,7 +91,7 @@ def _rows(s: Setting) -> str:
 
 
 def _kinds(s: Setting) -> str:
-    """A sentence on the kinds of the joints, and which have no motor."""
+    """A sentence on the joint types, and which joints have no motor."""
     by_words: dict[tuple[str, str], list[int]] = {}
     for i in s.leaders:
         by_words.setdefault((s.words(i).joint, s.words(i).coordinate), []).append(i)
@@ -119,7 +119,7 @@ def _kinds(s: Setting) -> str:
 
 
 def _joints(numbers: list[int]) -> str:
-    """Numbers of joints in words: joints 1 to 3 and 5."""
+    """Phrase for joint numbers: joints 1 to 3 and 5."""
     rows: list[list[int]] = []
     for n in numbers:
         if rows and rows[-1][-1] == n - 1:
@@ -149,13 +149,13 @@ def _joint(s: Setting, i: int) -> str:
 
 
 def _follows(s: Setting, i: int) -> str:
-    """The coordinate of a joint by that of another, and which that is."""
+    """Phrase for the coordinate of a joint that follows another, with the formula."""
     leader = s.naming.leader(s.numbers[i])
     return f"{s.words(i).coordinate} {_coordinate(s, i)}, follows joint {leader}"
 
 
 def _coupled(s: Setting, forces: bool) -> list[str]:
-    """Sentences on joints that follow others; forces: whether there are any."""
+    """Sentences on joints that follow others; forces: whether the method has forces."""
     what, told = "the rate" if s.at_rest else "the rate and the acceleration", []
     for i in s.coupled:
         every = "both" if len(s.together(i)) == 2 else "all of them"
@@ -175,7 +175,8 @@ def _coupled(s: Setting, forces: bool) -> list[str]:
 
 
 def _coordinate(s: Setting, i: int) -> str:
-    """θ_1 or d_1, or the slide's own name; of a joint that follows another by its leader's."""
+    """Text of a joint's coordinate, θ_1, d_1 or the slide's own name; of a following joint by its
+    leader's."""
     name, at = s.coordinate(i), s.tree.bodies[i].coordinates
     found = re.fullmatch(r"(theta|d)(\d+)", name)
     name = f"{'θ' if found[1] == 'theta' else 'd'}_{found[2]}" if found else name
@@ -185,7 +186,7 @@ def _coordinate(s: Setting, i: int) -> str:
 
 
 def _composed(s: Setting) -> list[str]:
-    """Sentences on the joints that were taken apart."""
+    """Sentences on joints that were replaced by several single ones."""
     told, n = [], 0
     given = s.symbols.given
     for body in given.bodies if given else ():
@@ -254,7 +255,7 @@ def _axes(s: Setting) -> list[str]:
 
 
 def _angles(s: Setting) -> list[str]:
-    """A sentence on where the angles of a planar robot begin."""
+    """A sentence on the directions from which a planar robot's angles are measured."""
     turning = [i for i in s.order if s.turns(i)]
     if not turning:
         return []
@@ -274,7 +275,7 @@ def _angles(s: Setting) -> list[str]:
 
 
 def _begins_along(s: Setting, i: int) -> bool:
-    """Whether body i lies along the link before, or the x axis, where its angle is 0."""
+    """Whether body i lies along the preceding link, or the x axis, when its angle is 0."""
     tree = s.tree
     turned = tree.bodies[i].R[0] != (1.0, 0.0)
     along = [tree.bodies[k].p for k in tree.children(i)]
@@ -283,7 +284,7 @@ def _begins_along(s: Setting, i: int) -> bool:
 
 
 def _numbers(s: Setting) -> list[str]:
-    """The units of numbers, where masses have values in place of names."""
+    """A sentence on the units of numbers, if masses are values instead of symbols."""
     parts = (part for body in s.symbols.model.bodies for part in body.inertias)
     valued = any(not list(each_parameter(part.inertia.mass)) for part in parts)
     return ["Numbers without a unit are in SI units."] if valued else []
@@ -314,8 +315,8 @@ def _sought(s: Setting) -> str:
 
 # ---------------------------------------------------------------- legs that are alike
 def without_repeated_legs(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ...]:
-    """The steps without the lines of further legs that are those of the first leg under other
-    names; steps of which none is left are dropped."""
+    """The steps without lines that repeat the first leg's lines under the names of other legs;
+    empty steps are dropped."""
     first, *others = _legs(s)
     if len(others) < _FEW_LEGS:
         return steps
@@ -347,7 +348,7 @@ def without_repeated_legs(s: Setting, steps: tuple[Step, ...]) -> tuple[Step, ..
 
 
 def _legs(s: Setting) -> list[list[int]]:
-    """The most chains of bodies from the ground that have the same joints in a row."""
+    """The largest set of chains from the ground with the same sequence of joints."""
     groups: dict[tuple[tuple[bool, bool], ...], list[list[int]]] = {(): [[]]}
     for root in s.tree.children(-1):
         leg = [root]
@@ -360,7 +361,7 @@ def _legs(s: Setting) -> list[list[int]]:
 
 
 def _renaming(s: Setting, first: list[int], leg: list[int]) -> _Renaming:
-    """Names of coordinates and their rates of one leg, from those of the first."""
+    """Names of coordinates and rates of one leg, by those of the first leg."""
     return {
         s.coordinate(a) + dots: s.coordinate(b) + dots
         for a, b in zip(first, leg, strict=True)
@@ -375,7 +376,8 @@ def _names(line: Expression) -> Iterator[str]:
 def _model_of(
     line: Expression, model: Iterable[tuple[int, Expression]], renamings: Iterable[_Renaming]
 ) -> int | None:
-    """The step of the first leg's line that a line is under the names of its own leg."""
+    """The step of the first leg's line that equals a given line up to the names of its leg; None if
+    there is none."""
     own = set(_names(line))
     for names in renamings:
         if own & set(names.values()):
@@ -386,7 +388,7 @@ def _model_of(
 
 
 def _same(a: Any, b: Any, there: dict[str, str], back: dict[str, str]) -> bool:
-    """Whether two trees are equal but for names, each of which stands for one other."""
+    """Whether two expression trees are equal up to a one-to-one renaming."""
     if isinstance(a, Symbol) and isinstance(b, Symbol):
         look = [(x.letter, x.dots, x.high, x.bold) for x in (a, b)]
         given = there.setdefault(a.name, b.name) == b.name

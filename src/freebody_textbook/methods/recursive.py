@@ -1,5 +1,5 @@
-"""The recursive method: outward for motion, inward for forces, every line written out (4.6-4.15;
-6.16-6.29)."""
+"""The recursive Newton-Euler method: outward for motion, inward for forces, with every line written
+out (4.6-4.15; 6.16-6.29)."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ GRAVITIES = ("base", "explicit")
 
 
 def work_out(setting: Setting, gravity: str, values: str) -> Worked:
-    """The steps; gravity: as acceleration -g of the base, or as each body's weight; values: in full
-    as long as they can be read, or modular."""
+    """Derive the equations by the recursive method. gravity: as the base's acceleration -g, or as
+    each body's weight; values: in full if readable, or modular."""
     base = gravity == "base" or not setting.weighs
     record = setting.recursion(gravity)
     tau = tuple(setting.symbols.element(record.tau[setting.index(i)]) for i in setting.leaders)
@@ -42,13 +42,13 @@ def work_out(setting: Setting, gravity: str, values: str) -> Worked:
 
 
 def is_readable(setting: Setting, tau: Iterable[Trig]) -> bool:
-    """Whether all torques are written out, not told by their length."""
+    """Whether all torques are short enough to be written out."""
     return not any(isinstance(setting.show(x), Words) for x in tau)
 
 
 def modular_steps(setting: Setting, gravity: str) -> list[Step]:
-    """The recursion with each line by those before; in the plane, where all vectors have the
-    world's components, the rules alone."""
+    """Steps of the recursion with each line in terms of earlier ones; in the plane, where all
+    vectors have world components, only the rules."""
     base = gravity == "base" or not setting.weighs
     shown = setting if setting.planar else ModularSetting.of(setting)
     steps = _steps(shown, shown.recursion(gravity), base, rules=setting.planar)
@@ -69,7 +69,7 @@ def _steps(s: Setting, record: Recursion, base: bool, rules: bool = False) -> li
 
 
 def symbols(s: Setting) -> Iterator[Meaning]:
-    """Meanings of the symbols that the recursion brings in."""
+    """Meanings of the symbols that the recursion introduces."""
     yield from glossary.vectors(s)
     yield from meanings(s, "omega{n}", "vc{n}", "v{n}")
     if s.planar:
@@ -92,7 +92,7 @@ _BY_RULES = (
 
 
 class Outward:
-    """Velocities and accelerations, the values taken from the recursion's record."""
+    """Steps of the outward sweep: velocities and accelerations, with values from the recursion."""
 
     def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
         self.s = setting
@@ -131,7 +131,7 @@ class Outward:
         )
 
     def step(self, i: int) -> Step:
-        """Velocities and accelerations of one body."""
+        """Step: velocities and accelerations of one body."""
         s, n, parent = self.s, self.s.numbers[i], self.s.tree.bodies[i].parent
         before = "the base" if parent < 0 else f"body {s.numbers[parent]}"
         own = " and the ".join(
@@ -148,7 +148,7 @@ class Outward:
         return Step(f"Outward: body {n}", f"{reason}.", lines, tuple(dict.fromkeys(cited)))
 
     def _field(self, i: int) -> list[Equation]:
-        """The line of gravity in the axes of the body, of a modular recursion with weights."""
+        """The equation of gravity in body axes, for a modular recursion with weights."""
         s = self.s
         name, parent = s.field_name(i), s.tree.bodies[i].parent
         if self.base or name == vec("g"):
@@ -178,18 +178,18 @@ class Outward:
         return rows
 
     def _swing(self, i: int) -> Expression:
-        """Term ω × θ̇ z: the joint's own turning is carried around."""
+        """The term ω × θ̇ z of the angular acceleration: the joint's rotation is itself rotated."""
         s = self.s
         before = self._carried(s.angular_name("omega", s.tree.bodies[i].parent), i)
         return ex.cross(before, ex.mul(self._rate(i), s.name("z", i)))
 
     def _rate(self, i: int, dots: str = "") -> Expression:
-        """The rate of joint i, or its acceleration."""
+        """The rate of joint i, or its acceleration, along the axis."""
         s = self.s.symbols
         return self.s.show(self.s.rate(i, s.qdd if dots else s.qd))
 
     def _carried(self, x: Expression, i: int) -> Expression:
-        """A vector of the body before, in the axes of body i."""
+        """A vector of the preceding body converted to the axes of body i."""
         s = self.s
         return x if s.planar else ex.mul(s.rotation_name(s.tree.bodies[i].parent, i), x)
 
@@ -212,7 +212,7 @@ class Outward:
         return rows if self.velocities else rows[1:]
 
     def _slid(self, i: int, dots: str) -> list[Expression]:
-        """The term that a slide adds: its rate, or its acceleration and Coriolis' term."""
+        """Terms of a sliding joint: its rate; or its acceleration and the Coriolis term."""
         s = self.s
         rates = self._rate(i), self._rate(i, "_d")
         speed, change = (ex.mul(s.advance(i), x, s.axis_name(i)) for x in rates)
@@ -223,7 +223,7 @@ class Outward:
         return [change, ex.mul(2, ex.cross(self._omega(i, ""), speed))]
 
     def _omega(self, i: int, dots: str) -> Expression:
-        """ω of a body as a vector: ω z in the plane."""
+        """Angular velocity or acceleration of a body as a vector, ω z in the plane."""
         s = self.s
         name = s.angular_name("omega", i, dots)
         return ex.mul(name, vec("z")) if s.planar else name
@@ -251,8 +251,8 @@ _SPATIAL = {
 
 
 class Inward:
-    """The steps, their values taken from the recursion's record; base: gravity is in the
-    accelerations; rules: no values are shown."""
+    """Steps of the inward sweep, with values from the recursion; base: gravity is part of the
+    accelerations; rules: values are omitted."""
 
     def __init__(self, setting: Setting, record: Recursion, base: bool, rules: bool):
         self.s = setting
@@ -261,7 +261,7 @@ class Inward:
         self.rules = rules
 
     def step(self, i: int) -> Step:
-        """Forces and moments on one body, and its motor."""
+        """Step: forces and moments on one body, and its motor."""
         s, n = self.s, self.s.numbers[i]
         return Step(
             f"Inward: body {n}",
@@ -294,8 +294,8 @@ class Inward:
         return f"{needed} come through joint {n}, which has no motor to give {part}.{letters}"
 
     def _unborne(self, i: int) -> str:
-        """A clause on a planar slide that bears no other moment than that of a child without motor,
-        which is 0."""
+        """A clause on a planar slide that bears no moment except that of a child without motor,
+        which is 0; "" otherwise."""
         s = self.s
         if not s.planar or s.is_pin(i):
             return ""
@@ -311,7 +311,7 @@ class Inward:
         return ""
 
     def _is_first(self, i: int) -> bool:
-        """Whether a planar arm's steps inward begin with body i."""
+        """Whether the inward sweep of a planar arm starts with body i."""
         return self.s.planar and i == self.s.order[-1]
 
     def _inertia(self, i: int) -> list[Equation]:
@@ -327,7 +327,8 @@ class Inward:
         ]
 
     def _carried(self, i: int) -> list[Equation]:
-        """f and the moment at the joint, and the torque where that is not the moment itself."""
+        """Equations of f and the moment at the joint, and of the torque unless it is that
+        moment."""
         s, rules = self.s, self.rules
         force, value = self._force(i), s.column(s.axes(i, self.record.f[i]))
         f = worked(
@@ -346,15 +347,14 @@ class Inward:
         return [f, held, worked(s.motor(i), self._motor(i), torque, rules)]
 
     def shared(self) -> list[Step]:
-        """The motors that move several joints."""
+        """Steps: the motors that move several joints."""
         s, tau = self.s, self.record.tau
         drives = {i: drive_part(s, i) for i in s.coupled}
         values = {i: tau[s.index(i)] for i in drives}
         return shared_motors(s, drives, None if self.rules else values)
 
     def _needed(self, i: int) -> Expression:
-        """The inertia force, with the weight taken off where gravity is explicit; 0 of a body
-        without mass."""
+        """The inertia force, minus the weight if gravity is explicit; 0 for a body without mass."""
         s = self.s
         if i not in s.weighted:
             return ex.ZERO
@@ -362,7 +362,7 @@ class Inward:
         return force if self.base else ex.sub(force, s.mass_times(i, s.field_name(i)))
 
     def _outer(self, i: int, x: Expression, k: int) -> Expression:
-        """A vector of child k in the axes of body i."""
+        """A vector of child k converted to the axes of body i."""
         return x if self.s.planar else ex.mul(self.s.rotation_name(k, i), x)
 
     def _force(self, i: int) -> Expression:
@@ -376,7 +376,7 @@ class Inward:
         return ex.add(*parts)
 
     def _load(self, i: int) -> Expression:
-        """f, in space turned from the world's axes."""
+        """The load f on the tip, in space converted from world axes to body axes."""
         return vec("f") if self.s.planar else ex.mul(self.s.rotation_name(-1, i), vec("f"))
 
     def _moment(self, i: int) -> Expression:
@@ -398,8 +398,8 @@ class Inward:
 
 
 def worked(name: Expression, rule: Expression, value: Expression, rules: bool) -> Equation:
-    """name = rule = value; a rule that adds up to nothing is left out, and a value where rules
-    suffice."""
+    """The equation name = rule = value; the rule is omitted if it is 0, the value if only rules are
+    shown."""
     if rules:
         return ex.chain(name, rule)
     return ex.chain(name, value) if rule == ex.ZERO else ex.chain(name, rule, value)

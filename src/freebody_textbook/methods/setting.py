@@ -1,5 +1,5 @@
-"""One model, ready to be derived: its bodies by number, how they move, and how all of this is
-called and shown.
+"""A model prepared for derivation: its bodies by number, their motion, and how everything is named
+and printed.
 
 In the plane vectors have world components, as in chapters 1 to 5 of the notes; in space those of
 the body's own frame, as in chapter 6.
@@ -48,8 +48,8 @@ length."""
 
 @dataclass(frozen=True)
 class Setting:
-    """A model over the ring of polynomials; load: names of the components of the force on the tip,
-    or none."""
+    """A model over the ring of polynomials, prepared for derivation; load: names of the components
+    of the force on the tip, empty without one."""
 
     symbols: Symbols
     load: tuple[str, ...] = ()
@@ -61,12 +61,12 @@ class Setting:
     # ------------------------------------------------------------ the model
     @property
     def tree(self) -> Tree:
-        """The model in numbers over the ring."""
+        """The model as a tree over the ring."""
         return self.symbols.tree
 
     @property
     def planar(self) -> bool:
-        """Whether the model is in the plane."""
+        """Whether the model is planar."""
         return self.tree.space.dim == 2
 
     @cached_property
@@ -77,23 +77,23 @@ class Setting:
     # ------------------------------------------------------------ joints
     @cached_property
     def numbers(self) -> dict[int, int]:
-        """Number of each body of the tree, as the model's order counts from 1; the base (-1) is
-        0."""
+        """The printed number of each tree body, counted from 1 in the model's order; 0 for the base
+        (-1)."""
         return {-1: 0} | {k: i + 1 for i, k in enumerate(self.tree.body_of)}
 
     @cached_property
     def order(self) -> tuple[int, ...]:
-        """Bodies of the tree by their number."""
+        """Tree bodies sorted by their number."""
         return tuple(sorted(range(len(self.tree.bodies)), key=lambda k: self.numbers[k]))
 
     @cached_property
     def links(self) -> frozenset[int]:
-        """Bodies without mass of a closed chain, between joints in a row that hold nothing: a
-        platform on legs is moved by these, not borne."""
+        """Massless bodies of a closed chain between consecutive free joints: a platform moves with
+        its legs instead of being carried by them."""
         return frozenset(links_of(self.symbols) if self.tree.loops else ())
 
     def is_held(self, i: int) -> bool:
-        """Whether joint i holds its body in any direction."""
+        """Whether joint i constrains its body in any direction."""
         return self.tree.bodies[i].parent not in self.links
 
     def turns(self, i: int) -> bool:
@@ -101,7 +101,7 @@ class Setting:
         return self.tree.bodies[i].primitive.turns
 
     def slides(self, i: int) -> bool:
-        """Whether joint i takes its body along its axis."""
+        """Whether joint i moves its body along its axis."""
         return self.tree.bodies[i].primitive.slides
 
     def words(self, i: int) -> JointWords:
@@ -110,7 +110,7 @@ class Setting:
 
     @cached_property
     def cited(self) -> str:
-        """ "R" or "RR" where the model is an arm that the notes derive in these angles, else ""."""
+        """The notes' arm "R" or "RR" if the model is this arm in the same angles, otherwise ""."""
         if self.symbols.turned or any(self.symbols.quarters):
             return ""
         if self.tree.loops or len(self.leaders) < len(self.order):
@@ -131,7 +131,7 @@ class Setting:
         return self.symbols.coordinates[self.index(i)]
 
     def index(self, i: int) -> int:
-        """Place of that coordinate among all."""
+        """Index of that coordinate among all."""
         return self.tree.bodies[i].coordinates.v[0]
 
     def driven(self, i: int) -> bool:
@@ -140,7 +140,7 @@ class Setting:
 
     @cached_property
     def leaders(self) -> tuple[int, ...]:
-        """Bodies whose joints have a coordinate of their own, by their number."""
+        """Bodies whose joints have their own coordinate, sorted by number."""
         return tuple(i for i in self.order if not self.follows(i))
 
     def follows(self, i: int) -> bool:
@@ -148,7 +148,7 @@ class Setting:
         return self.naming.follows(self.numbers[i])
 
     def together(self, i: int) -> tuple[int, ...]:
-        """Body i and those whose joints follow its."""
+        """Body i and the bodies whose joints follow its joint."""
         return (i, *(k for k in self.order if self.follows(k) and self.index(k) == self.index(i)))
 
     def is_alone(self, i: int) -> bool:
@@ -161,15 +161,15 @@ class Setting:
         return tuple(i for i in self.leaders if not self.is_alone(i))
 
     def ratio(self, i: int) -> float:
-        """The ratio of the motion of body i's joint to its coordinate's."""
+        """The ratio of joint i's motion to its coordinate."""
         return self.tree.bodies[i].coordinates.ratio
 
     def rate(self, i: int, rates: Vector) -> Scalar:
-        """The rate of body i's joint, or its acceleration, of those of the coordinates."""
+        """The rate (or acceleration) of body i's joint, from those of the coordinates."""
         return self.tree.bodies[i].rates(rates)[0]
 
     def rotor_part(self, i: int) -> Trig:
-        """Inertia of the rotors at joint i and those that follow it, times their accelerations."""
+        """The rotor inertia at joint i and at joints that follow it, times their accelerations."""
         total = self.symbols.zero()
         for k in self.together(i):
             drive = self.tree.bodies[k].drive
@@ -179,7 +179,7 @@ class Setting:
 
     # ------------------------------------------------------------ masses
     def _mass(self, i: int) -> Mass:
-        """Mass, centre and inertia of body i; one without mass is a point of none."""
+        """Mass, centre of mass and inertia of body i; zeros for a body without mass."""
         masses = self.tree.bodies[i].masses
         assert len(masses) < 2, "its parts are made one by symbols_of_bodies"
         return masses[0] if masses else Mass(0.0, self.tree.space.zero, self._nothing())
@@ -197,11 +197,11 @@ class Setting:
 
     @cached_property
     def weighted(self) -> tuple[int, ...]:
-        """Bodies with mass, by their number."""
+        """Bodies with mass, sorted by number."""
         return tuple(i for i in self.order if self.tree.bodies[i].masses)
 
     def is_point(self, i: int) -> bool:
-        """Whether all of body i's mass is in its centre: it has no moment of inertia."""
+        """Whether body i is a point mass, without moment of inertia."""
         inertia = self.inertia(i)
         entries = (inertia,) if self.planar else (x for row in inertia for x in row)
         return all(isinstance(x, float) and x == 0.0 for x in entries)
@@ -214,7 +214,7 @@ class Setting:
     # ------------------------------------------------------------ the tip
     @property
     def load_components(self) -> Vector:
-        """The load on the tip as it is given, in the world's axes."""
+        """The load on the tip in world axes, as given."""
         return tuple(self.symbols.ring[name] for name in self.load)
 
     @cached_property
@@ -244,15 +244,15 @@ class Setting:
 
     # ------------------------------------------------------------ how values are shown
     def show(self, x: Scalar) -> Expression:
-        """A scalar sorted by accelerations and rates, or told by its length."""
+        """Printed scalar sorted by accelerations and rates, or its length if it is too long."""
         return self._short(x, self.layout.form)
 
     def show_moved(self, x: Scalar) -> Expression:
-        """A component of a velocity, acceleration or force, sorted by lengths."""
+        """Printed component of a velocity, acceleration or force, sorted by lengths."""
         return self._short(x, lambda element: by_lengths(self.layout, element))
 
     def with_value(self, left: str, rule: Expression, x: Scalar) -> Equation:
-        """left = rule = value; left = rule where nobody could read the value."""
+        """The equation left = rule = value, without the value if it is too long to read."""
         value = self.show(x)
         return ex.eq(left, rule) if isinstance(value, Words) else ex.eq(left, rule, value)
 
@@ -265,12 +265,12 @@ class Setting:
         return ex.words(f"({len(element)} terms)")
 
     def column(self, v: Vector) -> Expression:
-        """A vector written out; 0 where all of it vanishes."""
+        """Printed column vector; 0 if all entries vanish."""
         entries = tuple(self.show_moved(x) for x in v)
         return ex.ZERO if all(x == ex.ZERO for x in entries) else ex.Vector(entries)
 
     def angular(self, v: Vector) -> Expression:
-        """An angular vector: a scalar in the plane."""
+        """Printed angular vector: a scalar in the plane."""
         return self.show(v[0]) if self.planar else self.column(v)
 
     # ------------------------------------------------------------ names
@@ -284,73 +284,74 @@ class Setting:
         return sym(name) if self.planar else vec(name)
 
     def force_name(self, i: int, k: int) -> Expression:
-        """f_{i,k}: by body i on body k."""
+        """Symbol f_{i,k} of the force by body i on body k."""
         return self.naming.force(self.numbers[i], self.numbers[k])
 
     def moment_name(self, i: int, k: int) -> Expression:
-        """n_{i,k}: moment by body i on body k."""
+        """Symbol n_{i,k} of the moment by body i on body k."""
         return self.naming.moment(self.numbers[i], self.numbers[k])
 
     def joint_moment(self, i: int) -> Expression:
-        """The moment of the parent on body i: n, but in a turning joint of the plane the motor's
-        τ_i or 0."""
+        """Symbol of the parent's moment on body i: n, but for a turning joint in the plane the
+        motor's τ_i or 0."""
         return self.naming.joint_moment(self.numbers[i])
 
     def is_pin(self, i: int) -> bool:
-        """Whether joint i turns in the plane and transmits no moment besides its motor's, if it has
-        one."""
+        """Whether joint i turns in the plane, so that it transmits no moment except its motor's."""
         moment = self.joint_moment(i)
         return moment in (ex.ZERO, self.naming.torque(self.numbers[i]))
 
     def centre_name(self, i: int) -> Expression:
-        """s_ci from joint i to the centre of mass of body i; 0 of a body without mass, whose
-        moments are taken about its joint."""
+        """Symbol s_ci of the vector from joint i to the centre of mass of body i; 0 for a massless
+        body, whose moments are taken about its joint."""
         return self.name("sc", i) if i in self.weighted else ex.ZERO
 
     def reach_name(self, i: int, k: int) -> Expression:
-        """s_i from joint i to that of its child k, or s_{i,k} where body i carries several."""
+        """Symbol of the vector from joint i to the joint of child k: s_i, or s_{i,k} if body i has
+        several children."""
         return self.naming.reach(self.numbers[i], self.numbers[k])
 
     def tip_name(self) -> Expression:
-        """s of the body that carries the tip, from its joint to the tip."""
+        """Symbol s of the vector from the joint of the tip's body to the tip."""
         return self.naming.to_tip(self.numbers[self.tip])
 
     def axis_name(self, i: int) -> Expression:
-        """z_i, which joint i turns about, or u_i, along which it slides."""
+        """Symbol of joint i's axis: z_i if it turns, u_i if it slides."""
         return self.naming.axis(self.numbers[i])
 
     def rotation_name(self, source: int, target: int) -> ex.Symbol:
-        """R^target_source, which takes components from the axes of one body to those of another."""
+        """Symbol R^target_source of the matrix that converts components from one body's axes to
+        another's."""
         a, b = self.numbers[source], self.numbers[target]
         return ex.Symbol(f"R{a}_{b}", "R", (str(a),), high=str(b))
 
     def motor(self, i: int) -> Expression:
-        """τ_i of the motor; 0 of a passive joint."""
+        """Symbol τ_i of the motor's torque; 0 for a passive joint."""
         return self.naming.motor(self.numbers[i])
 
     def mass_name(self, i: int) -> Expression:
-        """The model's name for the mass of body i, else m_i."""
+        """Symbol of the mass of body i: the model's name, otherwise m_i."""
         return self.naming.mass(self.numbers[i])
 
     def inertia_name(self, i: int) -> Expression:
-        """The model's name for the moment of inertia of body i in the plane, else I_i."""
+        """Symbol of the moment of inertia of body i in the plane: the model's name, otherwise
+        I_i."""
         return self.naming.inertia(self.numbers[i])
 
     def field_name(self, i: int) -> Expression:
-        """Gravity as it acts on body i."""
+        """Symbol of gravity acting on body i."""
         return vec("g")
 
     # ------------------------------------------------------------ terms of equations
     def position(self, i: int) -> Expression:
-        """The displacement of body i's joint: its coordinate, or of one that follows another ratio
-        times that and the offset."""
+        """Printed displacement of body i's joint: its coordinate, or for a following joint ratio
+        times coordinate plus offset."""
         at = self.tree.bodies[i].coordinates
         turned = ex.mul(self.show(at.ratio), sym(self.coordinate(i)))
         return ex.add(turned, self.show(at.offset))
 
     def advance(self, i: int) -> Expression:
-        """The distance that joint i takes its body along its axis for each unit of its
-        coordinate."""
+        """Printed distance along the axis per unit of joint i's coordinate."""
         return self.show(self.tree.bodies[i].primitive.advance)
 
     def along(
@@ -360,7 +361,7 @@ class Setting:
         force: Expression,
         product: Callable[[Expression, Expression], Expression] = ex.dot,
     ) -> Expression:
-        """The part of a moment and a force at joint i that does work along its coordinate."""
+        """The component of a moment and a force at joint i that does work along its coordinate."""
         axis, terms = self.axis_name(i), []
         if self.turns(i):
             terms.append(moment if self.planar else product(axis, moment))
@@ -369,17 +370,17 @@ class Setting:
         return ex.add(*terms)
 
     def mass_times(self, i: int, x: Expression) -> Expression:
-        """m_i x; 0 of a body without mass."""
+        """Printed product m_i x; 0 for a body without mass."""
         return ex.mul(self.mass_name(i), x) if i in self.weighted else ex.ZERO
 
     def needed(self, i: int) -> Expression:
-        """m (v̇_c - g) of body i: what all other forces on it must add up to."""
+        """Printed m (v̇_c - g) of body i, the sum of all forces on it except weight."""
         acceleration = self.name("vc", i, "_d")
         return self.mass_times(i, ex.sub(acceleration, vec("g")) if self.weighs else acceleration)
 
     def spin_terms(self, i: int) -> Expression:
-        """I ω̇ (+ ω × I ω in space): what the moments about a body's centre of mass add up to; 0 of
-        a point mass."""
+        """Printed I ω̇ (in space + ω × I ω), the sum of the moments about a body's centre of mass;
+        0 for a point mass."""
         if self.is_point(i):
             return ex.ZERO
         inertia = self.inertia_name(i)
@@ -392,7 +393,7 @@ class Setting:
     # ------------------------------------------------------------ motion
     @cached_property
     def motion(self) -> BodyMotions:
-        """Velocities and accelerations of every body, base at rest, body axes."""
+        """Velocities and accelerations of all bodies in body axes, with the base at rest."""
         return outward(self.tree, self.symbols.q, *self._rates)
 
     @property
@@ -402,11 +403,11 @@ class Setting:
         return (still, still) if self.at_rest else (self.symbols.qd, self.symbols.qdd)
 
     def recursion(self, gravity: str) -> Recursion:
-        """Intermediates of the Newton-Euler recursion; gravity: "base" or "explicit"."""
+        """Intermediate results of the Newton-Euler recursion; gravity: "base" or "explicit"."""
         return rnea(self.tree, self.symbols.q, *self._rates, self.tip_load(), gravity)
 
     def tip_load(self) -> tuple[External, ...]:
-        """The load in the axes of the tip's body, as the recursion takes it."""
+        """The load in the axes of the tip's body, as external force for the recursion."""
         if not self.load:
             return ()
         body, _, p = self.tip_frame
@@ -421,16 +422,16 @@ class Setting:
 
     # ------------------------------------------------------------ vectors
     def axes(self, i: int, v: Vector) -> Vector:
-        """Components of a vector of body i as they are shown: the world's in the plane, the body's
-        in space."""
+        """Components of a vector of body i in the printed axes: the world's in the plane, the
+        body's in space."""
         return times(self.world[i][0], v) if self.planar else v
 
     def axis(self, i: int) -> Vector:
-        """Direction of joint i, in the axes that are shown."""
+        """Direction of joint i, in the printed axes."""
         return self.axes(i, self.tree.bodies[i].axis)
 
     def centre(self, i: int) -> Vector:
-        """Joint origin to the centre of mass of body i."""
+        """Vector from the joint origin of body i to its centre of mass."""
         return self.axes(i, self._mass(i).c)
 
     def centre_velocity(self, i: int) -> Vector:
@@ -443,12 +444,12 @@ class Setting:
         return self.axes(i, add(self.motion.vd[i], times(self.motion.rates[i], self._mass(i).c)))
 
     def centre_position(self, i: int) -> Vector:
-        """Centre of mass of body i in the world."""
+        """World position of the centre of mass of body i."""
         R, p = self.world[i]
         return add(p, times(R, self._mass(i).c))
 
     def to_child(self, i: int, k: int) -> Vector:
-        """Joint origin of body i to that of its child k."""
+        """Vector from the joint origin of body i to that of its child k."""
         if self.planar:
             return sub(self.world[k][1], self.world[i][1])
         return self.motion.joints[k][1]
@@ -459,11 +460,11 @@ class Setting:
         return has_tip and not self.tree.children(i) and self.tip == i
 
     def to_tip(self, i: int) -> Vector:
-        """Joint origin of body i to the tip, which is fixed to it."""
+        """Vector from the joint origin of body i to the tip on it."""
         return self.axes(i, self.tip_frame[2])
 
     def gravity(self, i: int) -> Vector:
-        """The gravity field in the axes of body i."""
+        """Gravity in the axes of body i."""
         return (
             self.tree.gravity
             if self.planar
@@ -471,7 +472,7 @@ class Setting:
         )
 
     def tip_force(self) -> Vector:
-        """The load on the tip, given in the world's axes, in those that are shown for its body."""
+        """The load on the tip, converted from world axes to the printed axes of its body."""
         force = self.load_components
         return force if self.planar else times(transposed(self.world[self.tip][0]), force)
 

@@ -1,4 +1,4 @@
-"""Steps that several methods share: the vectors along the bodies, how the bodies move, and
+"""Derivation steps that several methods share: vectors along the bodies, motion of the bodies, and
 joints that follow others."""
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from freebody_textbook.methods.step_reasons import added_rates, coriolis, drive
 
 
 def geometry(setting: Setting, rotations: bool = False, inertias: bool = True) -> Step:
-    """Vectors along the bodies, directions of the joints, in space also inertias and, if asked for,
-    rotations."""
+    """Step: vectors along the bodies and directions of the joints; in space also inertias and, if
+    asked for, rotations."""
     lines: list[Equation] = []
     for i in setting.order:
         lines += _vectors(setting, i)
@@ -57,8 +57,8 @@ def _vectors(s: Setting, i: int) -> list[Equation]:
 
 
 def measured(s: Setting, i: int, inertia: bool) -> list[Equation]:
-    """The mass of body i and, if asked for, its inertia, where these are numbers; in space the
-    matrix of the inertia anyway."""
+    """Equations of the mass and, if asked for, the inertia of body i, where these are numbers; in
+    space always the inertia matrix."""
     if i not in s.weighted:
         return []
     rows = [(s.mass_name(i), s.show(s.mass(i)))]
@@ -90,7 +90,7 @@ def _matrix(s: Setting, rows: list[list[Scalar]] | tuple) -> Expression:
 
 
 def moment_of(force: Expression, arm: Expression) -> Expression:
-    """arm × force, their signs in front."""
+    """Printed moment arm × force, with signs moved to the front."""
     for x, rest in ((force, arm), (arm, force)):
         if isinstance(x, ex.Negative):
             one, other = (x.operand, rest) if x is force else (rest, x.operand)
@@ -99,7 +99,7 @@ def moment_of(force: Expression, arm: Expression) -> Expression:
 
 
 def motion(s: Setting) -> list[Step]:
-    """Angular velocities, velocities and accelerations of the centres of mass."""
+    """Steps: angular velocities, and velocities and accelerations of the centres of mass."""
     own = "" if s.planar else ", given in each body's own axes"
     w = [eq(s.angular_name("omega", i), s.angular(s.motion.w[i])) for i in s.order]
     wd = [eq(s.angular_name("omega", i, "_d"), s.angular(s.motion.wd[i])) for i in s.order]
@@ -133,7 +133,7 @@ def motion(s: Setting) -> list[Step]:
 
 
 def _second(s: Setting) -> str:
-    """A sentence on the terms of an acceleration."""
+    """A sentence on the terms in an acceleration."""
     extra = coriolis(s, s.order)
     if extra:
         return (
@@ -157,8 +157,8 @@ def _second(s: Setting) -> str:
 def shared_motors(
     s: Setting, drives: Mapping[int, Scalar], values: Mapping[int, Scalar] | None = None
 ) -> list[Step]:
-    """A step for each group of joints that move together; drives: what friction and the like take;
-    values: of the motors, where they are told."""
+    """Steps for each group of joints moved by one motor; drives: torques of friction and springs;
+    values: of the motors, if known."""
     return [_shared(s, i, drives[i], values) for i in s.coupled]
 
 
@@ -198,8 +198,8 @@ def _work(s: Setting, i: int) -> str:
 
 
 def following(s: Setting, i: int, what: str = "the rate") -> str:
-    """A clause on the part of the rate of body i's joint that its followers have, without a full
-    stop."""
+    """A clause, without a full stop, on the joints that move with a fraction of the rate of body
+    i's joint."""
     others = s.together(i)[1:]
     factors = listed([f"{s.ratio(k):.15g}" for k in others])
     have = "has" if len(others) == 1 else "have"
@@ -209,5 +209,5 @@ def following(s: Setting, i: int, what: str = "the rate") -> str:
 
 
 def joints(s: Setting, i: int) -> str:
-    """joints 1 and 2: that of body i, and those that follow it."""
+    """Phrase for the joint of body i and those that follow it: joints 1 and 2."""
     return f"joints {listed(map(str, sorted(s.numbers[k] for k in s.together(i))))}"

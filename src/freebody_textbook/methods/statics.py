@@ -1,5 +1,5 @@
-"""Equilibrium of each body, and the torques that hold an arm still against gravity and a force on
-its tip (2.41-2.49)."""
+"""Statics: equilibrium of each body, and the torques that hold an arm against gravity and a force
+on its tip (2.41-2.49)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from freebody_textbook.methods.step_reasons import Efforts, motorless
 
 
 def work_out(setting: Setting) -> Worked:
-    """The steps; the setting is at rest. Of a closed chain: see `_of_closed_chain`."""
+    """Derive the joint torques of a robot at rest. For closed chains see `_of_closed_chain`."""
     if setting.tree.loops:
         return _of_closed_chain(setting)
     reactions = SolvedReactions(setting)
@@ -54,14 +54,15 @@ def _symbols(s: Setting) -> Iterator[Meaning]:
 
 
 class _Equilibrium:
-    """Forces and moments on each body add up to zero; moments are taken about the body's joint."""
+    """Steps of an arm's equilibrium: forces and moments on each body add up to zero, moments about
+    its joint."""
 
     def __init__(self, setting: Setting, reactions: SolvedReactions):
         self.s = setting
         self.reactions = reactions
 
     def convention(self) -> Step:
-        """The step that says what the force on the tip is."""
+        """Step: definition of the force on the tip."""
         robot = "robot" if self.s.tree.loops else "arm"
         return Step(
             "The load",
@@ -92,14 +93,14 @@ class _Equilibrium:
         return Step(f"Free body {n}", reason, lines, numbers, figure=f"free-body {n}")
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """Forces on body i from outside, each with the way from its joint to where it acts."""
+        """External forces on body i, each with the vector from its joint to the point of action."""
         s = self.s
         heavy = s.weighs and i in s.weighted
         weight = [(s.mass_times(i, vec("g")), s.centre_name(i))] if heavy else []
         return [*weight, *([(vec("f"), s.tip_name())] if s.loaded(i) else [])]
 
     def about(self, i: int) -> list[Expression]:
-        """Moments of all other forces on body i about its joint."""
+        """Moments of all other forces on body i, about its joint."""
         s = self.s
         terms = [
             ex.neg(ex.cross(s.reach_name(i, k), s.force_name(i, k))) for k in s.tree.children(i)
@@ -107,7 +108,7 @@ class _Equilibrium:
         return [*terms, *(moment_of(force, arm) for force, arm in self.outer(i))]
 
     def solved(self, i: int) -> Step:
-        """Reaction and torque of joint i, in terms of those before it."""
+        """Step: reaction and torque at joint i, in terms of earlier ones."""
         s, n, children = self.s, self.s.numbers[i], self.s.tree.children(i)
         force = ex.add(
             *(s.force_name(i, k) for k in children),
@@ -149,7 +150,7 @@ class _Equilibrium:
         )
 
     def transpose(self) -> Step:
-        """Step: the load's part of the torques as -Jᵀ f."""
+        """Step: the load's part of the torques, as -Jᵀ f."""
         s = self.s
         J = jacobian(s.tree, s.symbols.q, s.symbols.model.frame().name)
         rows = [[s.symbols.element(x) for x in row] for row in J[: s.tree.space.dim]]
@@ -174,7 +175,7 @@ class _Equilibrium:
 
 
 def _of_closed_chain(setting: Setting) -> Worked:
-    """The steps; planar chains only."""
+    """Derive the joint torques of a planar closed chain at rest."""
     loops = Loops(setting)
     work = _Balance(setting, loops, LoopReactions(setting, loops))
     steps = [work.convention()] if setting.load else []
@@ -198,7 +199,7 @@ def _symbols_of_loops(s: Setting) -> Iterator[Meaning]:
 
 
 class _Balance(_Equilibrium):
-    """Forces and moments on each body add up to zero."""
+    """Steps of a closed chain's equilibrium: forces and moments on each body add up to zero."""
 
     def __init__(self, setting: Setting, loops: Loops, reactions: SolvedReactions):
         super().__init__(setting, reactions)
@@ -206,12 +207,13 @@ class _Balance(_Equilibrium):
 
     @cached_property
     def system(self) -> LoopStatics:
-        """Equations of the joints, linear in the multipliers."""
+        """The joints' equilibrium equations, linear in the multipliers."""
         return needs_of(self.reactions, self.loops)
 
     # ------------------------------------------------------------ the bodies
     def body(self, i: int) -> Step:
-        """Equilibrium of one body, and what its motor gives of the moment or force at its joint."""
+        """Step: equilibrium of one body, and the motor's component of the moment or force at its
+        joint."""
         s, step = self.s, super().body(i)
         if s.is_pin(i):
             return step
@@ -219,17 +221,17 @@ class _Balance(_Equilibrium):
         return replace(step, equations=(*step.equations, motor))
 
     def outer(self, i: int) -> list[tuple[Expression, Expression]]:
-        """Forces from outside as in the tree, and the loops' forces."""
+        """External forces on body i as for a tree, and the loops' forces."""
         return [*super().outer(i), *self.forces.on(i)]
 
     def about(self, i: int) -> list[Expression]:
-        """Moments about the joint, those of loops that carry moments included; forces at the joint
-        have none."""
+        """Moments on body i about its joint, including those transmitted by loops; forces at the
+        joint have none."""
         return [*super().about(i), *self.forces.moments_on(i)]
 
     # ------------------------------------------------------------ solved
     def passive(self) -> list[Step]:
-        """The steps in which balance at passive joints gives the loops' forces."""
+        """Steps: the loops' forces from equilibrium at passive joints."""
         s = self.s
         free = [i for i in s.order if not s.driven(i)]
         if not free:

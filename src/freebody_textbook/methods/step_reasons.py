@@ -1,4 +1,4 @@
-"""Reasons of steps, in words that follow the structure of the arm."""
+"""Texts that give the reasons of derivation steps, depending on the robot's structure."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ _BURDENS = tuple(
 
 
 def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
-    """A sentence on what a bearing carries at constant rates where no centre of mass moves, as a
-    sentence with a blank in front; or nothing."""
+    """A sentence, starting with a blank, on the moment that a bearing carries at constant rates
+    though no centre of mass moves; "" if there is none."""
     moves = any(not s.symbols.element(x).is_zero for k in s.weighted for x in s.centre_velocity(k))
     if s.planar or not s.turns(i) or moves:
         return ""
@@ -48,7 +48,7 @@ def gyroscopic(s: Setting, i: int, moment: Vector) -> str:
 
 
 def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
-    """The terms with products of rates."""
+    """The terms with products of two rates in a scalar."""
     rates = {name + RATE for name in s.symbols.coordinates}
     terms = s.symbols.element(x).terms()
     kept = ((m, c) for m, c in terms if sum(e for name, e in m.items() if name in rates) == 2)
@@ -57,38 +57,40 @@ def _at_constant_rates(s: Setting, x: Scalar) -> Trig:
 
 @dataclass(frozen=True)
 class Efforts:
-    """The torques and forces of motors in words: `motor torques and force`."""
+    """Phrases for the motors' torques and forces, such as `motor torques and force`."""
 
     words: str
     count: int
 
     @classmethod
     def of(cls, s: Setting) -> Efforts:
-        """The efforts of all joints with a motor."""
+        """The phrases for all joints with a motor."""
         found = Counter(s.words(i).effort for i in s.leaders if s.driven(i))
         named = [f"{effort}{'s' * (n > 1)}" for effort, n in found.items()]
         return cls(f"motor {listed(named)}" if named else "", found.total())
 
     @property
     def verb(self) -> str:
-        """Verb that fits the number of efforts: is, or are."""
+        """The verb for the number of efforts: is or are."""
         return "is" if self.count == 1 else "are"
 
     @property
     def given(self) -> str:
-        """The beginning of a sentence that says what is sought where these efforts are given."""
+        """The beginning of a sentence on what is sought: "Given the motor torques, the", or "The"
+        without motors."""
         return f"Given the {self.words}, the" if self.count else "The"
 
     @property
     def holding(self) -> str:
-        """the motor torques that hold; of a robot without motors what else keeps it at rest."""
+        """Phrase for the motor torques that hold a robot at rest, or whatever else keeps it at rest
+        without motors."""
         one = "s" * (self.count == 1)
         return f"the {self.words} that hold{one}" if self.count else "the conditions that keep"
 
 
 def free_body(s: Setting, i: int, more: Iterable[str] = ()) -> str:
-    """The reason of a free body's step: what acts on body i, and which laws are written; more: what
-    acts besides."""
+    """The reason of a free-body step: what acts on body i, and which laws apply; more: further
+    forces."""
     acting = f"On body {s.numbers[i]} act: {'; '.join([*_acting(s, i), *more])}."
     if i not in s.weighted:
         return f"{acting} It has no mass: forces, and moments about its joint, add up to zero."
@@ -131,7 +133,7 @@ def _acting(s: Setting, i: int) -> list[str]:
 
 
 def working_part(s: Setting, i: int) -> str:
-    """Words for the part of the force and the moment at joint i that does work along its
+    """Phrase for the component of force and moment at joint i that does work along its
     coordinate."""
     n = s.numbers[i]
     if not s.turns(i):
@@ -141,13 +143,13 @@ def working_part(s: Setting, i: int) -> str:
 
 
 def joints_that(s: Setting, turn: bool) -> str:
-    """Words for the joints that turn their bodies, or for those that do not: `revolute or helical`;
-    or nothing."""
+    """Phrase for the types of joints that turn (or do not turn) their bodies, `revolute or
+    helical`; "" if none."""
     return " or ".join(dict.fromkeys(s.words(i).joint for i in s.order if s.turns(i) == turn))
 
 
 def added_rates(s: Setting) -> str:
-    """A clause on what the joints add to the angular velocities."""
+    """A clause on the joints' contributions to the angular velocities."""
     turning, others = joints_that(s, turn=True), joints_that(s, turn=False)
     if not turning:
         return f"No joint turns a body; a {others} joint adds nothing"
@@ -157,21 +159,21 @@ def added_rates(s: Setting) -> str:
 
 
 def coriolis(s: Setting, joints: Iterable[int]) -> str:
-    """Coriolis' acceleration of what slides on a turning body, 2 ω × ḋ u; nothing where none
-    does."""
+    """A sentence on the Coriolis acceleration 2 ω × ḋ u of joints sliding on a turning body; "" if
+    there are none."""
     sliding = sorted({s.turns(i) for i in joints if s.slides(i) and _carried_round(s, i)})
     ways = {False: "2 ω × ḋ u (ḋ: the speed of sliding)", True: "2 ω × h θ̇ z (h: the pitch)"}
     return " or ".join(ways[turns] for turns in sliding)
 
 
 def _carried_round(s: Setting, i: int) -> bool:
-    """Whether joint i stands on a body that turns."""
+    """Whether joint i is on a body that turns."""
     parent = s.tree.bodies[i].parent
     return parent >= 0 and (s.turns(parent) or _carried_round(s, parent))
 
 
 def motorless(s: Setting) -> str:
-    """The joints that have no motor, as a sentence with a blank in front; or nothing."""
+    """A sentence, starting with a blank, on the joints without motor; "" if there are none."""
     joints = [f"joint {s.numbers[i]}" for i in s.leaders if not s.driven(i)]
     return (
         f" {listed(joints).capitalize()} {'has' if len(joints) == 1 else 'have'} no motor."
@@ -181,8 +183,8 @@ def motorless(s: Setting) -> str:
 
 
 def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
-    """The reason of an elimination: how the reaction at joint i leaves the equations; rest: what is
-    left besides the motor."""
+    """The reason of an elimination: how the reaction at joint i is eliminated; rest: remaining
+    unknowns besides the motor."""
     n, torque = s.numbers[i], f"τ_{s.naming.place(s.numbers[i])}"
     first = f"Newton's equation of body {n} gives the force at joint {n}"
     if s.tree.children(i):
@@ -209,7 +211,7 @@ def eliminated(s: Setting, i: int, rest: str = "nothing unknown") -> str:
 
 
 def substituted(s: Setting, i: int, reactions: bool) -> str:
-    """The reason of a substitution: which values are put into which equation."""
+    """The reason of a substitution: which values are inserted into which equation."""
     motor = f"the {s.words(i).effort} of motor {s.numbers[i]}"
     if not s.driven(i):
         motor = f"the equation of motion of joint {s.numbers[i]}, which has no motor"
@@ -222,8 +224,8 @@ def substituted(s: Setting, i: int, reactions: bool) -> str:
 
 
 def drive(s: Setting, i: int) -> str:
-    """Friction and the like against which the motor of joint i works too, as a sentence with a
-    blank in front; or nothing."""
+    """A sentence, starting with a blank, on friction and springs that the motor of joint i must
+    overcome; "" if there are none."""
     moved = s.together(i)
     drives = [own for k in moved if (own := s.tree.bodies[k].drive) is not None]
     acting = {

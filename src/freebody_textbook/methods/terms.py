@@ -1,5 +1,5 @@
-"""Terms of equations: the step that says what each of them is, and which derivative of the
-energies it came from."""
+"""Terms of equations of motion: the step that explains each, and the derivative of the energies
+from which it comes."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ TIME, KINETIC, POTENTIAL, SEVERAL = "time", "kinetic", "potential", "several"
 
 @dataclass(frozen=True)
 class TermKind:
-    """A kind of term: its name; words for one, with {here} for the joint in whose equation it
-    stands and {others} for what it comes from, and for all that there are."""
+    """A kind of term in equations of motion: its name, and its description in singular and plural;
+    {here} stands for the equation's joint, {others} for the term's origin."""
 
     name: str
     one: str
@@ -94,8 +94,8 @@ _ORDER = (
 
 @dataclass(frozen=True)
 class Term:
-    """A term of the equation of coordinate i: as printed, its kind, the joints or bodies that it
-    comes from, and the symbol that it stands behind in the equation."""
+    """A term in the equation of coordinate i: printed form, kind, the joints or bodies of its
+    origin, and the symbol in front of its rates."""
 
     shown: Expression
     kind: TermKind
@@ -110,8 +110,8 @@ class Term:
 
 
 def term_meanings(s: Setting, closed: Step) -> list[Step]:
-    """The terms of the equations of a closed form, one by one or, where there are many, by kind;
-    none where it writes no equations."""
+    """Step: the meaning of the closed form's terms, one by one, or by kind if there are many; none
+    if no equations are printed."""
     equations = closed.equations
     if not equations:
         return []
@@ -127,7 +127,8 @@ def term_meanings(s: Setting, closed: Step) -> list[Step]:
 
 
 def _by_kind(terms: Iterable[Term]) -> Iterator[Meaning]:
-    """A row for the symbols of each kind; of a symbol that stands for several all of these."""
+    """Glossary rows for the symbols of each kind of term; a symbol of several terms gets all
+    meanings."""
     kinds: dict[Expression, dict[TermKind, None]] = {}
     for term in terms:
         kinds.setdefault(term.symbol, {})[term.kind] = None
@@ -149,7 +150,7 @@ def _reason(terms: Iterable[Term]) -> str:
 
 
 class _PrintedTerms:
-    """The terms of printed equations, by what is in them."""
+    """Terms of printed equations, classified by the symbols they contain."""
 
     def __init__(self, s: Setting, equations: Iterable[Equation]):
         self.s = s
@@ -177,7 +178,7 @@ class _PrintedTerms:
                 yield self._term(i, part, term, kind, others)
 
     def _law(self, i: int, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
-        """The kind of a term that a drive takes: of the law that has it, or one like it."""
+        """The kind of a drive's term: that of the law which contains it or a similar term."""
         like: list[TermKind] = []
         for name, torque in self.s.equations.law_torques(i).items():
             form, kind = self.s.layout.form(torque), LAWS_OF_DRIVES[name]
@@ -210,11 +211,11 @@ class _PrintedTerms:
         return self._kind_by_weights(part)
 
     def _places(self, names: Collection[str], dots: str) -> list[int]:
-        """Coordinates whose rates (or accelerations) are among some names."""
+        """Indices of coordinates whose rates (or accelerations) are among the names."""
         return [k for k, x in enumerate(self.s.symbols.coordinates) if x + dots in names]
 
     def _kind_by_rates(self, names: Collection[str]) -> tuple[TermKind, tuple[str, ...]]:
-        """The kind of a term with rates."""
+        """The kind of a term with rates, and the joints that these belong to."""
         first = self._places(names, RATE)
         if len(names) == 2:
             kind = CENTRIFUGAL if len(first) == 1 else CORIOLIS
@@ -222,7 +223,7 @@ class _PrintedTerms:
         return RATES, self._joints(first)
 
     def _kind_by_weights(self, part: Expression) -> tuple[TermKind, tuple[str, ...]]:
-        """The kind of a term without rates: gravity, with the bodies whose weights it names."""
+        """The kind of a term without rates, gravity, and the bodies whose weights it contains."""
         bodies = {self.bodies[x.name]: None for x in nodes(part) if _is_in(x, self.bodies)}
         return (WEIGHT, tuple(bodies)) if bodies else (WEIGHTS, ())
 
@@ -239,15 +240,15 @@ def _terms(x: Expression) -> tuple[Expression, ...]:
 
 
 def _symbol(term: Expression) -> Expression:
-    """The symbol before the rates: H₁₂ of H₁₂ θ̈₂."""
+    """The coefficient symbol in a term: H₁₂ of H₁₂ θ̈₂."""
     inside = term.operand if isinstance(term, ex.Negative) else term
     factors = inside.factors if isinstance(inside, Product) else (inside,)
     return next((x for x in factors if not isinstance(x, ex.Number)), inside)
 
 
 class TermSources:
-    """Polynomials by what they are derivatives of; a printed term is from those that hold its
-    products of rates and accelerations.
+    """Origins of terms: polynomials by the derivative that they are; a printed term comes from
+    those that contain its product of rates and accelerations.
 
     Two of them may hold such a product and cancel in part; then the term is from several.
     """
@@ -264,7 +265,8 @@ class TermSources:
                 self._sources.setdefault(pattern, set()).add(source)
 
     def marked(self, shown: Expression) -> Expression:
-        """An expression with its terms marked; those from elsewhere stay as they are."""
+        """An expression with each term marked by its origin; terms of unknown origin are
+        unchanged."""
         terms = shown.terms if isinstance(shown, Sum) else (shown,)
         return ex.add(*map(self._marked, terms))
 
@@ -282,7 +284,8 @@ class TermSources:
 
 
 def moving(symbols: Symbols) -> frozenset[str]:
-    """Names of rates, accelerations, signs of rates, and of what the model itself does not hold."""
+    """Names of rates, accelerations, signs of rates, and symbols that the model itself does not
+    have."""
     names = symbols.coordinates
     return frozenset(
         (
@@ -294,8 +297,8 @@ def moving(symbols: Symbols) -> frozenset[str]:
 
 
 def _patterns(term: Expression, names: Collection[str]) -> Collection[_MovingFactors]:
-    """The products of these names that occur in a printed term; none where it is no product or sum
-    of scalars."""
+    """The products of the given names in a printed term; empty if it is not a product or sum of
+    scalars."""
     nothing: frozenset[_MovingFactors] = frozenset({()})
 
     def function(

@@ -1,5 +1,4 @@
-"""A model in which each body has one mass, centre of mass and inertia: what derivations are written
-for.
+"""Models in which each body has a single mass, centre of mass and inertia, as derivations require.
 
 A body and what is fixed to it, such as a payload or a link behind a fixed joint, are one rigid
 body. Numbers are added up. Where there are parameters among them, the centre of mass would be a
@@ -39,8 +38,8 @@ def symbols_of_bodies(
     turned: tuple[tuple[int, ...], ...] | None = None,
     quarters: tuple[int, ...] = (),
 ) -> Symbols:
-    """The symbols of a model that is told body by body, each body's parts as one; refuses what is
-    not written for. Arguments as of `symbols`."""
+    """The symbols of a model for a derivation body by body, with each body's parts combined; raises
+    an error for models that are not supported. Arguments as for `symbols`."""
     require_lossless(what, model)
     how = {"extra": extra, "euler": euler, "formulas": formulas}
     how |= {"turned": turned, "quarters": quarters}
@@ -61,8 +60,8 @@ def symbols_of_bodies(
 
 
 def _require_single_joints(symbols: Symbols, what: str) -> None:
-    """Refuse what is not written out body by body: joints of several coordinates, and in closed
-    chains joints that follow others."""
+    """Raise an error for models that cannot be derived body by body: joints with several
+    coordinates, and in closed chains joints that follow others."""
     model = symbols.model
     for body in model.bodies:
         follows = bool(model.loops) and body.joint.mimic is not None
@@ -81,8 +80,8 @@ def _require_single_joints(symbols: Symbols, what: str) -> None:
 
 
 def sentences_on_whole_bodies(model: Model, made: Symbols, apart: bool = True) -> list[str]:
-    """A sentence for each body of a model that is made of parts; made: what `symbols_of_bodies`
-    made of it; apart: whether a body is counted by its last joint of one coordinate."""
+    """A sentence for each body that consists of several parts; made: the symbols from
+    `symbols_of_bodies`; apart: joints are counted by their single coordinates."""
     assert made.given is not None
     names = [x.name for x in (made.model if apart else model).bodies]
     sentences = []
@@ -115,7 +114,8 @@ def _value(body: Body, dim: int) -> Inertia:
 def _named(
     masses: Sequence[Mass], n: int, dim: int, taken: set[str], value: Inertia | None
 ) -> Inertia:
-    """Parameters for all that is not zero whatever the parts' parameters are."""
+    """Parameters for a combined body's mass, centre of mass and inertia, except entries that are
+    zero for all parts."""
 
     def parameter(letter: str, ending: str, number: Callable[[Inertia], Quantity]) -> Parameter:
         while f"{letter}{n}{ending}" in taken:
@@ -144,7 +144,7 @@ def _is_zero(x: Scalar) -> bool:
 
 # ---------------------------------------------------------------- bodies that nothing holds
 def are_free(model: Model) -> bool:
-    """Whether nothing holds any of a model's bodies: each moves freely against the world's axes.
+    """Whether all bodies of a model are free, moving relative to world axes.
 
     It is the same of a model with loads on its bodies and of that with each load part of its body.
     """
@@ -159,8 +159,8 @@ def are_free(model: Model) -> bool:
 
 
 def velocity_names(model: Model) -> tuple[str, ...]:
-    """The symbols that free bodies bring with them: components of v and ω, their derivatives, and
-    thrusts; none of another model."""
+    """Names of symbols that free bodies add: components of v and ω, their derivatives, and thrusts;
+    empty for other models."""
     if not are_free(model):
         return ()
     moving = [

@@ -1,1 +1,1 @@
-"""Formulas of a user between quantities that have names: read, valued, compared."""
+"""Users' formulas of named quantities: parsing, evaluation, comparison."""

@@ -1,5 +1,5 @@
-"""Formulas with vectors written as text, `tau1 - cross(s1, f12) = I1*omega1_d`: read, printed and
-evaluated.
+"""Formulas with vectors as text, `tau1 - cross(s1, f12) = I1*omega1_d`: parsing, printing and
+evaluation.
 
 The grammar is that of answers (`grammar`), with a sign in every product, [a, b] for vectors and
 [[a, b], [c, d]] for matrices. It is parsed, never run. Names are those that print as in the notes:
@@ -57,7 +57,7 @@ GENERAL = {"i": "i", "h": "i−1", "k": "i+1"}
 
 
 class FormulaError(UnreadableError):
-    """A formula that cannot be read or evaluated."""
+    """Error for a formula that cannot be parsed or evaluated."""
 
 
 class _FormulaText(Source):
@@ -65,7 +65,7 @@ class _FormulaText(Source):
 
 
 def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
-    """A formula as it is printed: an equation where it has an =, else one expression.
+    """Parse a formula: an equation if it contains =, otherwise an expression.
 
     Names in `bold` are vectors, those in `primed` have components in the axes of their own body.
     """
@@ -79,8 +79,8 @@ def parse(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -
 
 
 def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
-    """The symbol of a name, those of links with letters for numbers included; omega_prime is ω with
-    a prime."""
+    """The symbol of a name, including link letters in place of numbers; omega_prime is ω with a
+    prime."""
     if primed or unprimed(name) != name:
         plain = symbol(unprimed(name), bold)
         return replace(plain, name=name, high="′") if isinstance(plain, Symbol) else plain
@@ -101,7 +101,7 @@ def symbol(name: str, bold: bool = False, primed: bool = False) -> Any:
 
 
 class _FormulaLanguage:
-    """The words of formulas: names as they are written, whatever they stand for."""
+    """The grammar of formulas: names are taken as written."""
 
     functions = _RULES
 
@@ -115,7 +115,7 @@ class _FormulaLanguage:
 
 
 class _FormulaParser(Parser):
-    """The parser of one side of a formula."""
+    """Parser for one side of a formula."""
 
     implied_products = False
     largest_exponent = 9999
@@ -151,7 +151,7 @@ class _FormulaParser(Parser):
         return made(*arguments)
 
     def table(self) -> ex.Vector | ex.Matrix:
-        """[a, b] is a vector, [[a, b], [c, d]] a matrix."""
+        """The vector [a, b] or matrix [[a, b], [c, d]]."""
         matrix = super().table()
         return ex.Vector(matrix.rows[0]) if len(matrix.rows) == 1 else matrix
 
@@ -180,7 +180,7 @@ _PRINTED: Rules = {
 
 
 def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = ()) -> Expression:
-    """A formula, or the text itself in upright words where it is none."""
+    """A formula as expression, or the text in upright words if it is no formula."""
     try:
         return parse(text, bold, primed)
     except FormulaError:
@@ -188,5 +188,5 @@ def as_printed(text: str, bold: Collection[str] = (), primed: Collection[str] = 
 
 
 def names_in(node: Expression) -> list[str]:
-    """Names of the symbols of a formula, each once."""
+    """Names of symbols in a formula, each once."""
     return list(dict.fromkeys(part.name for part in ex.nodes(node) if isinstance(part, Symbol)))

@@ -1,5 +1,5 @@
-"""Values of formulas over exact polynomials or numbers, and usual values of symbols for
-examples: vectors are tuples, matrices tuples of tuples."""
+"""Evaluating formulas with exact polynomials or numbers, and typical symbol values for examples:
+vectors are tuples, matrices tuples of tuples."""
 
 from __future__ import annotations
 
@@ -50,11 +50,11 @@ _TYPICAL_RATES, _TYPICAL_SECONDS = (1.2, -0.7, 0.9, -1.4), (2.0, 1.5, -1.1, 0.8)
 
 
 class Each(tuple):
-    """Values of several bodies, such as the masses m_i; `sum` adds them up."""
+    """Values for each of several bodies, such as the masses m_i; `sum` adds them."""
 
 
 def value(node: Expression, values: Mapping[str, FormulaValue]) -> FormulaValue:
-    """The value of an expression, given each symbol's by name."""
+    """The value of an expression, with each symbol's value given by name."""
 
     def symbol(node: Symbol, at: Any) -> FormulaValue:
         if node.name not in values:
@@ -68,7 +68,7 @@ def value(node: Expression, values: Mapping[str, FormulaValue]) -> FormulaValue:
 
 
 def plain(x: Any) -> FormulaValue:
-    """Arrays and lists as tuples; scalars as they are."""
+    """Arrays and lists converted to tuples; scalars unchanged."""
     if isinstance(x, np.ndarray):
         return plain(x.tolist())
     if isinstance(x, Each):
@@ -77,7 +77,7 @@ def plain(x: Any) -> FormulaValue:
 
 
 def rank(x: FormulaValue) -> int:
-    """The rank of a value: 0 of a scalar, 1 of a vector, 2 of a matrix."""
+    """The rank of a value: 0 for a scalar, 1 for a vector, 2 for a matrix."""
     return 1 + rank(x[0]) if isinstance(x, tuple) and x else 0
 
 
@@ -90,7 +90,7 @@ def shape_name(x: FormulaValue) -> str:
 
 # ---------------------------------------------------------------- arithmetic
 def _for_each(rule: Callable[[Any, Any], FormulaValue]) -> Callable[[Any, Any], FormulaValue]:
-    """A rule of two values, which takes what is given for several bodies one by one."""
+    """A rule for two values, extended to values given for each of several bodies."""
 
     @wraps(rule)
     def each(a: FormulaValue, b: FormulaValue) -> FormulaValue:
@@ -118,7 +118,7 @@ def minus(a: FormulaValue) -> FormulaValue:
 
 @_for_each
 def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a b: scalars times anything, matrices times vectors and matrices."""
+    """Product a b: scalars times anything, matrices times vectors and matrices."""
     match rank(a), rank(b):
         case 0, 0:
             return a * b
@@ -137,8 +137,8 @@ def multiplied(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 @_for_each
 def crossed(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a × b: in space a vector, of planar vectors a scalar; of a scalar rate ω and a planar vector
-    ω z × b."""
+    """Cross product a × b: a vector in space, a scalar for planar vectors; ω z × b for a scalar
+    rate ω and a planar vector b."""
     match (len(a) if rank(a) == 1 else 0), (len(b) if rank(b) == 1 else 0):
         case 3, 3:
             return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
@@ -161,7 +161,7 @@ def dotted(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 # ---------------------------------------------------------------- functions and powers
 def _raised(base: FormulaValue, exponent: int) -> FormulaValue:
-    """base to a whole exponent: -1 of a matrix is its inverse, r² of a vector r·r."""
+    """The base to an integer power: -1 of a matrix is its inverse, r² of a vector r·r."""
     if isinstance(base, Each):
         return Each(_raised(x, exponent) for x in base)
     match rank(base), exponent:
@@ -177,7 +177,7 @@ def _raised(base: FormulaValue, exponent: int) -> FormulaValue:
 
 
 def _in_numbers(x: FormulaValue) -> Array:
-    """A matrix of numbers as an array."""
+    """A matrix of numbers as an array; raises an error if it contains symbols."""
     if any(isinstance(entry, Trig | Composed) for row in x for entry in row):
         raise FormulaError(f"{shape_name(x)} of polynomials is not inverted here; give it numbers")
     return np.array(x, dtype=float)
@@ -204,7 +204,7 @@ def _diagonal(x: FormulaValue) -> FormulaValue:
 
 
 def _skew(x: FormulaValue) -> FormulaValue:
-    """Matrix of the cross product by x from the left."""
+    """The skew-symmetric matrix of x, for the cross product x × …."""
     a, b, c = x
     return ((0.0, -c, b), (c, 0.0, -a), (-b, a, 0.0))
 
@@ -223,7 +223,7 @@ def _derivative(node: Derivative, at: Any) -> FormulaValue:
 
 
 def _variable(x: FormulaValue) -> str:
-    """The name of a symbol of a ring."""
+    """The name of a value that is a single symbol of a ring."""
     names = x.ring.names if isinstance(x, Trig) else x.variables if isinstance(x, Composed) else ()
     for name in names:
         if x == (x.ring[name] if isinstance(x, Trig) else Composed.variable(name)):
@@ -232,7 +232,7 @@ def _variable(x: FormulaValue) -> str:
 
 
 def _slope(x: FormulaValue, by: str | None) -> FormulaValue:
-    """The partial derivative by a symbol, or the time derivative."""
+    """The partial derivative of a value by a symbol, or its time derivative."""
     if rank(x):
         return tuple(_slope(entry, by) for entry in x)
     if isinstance(x, Composed):
@@ -249,7 +249,7 @@ def time_rates(ring: TrigRing) -> dict[str, Trig]:
 
 
 def divided(a: FormulaValue, b: FormulaValue) -> FormulaValue:
-    """a / b: anything by a scalar; exact where both are whole."""
+    """The quotient a / b of anything and a scalar; exact for integers."""
     if isinstance(a, tuple):
         return type(a)(divided(x, b) for x in a)
     if rank(b):
@@ -258,12 +258,13 @@ def divided(a: FormulaValue, b: FormulaValue) -> FormulaValue:
 
 
 def _applied(function: Any, x: FormulaValue, name: str) -> FormulaValue:
-    """A function of each of several values, but for the sum, which takes them together."""
+    """A function applied to a value, or to each of several bodies' values; a sum takes them
+    together."""
     return Each(map(function, x)) if isinstance(x, Each) and name != "∑" else function(x)
 
 
 def _stacked(entries: list[FormulaValue]) -> FormulaValue:
-    """A vector; of entries that are given for several bodies a vector for each."""
+    """A vector of the entries; if these are given for several bodies, one vector for each body."""
     counts = {len(x) for x in entries if isinstance(x, Each)}
     if not counts:
         return tuple(entries)
@@ -294,20 +295,20 @@ _RULES: Rules = {
 def typical(
     names: Sequence[str], given: Mapping[str, float | None] | None = None
 ) -> dict[str, float]:
-    """A usual value for each symbol; those given stay."""
+    """A typical value for each symbol; given values are kept."""
     return {
         name: typical_value(name, (given or {}).get(name), 0, k) for k, name in enumerate(names)
     }
 
 
 def occurs(name: str, x: Trig) -> bool:
-    """Whether a polynomial has a symbol, or its sine or cosine, in it."""
+    """Whether a polynomial contains a symbol, or its sine or cosine."""
     index, degrees = x.ring.index, x.poly.degrees()
     return any(n in index and degrees[index[n]] > 0 for n in (name, *waves_of(name)))
 
 
 def typical_value(name: str, given: float | None, shift: int, k: int) -> float:
-    """The model's value; else one of a usual size."""
+    """The model's value of a symbol; otherwise a value of typical size."""
     if given is not None:
         return given
     own = atom(name)

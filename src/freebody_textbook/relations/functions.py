@@ -1,6 +1,5 @@
 """Functions given as formulas: values, Jacobians and time derivatives in closed form (notes,
-1.1-1.9, 2.1-2.9).
-"""
+1.1-1.9, 2.1-2.9)."""
 
 from __future__ import annotations
 
@@ -43,16 +42,16 @@ class VectorFunction(Titled):
 
     @property
     def expressions(self) -> tuple[Expression, ...]:
-        """The entries as they are printed."""
+        """The function's entries as expressions for print."""
         return tuple(self.form(row) for row in self.rows)
 
     def form(self, x: Composed) -> Expression:
-        """An exact function of these variables as it is printed."""
+        """An exact function of these variables as expression for print."""
         return printed(x, self.decimal)
 
     @cached_property
     def jacobian(self) -> tuple[tuple[Composed, ...], ...]:
-        """∂y_i/∂x_j (2.6), exact, row by row."""
+        """The Jacobian ∂y_i/∂x_j (2.6), exact, row by row."""
         return tuple(tuple(row.derivative(x) for x in self.names) for row in self.rows)
 
     @property
@@ -110,7 +109,7 @@ class Trajectory(Titled):
 
     @property
     def values(self) -> Mapping[str, Any]:
-        """r, r_d, r_dd and t by name, for `fb.relation`."""
+        """The quantities r, r_d, r_dd and t by name, for `fb.relation`."""
         r = self.position
         return {
             "t": r.symbols[0],
@@ -122,7 +121,7 @@ class Trajectory(Titled):
 
 @dataclass(frozen=True, repr=False)
 class SampledTrajectory(Titled):
-    """The path of a point through samples, a spline of the fifth degree, and its derivatives."""
+    """The path of a point through samples, a quintic spline, with its derivatives."""
 
     spline: Any
 
@@ -137,7 +136,7 @@ class SampledTrajectory(Titled):
 
 
 def sampled_trajectory(t: ArrayLike, points: ArrayLike) -> SampledTrajectory:
-    """The path through points (k, dim) at the times t (k,), rising and at least six of them
+    """The quintic spline through points (k, dim) at the times t (k,), rising and at least six
     (1.1-1.3).
 
     Raises ShapeError, FreebodyError.
@@ -206,7 +205,7 @@ def trajectory(*rows: str) -> Trajectory:
 
 
 def printed(x: Composed, decimal: bool) -> Expression:
-    """An exact function as expression: terms of the highest powers first."""
+    """An exact function as an expression, terms with highest powers first."""
     terms = sorted(x.terms, key=lambda m: (-_degree(m), str(_term(m, Fraction(1), decimal))))
     return ex.add(*(_term(m, x.terms[m], decimal) for m in terms))
 

@@ -1,4 +1,4 @@
-"""Quantities of a derivation by name: the positions, velocities, forces and energies of every body,
+"""Quantities of a derivation by name: positions, velocities, forces and energies of every body,
 exact."""
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ValuesByName = dict[str, Any]
 
 
 class Quantities(Titled, ValuesByName):
-    """Exact quantities by name, and how they print."""
+    """Exact quantities by name, with their printed form."""
 
     def __init__(self, values: ValuesByName, layout: Layout):
         super().__init__(values)
@@ -41,11 +41,11 @@ class Quantities(Titled, ValuesByName):
         return f"Quantities: {counted(len(self), 'name')}: {', '.join(self)}"
 
     def __or__(self, other: Any) -> Quantities:
-        """The quantities with further ones."""
+        """The quantities with others added."""
         return Quantities({**self, **other}, self.layout)
 
     def form(self, x: Any) -> Expression:
-        """A quantity, or anything made of quantities, as it is printed."""
+        """A quantity, or a value made of quantities, as expression for print."""
         if isinstance(x, tuple) and x and isinstance(x[0], tuple):
             return ex.matrix([[self.form(y) for y in row] for row in x])
         if isinstance(x, tuple):
@@ -103,12 +103,12 @@ def quantities(
 
 
 def branches(tree: Tree) -> bool:
-    """Whether some body carries several."""
+    """Whether some body has several children."""
     return any(len(tree.children(i)) > 1 for i in range(-1, len(tree.bodies)))
 
 
 class QuantityValues:
-    """The values, one method a group."""
+    """The values of a derivation's quantities, one method for each group."""
 
     def __init__(self, setting: Setting, gravity: str):
         self.s = setting
@@ -122,12 +122,12 @@ class QuantityValues:
         return found
 
     def of_body(self, i: int) -> ValuesByName:
-        """The quantities of one body."""
+        """The quantities of body i by name."""
         return values_of(RecursionValues(self.s, i, self.record, self.base))
 
     @cached_property
     def record(self) -> Recursion:
-        """The record of one run of the recursion."""
+        """The results of one run of the recursion."""
         return self.s.recursion(self.gravity)
 
     def _element(self, x: Any) -> Trig:
@@ -177,8 +177,8 @@ class QuantityValues:
 
 
 def of_link(values: Mapping[str, Any], n: int) -> dict[str, Any]:
-    """The quantities with letters for the numbers of links: omega_i is omega_n, omega_h and omega_k
-    those before and behind.
+    """The quantities with letters for link numbers: omega_i is omega_n; omega_h and omega_k belong
+    to the preceding and next link.
 
     Forces f_hi and f_ik, matrices R_i of orientation, Ri_h from link n-1 to n.
     """

@@ -1,5 +1,5 @@
-"""`relation`: whether an equation between named quantities holds, exactly or to rounding, and by
-how much not."""
+"""Checking an equation between named quantities (`relation`): whether it holds, exactly or up to
+rounding, and the difference."""
 
 from __future__ import annotations
 
@@ -59,17 +59,18 @@ class Relation(Titled):
 
     @property
     def differences(self) -> list[FormulaValue]:
-        """The first side minus the last, entry by entry."""
+        """The first side minus the last, entry by entry; zero if the relation holds."""
         return (
             list(_entries(plus(self.sides[0], minus(self.sides[-1])))) if not self.problem else []
         )
 
     def at(self, values: Mapping[str, float]) -> tuple[Any, ...]:
-        """The sides at numbers for the symbols of exact polynomials."""
+        """Values of the sides with numbers substituted for the symbols."""
         return tuple(_numbers(side, values) for side in self.sides)
 
     def example(self) -> tuple[dict[str, float], tuple[Any, ...]] | None:
-        """Numbers for the symbols, and the sides there; None where there is nothing to put in."""
+        """Numbers for the symbols, and the sides' values there; None if the sides contain no
+        symbols."""
         rings = [x.ring for side in self.sides for x in _entries(side) if isinstance(x, Trig)]
         if not rings:
             return self._example_of_functions()
@@ -136,12 +137,12 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
 
 
 def symbols_of(formula: str) -> list[str]:
-    """Names that a formula uses."""
+    """Names that occur in a formula."""
     return names_in(parse(formula))
 
 
 def _filled(side: FormulaValue, sides: tuple[FormulaValue, ...]) -> FormulaValue:
-    """A side, or the zero vector that a 0 stands for where another side is a vector."""
+    """A side of an equation; a plain 0 becomes a zero vector if another side is a vector."""
     other = max(sides, key=rank)
     return plus(other, minus(other)) if rank(side) == 0 and _is_zero(side) and rank(other) else side
 
@@ -163,7 +164,7 @@ def _entries(x: FormulaValue) -> Iterator[FormulaValue]:
 
 
 def _compared(a: FormulaValue, b: FormulaValue, scale: list[FormulaValue]) -> tuple[bool, bool]:
-    """Whether two scalars are equal, and whether that is certain beside rounding.
+    """(whether two scalars are equal, whether this is exact rather than up to rounding).
 
     A difference of functions that does not become 0 is looked at in places: where it is 0 in all of
     them, the functions are taken as equal, to rounding.
@@ -204,7 +205,7 @@ def _numbers(side: FormulaValue, values: Mapping[str, float]) -> Any:
 
 # ---------------------------------------------------------------- numbers as printed
 def printed_numbers(text: str) -> list[tuple[float, float]]:
-    """The numbers of a printed result in order, each with one unit of its last digit."""
+    """The numbers in a printed result in order, each with one unit of its last digit."""
     found = []
     lexemes = Lexemes.of(text.replace(" ", "").replace("−", "-"))
     for match, figures in numbers(lexemes):
@@ -215,7 +216,8 @@ def printed_numbers(text: str) -> list[tuple[float, float]]:
 
 
 def agrees(computed: Any, text: str) -> bool:
-    """Whether numbers are those printed, rounded or cut off at the last printed digit."""
+    """Whether computed numbers agree with printed ones, rounded or truncated at the last printed
+    digit."""
     flat = np.asarray(computed, dtype=float).ravel()
     rows = printed_numbers(text)
     if len(flat) != len(rows):

@@ -1,1 +1,1 @@
-"""Renderers of expressions: one walk, `typesetter`, and a small file for each notation."""
+"""Renderers of expressions: one tree walk, `typesetter`, and a small file for each notation."""

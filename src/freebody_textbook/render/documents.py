@@ -1,5 +1,5 @@
-"""A derivation as text for a terminal, Markdown, a LaTeX document and an HTML page: one walk over
-its blocks, and a record for each kind of document that says how they are written."""
+"""A derivation as terminal text, Markdown, LaTeX document and HTML page: one walk over its blocks,
+and a record for each kind of document with its templates."""
 
 from __future__ import annotations
 
@@ -45,8 +45,9 @@ LARGEST = 595_000
 
 @dataclass(frozen=True)
 class LivingParts:
-    """HTML of the panel with the drawing and its sliders, of the values below each step's
-    equations, the text of the page's only script, and of the one that this inflates and runs."""
+    """HTML of a page's interactive parts: the panel with the drawing and sliders, the values below
+    each step's equations, and the texts of the page's loader script and of the script that it
+    decompresses."""
 
     panel: str
     below: Mapping[Step, str]
@@ -56,8 +57,7 @@ class LivingParts:
 
 @dataclass(frozen=True, kw_only=True)
 class _Document:
-    """A kind of document by how its blocks are written: templates for words that `prose` has
-    set."""
+    """A kind of document, defined by templates for its blocks; `prose` typesets their sentences."""
 
     prose: Medium
     symbol: Callable[[Expression], str]
@@ -92,12 +92,11 @@ class _Document:
     between: str = "\n"
 
     def __call__(self, derivation: Derivation, figures: Figures | None = None) -> str:
-        """The document; a figure stands where a step first asks for it."""
+        """The document's text; each figure is placed where a step first refers to it."""
         return self.of(derivation)._written(derivation, figures)
 
     def of(self, derivation: Derivation) -> _Document:
-        """The kind of document with symbols in sentences as the derivation's equations have
-        them."""
+        """The kind of document with symbols in sentences as in the derivation's equations."""
         planar = derivation.equations.symbols.model.dim == 2
         return replace(self, prose=self.prose.planar) if planar else self
 
@@ -120,7 +119,7 @@ class _Document:
         return self.between.join(filter(None, blocks))
 
     def step(self, step: Step, number: str = "", left: dict[str, str] | None = None) -> str:
-        """A step of the document, with its figure if that is left."""
+        """Text of a step, with its figure if `left` still contains it."""
         notes = self.notes.format(self.prose(cited(step.notes))) if step.notes else ""
         blocks = [
             self.heading.format(number, self.prose(step.operation), notes),
@@ -148,7 +147,7 @@ def text(derivation: Derivation, width: int = 100) -> str:
 
 
 def step_text(step: Step, width: int = 100) -> str:
-    """A step as text for a terminal, without its number."""
+    """A step as terminal text, without its number."""
     return _terminal(width).step(step).lstrip("\n")
 
 
@@ -182,7 +181,7 @@ def _text_equations(step: Step, width: int) -> str:
 
 
 def _cells(line: str) -> int:
-    """Columns that a line takes: combining dots take none."""
+    """Terminal columns of a line; combining dots take none."""
     return len(re.sub("[\u0300-\u036f]", "", line))
 
 
@@ -201,13 +200,13 @@ def _text_table(rows: SymbolRows, width: int) -> str:
 
 # ---------------------------------------------------------------- Markdown and LaTeX
 def _framed(step: Step) -> str:
-    """A step's equations as LaTeX, with a frame around a result that fits into one."""
+    """A step's equations in LaTeX, boxed if the step is a result that fits into a box."""
     formula = page.latex([step.equations])
     return f"\\boxed{{\n{formula}\n}}" if _fits(step, formula) else formula
 
 
 def _fits(step: Step, formula: str) -> bool:
-    """Whether a step is a result that a frame can hold."""
+    """Whether a step is a result whose equations fit into a box."""
     return step.result and len(formula.splitlines()) <= TALLEST
 
 
@@ -260,13 +259,13 @@ _PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 
 
 def markdown(derivation: Derivation, images: Figures | None = None) -> str:
-    """Markdown with formulas between dollar signs; images: paths of drawings by the names of
-    figures."""
+    """The derivation as Markdown with formulas between dollar signs; images: paths of drawings by
+    figure name."""
     return legal(_MARKDOWN(derivation, images) + "\n")
 
 
 def latex(derivation: Derivation) -> str:
-    """A LaTeX document that needs amsmath and T1 fonts only."""
+    """The derivation as a LaTeX document that only needs amsmath and T1 fonts."""
     inside = _LATEX(derivation)
     lines = [_PREAMBLE, *declared(inside), r"\begin{document}", inside, r"\end{document}"]
     return legal("\n".join(lines) + "\n")
@@ -304,7 +303,7 @@ body = _Document(
 
 
 def tried(living: LivingParts) -> _Document:
-    """The steps as HTML, with the living parts."""
+    """The kind of HTML document with interactive parts."""
     return replace(
         body,
         opening=living.panel,
@@ -313,7 +312,8 @@ def tried(living: LivingParts) -> _Document:
 
 
 def on_phones(document: _Document, steps: Sequence[Step], room: int) -> _Document:
-    """A document with equations in short lines too, of `room` bytes at most."""
+    """A kind of document that also contains equations in short lines for phones, at most `room`
+    bytes of them."""
     short = _short_lines(steps, room)
     return replace(document, equations=lambda step: short.get(step, "") + document.equations(step))
 
@@ -324,8 +324,8 @@ def html(
     style: str = "",
     living: LivingParts | None = None,
 ) -> str:
-    """A page that fetches nothing; `style` is for the figures, `living` makes it one that can be
-    tried."""
+    """A self-contained HTML page; style: CSS for the figures; living: parts that make it
+    interactive."""
     title, inside, head, run = web_prose(_title(derivation)), body, policy(), ""
     if living is not None:
         inside, style = tried(living), style + styles.PANEL + styles.STATE
@@ -357,7 +357,7 @@ _SOURCES = {
 
 
 def _legend(lines: Iterable[Expression]) -> str:
-    """The legend of the marks in some lines; nothing where there are none."""
+    """The legend of the marks in some lines; "" if there are none."""
     found = {x.source for line in lines for x in nodes(line) if isinstance(x, Sourced)}
     words = [
         f'<span class="term-{source}">{meant}</span>'
@@ -368,9 +368,9 @@ def _legend(lines: Iterable[Expression]) -> str:
 
 
 def _short_lines(steps: Iterable[Step], room: int) -> dict[Step, str]:
-    """HTML for each step whose equations are too long for a phone: its equations in shorter lines,
-    hidden where there is room for long ones; of the first steps only, if those of all take more
-    than `room` bytes: the others are scrolled."""
+    """HTML of each step whose equations are too long for a phone, in shorter lines that are hidden
+    on wide screens; only for the first steps if all need more than `room` bytes, other equations
+    scroll."""
     found: dict[Step, str] = {}
     for step in filter(lambda one: one.equations, steps):
         text = page.html([step.equations], LETTERS)

@@ -1,5 +1,5 @@
-"""Groups of equations as text, LaTeX and MathML, set into lines: chains one sign below the
-other, wide arrays by their entries."""
+"""Groups of equations as text, LaTeX and MathML lines: chains with aligned signs, wide arrays by
+their entries."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ _SIGN = 4.2
 
 # ---------------------------------------------------------------- text
 def text(groups: EquationGroups, width: int = 100) -> str:
-    """A line an equation, longer ones broken; an empty line between groups."""
+    """Equations as text, one per line with long ones broken; an empty line between groups."""
     return "\n\n".join("\n".join(_text_group(group, width)) for group in groups)
 
 
@@ -73,8 +73,8 @@ def _letters(node: Expression) -> float:
 def _lines(
     group: Sequence[_Row], room: float, setter: Typesetter
 ) -> Iterator[tuple[str, str, bool]]:
-    """The texts left and right of the sign, line by line, and whether a line goes on with the one
-    before."""
+    """Texts left and right of the sign, line by line, and whether a line continues the previous
+    one."""
     for row in group:
         left = "" if row.left is None else setter.line(row.left)
         fits = _span(row.right) <= room
@@ -85,14 +85,14 @@ def _lines(
 def _set(
     groups: EquationGroups, width: float, setter: Typesetter
 ) -> list[list[tuple[str, str, bool]]]:
-    """The lines of each group; all have the same room."""
+    """The lines of each group of equations; all groups have the same line width."""
     found = [_rows(group, width, _span) for group in groups]
     room = min((room for _, room in found), default=width)
     return [list(_lines(group, room, setter)) for group, _ in found]
 
 
 def latex(groups: EquationGroups, environment: str = "aligned", width: int = 76) -> str:
-    """An amsmath environment: "aligned" inside a formula, "align*" in a document."""
+    """Equations as an amsmath environment: "aligned" inside a formula, "align*" in a document."""
     blocks = [
         " \\\\\n".join(
             f"&\\quad {right}" if goes_on else f"{left} &= {right}".lstrip()
@@ -105,7 +105,7 @@ def latex(groups: EquationGroups, environment: str = "aligned", width: int = 76)
 
 
 def _span(node: Expression) -> float:
-    """About how wide an expression is as a formula, in letters."""
+    """Approximate width of a printed expression, in letters."""
     if isinstance(node, Vector):
         return max(map(_span, node.entries)) + 2.5
     if isinstance(node, Matrix):
@@ -123,8 +123,8 @@ def _span(node: Expression) -> float:
 
 
 def html(groups: EquationGroups, width: float = 74, alone: bool = False) -> str:
-    """MathML tables, equations aligned at their sign, long ones broken before one; equations with a
-    wide left side have a table of their own, lest others have no room.
+    """Equations as MathML tables aligned at the sign, long ones broken before one; equations with a
+    wide left side get a table of their own.
 
     The width, in letters, suits a page of 960 px in the widest of the usual mathematical fonts
     (DejaVu's). Equations that stand `alone` need no style of a page around them, and are not
@@ -135,8 +135,8 @@ def html(groups: EquationGroups, width: float = 74, alone: bool = False) -> str:
 
 
 def _parts(group: Sequence[Equation], tall: float) -> list[tuple[int, Equation]]:
-    """Each equation with the number of its part: parts of about `tall` rows, one of few that are
-    not twice as many."""
+    """Equations with the number of the part they are in: parts of about `tall` rows, and a single
+    part up to twice that."""
     heights = [_height(line) for line in group]
     total = sum(heights)
     count = int(total // tall) if total > 2 * tall else 1
@@ -145,14 +145,14 @@ def _parts(group: Sequence[Equation], tall: float) -> list[tuple[int, Equation]]
 
 
 def _height(line: Equation) -> int:
-    """Rows of the tallest array in an equation."""
+    """Number of rows in the tallest array of an equation."""
     arrays = (x for x in nodes(line) if isinstance(x, Vector | Matrix))
     return max((len(x.rows if isinstance(x, Matrix) else x.entries) for x in arrays), default=1)
 
 
 def _tables(groups: EquationGroups, width: float, tall: float) -> list[list[list[Equation]]]:
-    """The groups, in the same order, in tables of left sides that are all wide or all narrow, and
-    not of very many rows."""
+    """Groups of equations split into tables, in order: left sides in a table are all wide or all
+    narrow, and tables are not very tall."""
     tables: list[list[list[Equation]]] = []
     last = None
     for group in groups:
@@ -190,15 +190,15 @@ def _cell(inside: str, style: str) -> str:
 
 @dataclass(frozen=True)
 class _Row:
-    """left = right; a chain goes on where left is None."""
+    """A printed line left = right; left is None for the continuation of a chain."""
 
     left: Expression | None
     right: Expression
 
 
 def _rows(group: Iterable[Equation], width: float, measure: _WidthOf) -> tuple[list[_Row], float]:
-    """The lines of a group of equations, and the room that their right sides have beside the widest
-    left one."""
+    """The lines of a group of equations, and the width left for right sides beside the widest left
+    side."""
     turned = (_turned_round(equation, width, measure) for equation in group)
     lines = [line for equation in turned for line in _unfolded(equation, width, measure)]
     heads = [_head(line) for line in lines]
@@ -207,7 +207,7 @@ def _rows(group: Iterable[Equation], width: float, measure: _WidthOf) -> tuple[l
 
 
 def _turned_round(equation: Equation, width: float, measure: _WidthOf) -> Equation:
-    """The equation; a = b as b = a where a is too wide for a line, as only the right side is
+    """The equation, or b = a for a = b if a is too wide for a line, as only right sides are
     broken."""
     left, *others = equation.sides
     sizes = [measure(side) for side in others]
@@ -217,8 +217,8 @@ def _turned_round(equation: Equation, width: float, measure: _WidthOf) -> Equati
 
 
 def _unfolded(equation: Equation, width: float, measure: _WidthOf) -> list[Equation]:
-    """The equation; one whose last side is an array too wide for a line by the array's entries
-    instead."""
+    """The equation; if its last side is an array too wide for a line, equations of the array's
+    entries."""
     *before, last = equation.sides
     name = before[0]
     if not isinstance(last, Vector | Matrix) or not isinstance(name, Symbol):
@@ -245,7 +245,7 @@ def _left_side(equation: Equation) -> Expression:
 
 
 def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
-    """The side left of the sign that is aligned, and the sides right of it: names come first."""
+    """The side left of the aligned sign, and the sides right of it; names come first."""
     names = 1
     while names < len(equation.sides) - 1 and isinstance(equation.sides[names], Symbol):
         names += 1
@@ -256,7 +256,7 @@ def _head(equation: Equation) -> tuple[Expression, tuple[Expression, ...]]:
 def _chain(
     head: Expression, rest: tuple[Expression, ...], room: float, measure: _WidthOf
 ) -> list[_Row]:
-    """Rows of a chain of equal sides: one row if it fits, else a row a side."""
+    """Lines of a chain of equal sides: one line if it fits, otherwise one per side."""
     joined = rest[0] if len(rest) == 1 else Equation(rest)
     if len(rest) == 1 or sum(map(measure, rest)) + _SIGN * (len(rest) - 1) <= room:
         return [_Row(head, joined)]

@@ -1,5 +1,5 @@
-"""Symbols inside sentences: s_ci, f_0,1, θ₁, τ_2, 2 ω × ḋ u, set as formulas where the medium
-can."""
+"""Symbols in sentences, s_ci, f_0,1, θ₁, τ_2, 2 ω × ḋ u, typeset as formulas where the medium
+allows."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ _TEX = {
 
 @dataclass(frozen=True)
 class Medium:
-    """A medium by how a sentence is set: its words, its symbols (sign, letter, subscript, whether
-    it is a vector), names of others."""
+    """How a medium typesets sentences: words, symbols (sign, letter, subscript, whether it is a
+    vector), and other names."""
 
     words: Callable[[str], str]
     symbol: Callable[[str, str, str, bool], str]
@@ -40,11 +40,11 @@ class Medium:
 
     @property
     def planar(self) -> Medium:
-        """The medium for the plane, where moments are scalars."""
+        """The same medium for planar robots, where moments are scalars."""
         return replace(self, vectors=self.vectors - {"n"})
 
     def __call__(self, sentence: str) -> str:
-        """A sentence, set for the medium."""
+        """A sentence typeset for the medium."""
         return literal.in_parts(sentence, self._set, self.name)
 
     def _set(self, words: str) -> str:
@@ -92,7 +92,8 @@ web_prose = Medium(lambda words: html.escape(_with_minus(words)), _web_symbol, l
 
 
 def cited(numbers: Sequence[str]) -> str:
-    """`("3.16", "3.17", "4.1")` as (3.16), (3.17), (4.1); three and more in a row as a range."""
+    """Citation of equation numbers: `("3.16", "3.17", "4.1")` as (3.16), (3.17), (4.1); three or
+    more consecutive ones as a range."""
     runs: list[list[str]] = []
     for number in sorted(dict.fromkeys(numbers), key=_place):
         if runs and _place(number) == _next(runs[-1][-1]):

@@ -1,5 +1,5 @@
-"""Styles of pages of derivations: everywhere, of marked terms, of the panel that can be tried, on
-paper, in narrow windows and under fingers.
+"""CSS styles of derivation pages: general, marked terms, the interactive panel, print, narrow
+windows and touch screens.
 
 Paper is A4 or Letter; `freebody.outputs.page.SHEETS` has the styles of all pages there.
 """
