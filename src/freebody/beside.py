@@ -21,8 +21,8 @@ EQUATIONS_OF_A_STUDY = "freebody_textbook.in_studies"
 
 
 def found(module: str, what: str) -> ModuleType:
-    """A module of a package beside; raises MissingPackageError, which names what needs it, where
-    the package is not installed."""
+    """Import a module of a package that comes with freebody; raises MissingPackageError, which
+    names what needs it, if the package is not installed."""
     package = module.partition(".")[0]
     try:
         return imported(module)

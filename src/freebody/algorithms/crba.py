@@ -255,6 +255,6 @@ def substitute(tree: Tree, factors: Factors, right: Vector) -> Vector:
 
 
 def bias(tree: Tree, q: Vector, qd: Vector, external: Sequence[External] = ()) -> Vector:
-    """Velocity, gravity, friction and spring torques: the inverse dynamics at q̈ = 0, without what
-    is lost of torques that joints transmit."""
+    """Torques of velocities, gravity, friction and springs: the inverse dynamics at q̈ = 0, without
+    transmission losses."""
     return rnea(without_losses(tree), q, qd, (0.0,) * tree.nv, external).tau

@@ -85,7 +85,7 @@ torques of the stage."""
 
 
 def held(tau: Vector) -> Law:
-    """A torque that does not change."""
+    """A control law with the constant torque tau."""
     nothing = (0.0,) * len(tau)
     return lambda start, end, q, qd: Linearised(tau, nothing, nothing, nothing)
 

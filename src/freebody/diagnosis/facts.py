@@ -155,8 +155,8 @@ class RobotFacts(Keeps):
 
     @cached_property
     def carrier(self) -> dict[str, str]:
-        """For each link the one to which fixed joints attach it in the end: a link that a joint
-        moves, or the base."""
+        """For each link the one to which it is rigidly attached through fixed joints: a link moved
+        by a joint, or the base."""
         found: dict[str, str] = {}
         for link in self.links:
             name, seen = link.name, {link.name}

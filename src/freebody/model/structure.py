@@ -301,7 +301,8 @@ def _followers(model: Model) -> tuple[Any, ...]:
 
 
 def _loops(model: Model) -> tuple[Any, ...]:
-    """The loops of a closed chain, and all its frames, which say how long the mechanism is."""
+    """The loops of a closed chain with all its frames, which the mechanism's length scale depends
+    on."""
     at = {name: i for i, name in enumerate(model.frame_names)}
     loops = [(loop.kind, loop.axis, *(at[name] for name in loop.frames)) for loop in model.loops]
     return tuple(loops), tuple(frame_form(model, name) for name in at)

@@ -151,8 +151,8 @@ class Branches:
 
 
 def _unless_free(places: JointPlaces, clear: Scalar) -> Scalar:
-    """The margin of a branch's existence; 0 where one of its joints could as well stand
-    elsewhere."""
+    """The margin by which a branch exists; 0 if one of its joints may have any other value as
+    well."""
     for place in places:
         clear = where(place.free, 0.0, clear)
     return clear

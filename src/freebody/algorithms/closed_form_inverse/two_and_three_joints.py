@@ -50,7 +50,8 @@ from freebody.spatial import Vector, add, dot, scale, sub
 
 @dataclass(frozen=True, eq=False)
 class JointPair:
-    """Two joints with e1 e2 c = p."""
+    """Solves for the rotations or shifts e1, e2 of two joints that take the point c to p: e1 e2 c =
+    p."""
 
     s1: Screw
     s2: Screw

@@ -138,7 +138,7 @@ def _rings(drawing: Drawing, seen: Snapshot) -> None:
 
 
 def _rods(drawing: Drawing, seen: Snapshot) -> None:
-    """Draw the rods that join the two places of a loop that are apart."""
+    """Draw the rods of loops that keep two points at a distance."""
     for loop in seen.pose.loops:
         if np.linalg.norm(loop.origin - loop.carrier) > SAME:
             drawing.line((loop.carrier, loop.origin), loop.symbol, "rail")

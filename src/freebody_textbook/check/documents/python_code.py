@@ -87,7 +87,7 @@ def clean(whole: Blanks, said: Blanks, span: Span) -> list[FormulaPiece]:
 
 
 def _counted_from_one(match: re.Match[str]) -> str:
-    """The name of an array entry with its indices, counted from 0 in the code, counted from 1."""
+    """The name of an array entry with 1-based indices, converted from the code's 0-based ones."""
     name = match[1] + "".join(str(int(k) + 1) for k in match.groups()[1:] if k)
     return name.ljust(len(match[0]), FILL)
 
