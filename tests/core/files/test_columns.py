@@ -17,8 +17,7 @@ from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.kernels.tracing import arguments
 from freebody.targets import KernelError
 from support.branched import MODELS, difference_along
-from support.helpers import refused
-from support.reference import reference
+from support.helpers import refused, several
 
 BY_COLUMNS = [name for name, formula in FORMULAS.items() if formula.by_columns]
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
@@ -159,7 +158,7 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()
     q, qd, qdd = fb.random_state(model, seed=6)
-    by_q_q, by_qd_q, by_qd_qd, M_q = reference(
+    by_q_q, by_qd_q, by_qd_qd, M_q = several(
         model, "inverse_dynamics_second_derivatives", q, qd, qdd
     )
 
