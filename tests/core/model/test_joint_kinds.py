@@ -22,11 +22,11 @@ from freebody.model.joints import KINDS, JointKind
 from freebody.model.joints.prismatic import SLIDING
 from freebody.model.joints.revolute import TURNING
 from freebody.model.loop_kinds import LOOP_KINDS
-from freebody_textbook.derive import compare
 from freebody_textbook.equations.base_parameters import base_parameters
 from support import generate, robots
 from support.extras import extra
 from support.helpers import close
+from support.methods import agree
 from support.robots import Joint, Link, Mimic, Robot, loaded, rpy, shift
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -346,7 +346,7 @@ def test_derivations_of_joints_of_several_coordinates(kind: str):
     close(fb.inverse_dynamics(single, q, qd, qdd), torques, 1e-12)
     derived = [fb.derive(model, method) for method in ("newton-euler", "recursive", "lagrange")]
     for one in derived:
-        assert compare(derived[0], one)
+        assert agree(derived[0], one)
         assert f"The {kind} joint j is replaced by joints 2" in one.given
         assert "m₂" not in str(one)
     found = fb.equations(model, numbers=True)

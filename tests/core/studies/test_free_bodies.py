@@ -10,8 +10,7 @@ import pytest
 import freebody as fb
 from freebody import Inertia, Model
 from freebody.expressions.expression import Equation, Symbol, nodes
-from freebody_textbook.derive import compare
-from support.methods import METHODS
+from support.methods import METHODS, agree
 from support.printed_values import evaluate
 from support.robots import Joint, Link, Robot, loaded
 
@@ -151,7 +150,7 @@ def test_every_method_ends_in_the_same_polynomials(kinds):
     first = fb.derive(model, "newton-euler")
     for tau, closed in zip(first.tau, first.equations.tau, strict=True):
         assert (tau - closed).is_zero
-    assert compare(first, fb.derive(model, "lagrange"))
+    assert agree(first, fb.derive(model, "lagrange"))
 
 
 def test_thrusts_of_the_quadrotor():
