@@ -101,20 +101,20 @@ AREAS = (
     Area(
         "inverse and reach",
         ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
-        ("inverse_kinematics", "inverse_velocity", "singularities", "descent_kernel", "branches",
+        ("inverse_kinematics", "inverse_velocity", "singularities", "inverse_ways", "branches",
          "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams"),
     ),
     Area(
         "motions",
         ("motion/*.py", "motion/files/*.py", "motion/planning/*.py", "motion/optimal/*.py"),
-        ("motion", "motion_files", "planned_motions", "tip_motions", "piecewise", "measured",
+        ("motion", "motion_files", "planned_motions", "tip_motions", "planning_internals", "measured",
          "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
     ),
     Area(
         "simulation",
         ("motion/simulation/*.py",),
         ("simulate", "simulate_many", "simulate_torques", "simulate_wrenches", "joint_contacts",
-         "simulate_command", "steps", "closed_steps"),
+         "simulate_command", "simulation_internals", "steps", "closed_steps"),
     ),
     Area(
         "closed chains",

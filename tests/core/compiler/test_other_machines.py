@@ -366,3 +366,37 @@ def test_emulated_processors_give_the_same_code():
         command = [QEMU_X86, "-cpu", name, sys.executable, "-c", SCRIPT, __file__.rsplit("/", 1)[0]]
         found = subprocess.run(command, capture_output=True, text=True, env=environment())
         assert found.stdout.split() == [name.lower(), *here]
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore")
+@on_x86
+def test_a_mixed_cluster_is_refused_unless_a_level_is_named():
+    distributed = pytest.importorskip("distributed")
+
+    def pretend_to_be(level: str) -> None:
+        """On a worker: a processor that has the features of a level and no more."""
+        from dataclasses import replace
+
+        from freebody.targets.llvm import machine
+
+        features = ",".join(f"+{name}" for name in machine.LEVELS[level].features)
+        other = replace(machine.host(), cpu="haswell", features=features)
+        machine.host = lambda: other
+
+    with (
+        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        one = next(iter(client.scheduler_info()["workers"]))
+        client.run(pretend_to_be, "x86-64-v3", workers=[one])
+        given = {"over": OVER, "reduce": "mean", "block": 1000}
+        with pytest.raises(fb.FreebodyError, match="a worker has another processor than this"):
+            fb.sweep(ARM, "inverse_dynamics", **given, client=client)
+        with pytest.raises(
+            fb.FreebodyError, match=r"worker .*: this CPU \(haswell\) lacks avx512f"
+        ):
+            fb.sweep(ARM, "inverse_dynamics", **given, client=client, cpu="x86-64-v4")
+        there = fb.sweep(ARM, "inverse_dynamics", **given, client=client, cpu="x86-64-v2")
+        here = fb.sweep(ARM, "inverse_dynamics", **given, cpu="x86-64-v2")
+        assert all(there[x].values.tobytes() == here[x].values.tobytes() for x in here.data_vars)
