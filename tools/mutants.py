@@ -107,8 +107,8 @@ AREAS = (
     Area(
         "motions",
         ("motion/*.py", "motion/files/*.py", "motion/planning/*.py", "motion/optimal/*.py"),
-        ("motion", "motion_files", "planned_motions", "tip_motions", "planning_internals", "measured",
-         "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
+        ("motion", "motion_files", "planned_motions", "tip_motions", "measured",
+         "planning_internals", "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
     ),
     Area(
         "simulation",
@@ -149,7 +149,7 @@ AREAS = (
     Area(
         "check",
         ("freebody_textbook/check/**/*.py",),
-        ("check", "check_other_forms", "check_numbers", "advice", "check_random", "notes"),
+        ("check", "check_other_forms", "check_numbers", "advice", "check_generated", "notes"),
     ),
 )  # fmt: skip
 
