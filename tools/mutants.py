@@ -96,7 +96,7 @@ AREAS = (
         ("model", "inertia", "structure", "families", "changed_copies", "formats_toml",
          "formats_urdf", "formats_files", "xacro", "mjcf", "sdf", "masses",
          "parameter_formulas", "planar_dh", "robots",
-         "joint_kinds", "pickling", "lifting"),
+         "joint_kinds", "pickling", "reading", "massless"),
     ),
     Area(
         "inverse and reach",
@@ -126,8 +126,9 @@ AREAS = (
     Area(
         "studies and sweeps",
         ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py", "beside.py"),
-        ("verdict", "study", "report_page", "report_equations", "numbers_in_print", "outputs",
-         "display", "cli", "terminal", "completion", "sweeps", "sweep_stores", "page_sizes"),
+        ("verdict", "study", "study_internals", "report_page", "numbers_in_print",
+         "print_internals", "outputs", "display", "cli", "terminal", "completion", "sweeps", "sweep_stores",
+         "sweep_internals", "page_sizes"),
     ),
     Area(
         "figures",
@@ -143,7 +144,8 @@ AREAS = (
          "expressions/**/*.py"),
         ("derivation_words", "equations", "expression", "relation", "closed_equations",
          "closed_derivations", "naming", "notations", "vector_functions", "term_sources",
-         "names_in_print", "singularities", "diagrams", "notes", "zero_parameters", "derive",
+         "names_in_print", "print_internals", "singularities", "diagrams", "notes",
+         "zero_parameters", "derive",
          "kane", "modular", "inverse_kinematics"),
     ),
     Area(

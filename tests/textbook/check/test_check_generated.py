@@ -1,6 +1,6 @@
-"""Answers from a seeded generator over arms, methods and their lines: right ones rewritten are
-accepted, planted errors caught and explained, hostile ones harmless. What stands in equations of
-motion is in test_check_random.py; here are the lines on the way, and whole documents."""
+"""`check` at random, from a seeded generator over arms, methods and their lines: right answers
+rewritten are accepted, planted errors caught and named, hostile ones harmless; in equations of
+motion, in the lines on the way, and in whole documents."""
 
 from __future__ import annotations
 
