@@ -127,8 +127,8 @@ AREAS = (
         "studies and sweeps",
         ("report/*.py", "sweeps/*.py", "outputs/**/*.py", "cli/*.py", "beside.py"),
         ("verdict", "study", "study_internals", "report_page", "numbers_in_print",
-         "print_internals", "outputs", "display", "cli", "terminal", "completion", "sweeps", "sweep_stores",
-         "sweep_internals", "page_sizes"),
+         "print_internals", "outputs", "display", "cli", "terminal", "completion", "sweeps",
+         "sweep_stores", "sweep_internals", "page_sizes"),
     ),
     Area(
         "figures",
