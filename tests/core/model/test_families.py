@@ -259,9 +259,25 @@ def _results(found: Any) -> tuple[Any, ...]:
     return found if isinstance(found, tuple) else (found,)
 
 
-@pytest.mark.parametrize("family_of", [random_family, with_limits, with_drives])
-@pytest.mark.parametrize(("seed", "dim"), [(1, 2), (24, 3)])
+FAMILIES = [random_family, with_limits, with_drives]
+
+
+@pytest.mark.parametrize("family_of", FAMILIES)
+@pytest.mark.parametrize(
+    ("seed", "dim"), [(1, 2), pytest.param(24, 3, marks=pytest.mark.long)], ids=["plane", "space"]
+)
 def test_a_family_gives_what_its_members_give(seed, dim, family_of):
+    _as_its_members(seed, dim, family_of)
+
+
+@pytest.mark.usefixtures("numpy_kernels")
+@pytest.mark.parametrize("family_of", FAMILIES)
+def test_a_family_in_space_gives_what_its_members_give(family_of):
+    """Compiled, as the one in the plane, among the long tests."""
+    _as_its_members(24, 3, family_of)
+
+
+def _as_its_members(seed, dim, family_of):
     """Of every function the shape and, to 1e-13, the numbers, also of those that read no number
     that differs."""
     model = generate.model(seed, dim)
