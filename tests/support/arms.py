@@ -86,3 +86,70 @@ def apart(model: fb.Model, a: np.ndarray, b: np.ndarray) -> float:
 def holds(model: fb.Model, solutions: np.ndarray, q: np.ndarray, tolerance: float = 1e-6) -> bool:
     """Whether q is among the solutions (k, n)."""
     return any(apart(model, row, q) < tolerance for row in solutions)
+
+
+def industrial(rng):
+    """Axes 2 and 3 parallel and across axis 1, which they miss: an arm with a shoulder's offset and
+    a wrist."""
+    w, n = np.array([0.0, 0.0, 1.0]), direction(rng) * [1, 1, 0]
+    second = [("R", s * n, rng.normal(size=3)) for s in (1, -1)]
+    return [("R", w, np.zeros(3)), *second, *meeting(3, rng)]
+
+
+def scara(rng):
+    w = direction(rng)
+    turns = [("R", s * w, rng.normal(size=3)) for s in (1, -1, 1)]
+    turns.insert(int(rng.integers(4)), ("P", -w, np.zeros(3)))
+    return turns
+
+
+POSES = {
+    "an industrial arm": (industrial, 8),
+    "an industrial arm, backwards": (lambda rng: industrial(rng)[::-1], 8),
+    "a shoulder and an elbow": (
+        lambda rng: meeting(2, rng) + skew("R", rng) + meeting(3, rng),
+        8,
+    ),
+    "a shoulder and a slide": (lambda rng: meeting(2, rng) + skew("P", rng) + meeting(3, rng), 8),
+    "parallel axes and a wrist": (
+        lambda rng: parallel(2, rng) + skew("R", rng) + meeting(3, rng),
+        8,
+    ),
+    "slides and a wrist": (lambda rng: skew("PPP", rng) + meeting(3, rng), 2),
+    "like a UR": (lambda rng: skew("R", rng) + parallel(3, rng) + meeting(2, rng), 8),
+    "like a UR, backwards": (
+        lambda rng: (skew("R", rng) + parallel(3, rng) + meeting(2, rng))[::-1],
+        8,
+    ),
+    "three skew joints and a wrist": (lambda rng: skew("RRR", rng) + meeting(3, rng), 8),
+    "a wrist and a skew slide": (lambda rng: meeting(3, rng) + skew("PRR", rng), 8),
+    "a SCARA": (scara, 2),
+    "seven, the last held": (
+        lambda rng: meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng),
+        8,
+    ),
+    "seven, the first held": (
+        lambda rng: (meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng))[::-1],
+        8,
+    ),
+}
+
+
+def checked(model, target, **more):
+    """The solutions, each of which forward kinematics brings to the target."""
+    found = fb.inverse_kinematics(model, target, **more)
+    T = fb.forward_kinematics(model, found.q)
+    d = model.dim
+    target = np.asarray(target)
+    if target.shape[-1] == d:
+        assert np.abs(T[..., :d, d] - target).max(initial=0) < 1e-10
+    elif more.get("task") in (None, "pose"):
+        assert np.abs(T - target).max(initial=0) < 1e-10
+    assert found.residual.max(initial=0) < 1e-10
+    return found
+
+
+def puma_like(rng):
+    first, second = meeting(2, rng)
+    w = np.cross(first[1], direction(rng))
+    return [first, ("R", w, second[2]), ("R", -w, rng.normal(size=3)), *meeting(3, rng)]

@@ -4,7 +4,8 @@ comparison."""
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -36,6 +37,16 @@ def numbers(
     batch = np.broadcast_shapes(*(a.shape[:-1] for a in given))
     found = function(*(scalars(np.broadcast_to(a, (*batch, a.shape[-1]))) for a in given))
     return np.array(_array(found, batch))
+
+
+def several(model: fb.Model, name: str, *arrays: Any) -> tuple[np.ndarray, ...]:
+    """A quantity of several outputs by its formula on plain arrays of one batch: vectors (..., n)
+    and numbers (...), a vector first."""
+    batch = np.shape(arrays[0])[:-1]
+    found = fb.formula(model, name)(
+        *(scalars(a) if np.ndim(a) > len(batch) else np.asarray(a, dtype=float) for a in arrays)
+    )
+    return tuple(np.array(_array(x, batch)) for x in found)
 
 
 def _array(value: Any, batch: tuple[int, ...]) -> np.ndarray:
@@ -134,3 +145,12 @@ def refused(text: str, call: Callable[[], Any], kind: type[Exception] = fb.Freeb
     """The call is refused in exactly these words."""
     with pytest.raises(kind, match=f"^{re.escape(text)}$"):
         call()
+
+
+@contextmanager
+def raises_own(kind: type[Exception], match: str) -> Iterator[None]:
+    """What stands inside is refused by an error of freebody's own that is one of Python's `kind`
+    too: by either, callers catch it."""
+    with pytest.raises(fb.FreebodyError, match=match) as caught:
+        yield
+    assert isinstance(caught.value, kind), type(caught.value).__mro__

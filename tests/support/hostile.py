@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -54,3 +55,30 @@ def hostile_study(tmp_path_factory: pytest.TempPathFactory) -> fb.Study:
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("hostile"))
         return fb.study(hostile())
+
+
+SPECIAL = r"\_%#&${}~^<>|\"'`*[]" + "\u202e\x1b\n"
+NAMES = (
+    "θ1",
+    "left/joint1",
+    "n" * 40,
+    "<b>",
+    "关节",
+    "a_1",
+    "50%_of#1&co$",
+    r"\input{x}",
+    "x^2~y",
+    "}",
+    "`*_[]|",
+    SPECIAL,
+)
+"""What parts of a robot may be called in a file."""
+
+
+def balanced(document: str) -> bool:
+    """Whether every brace that groups is closed."""
+    depth = 0
+    for brace in re.findall(r"(?<!\\)(?:\\\\)*([{}])", re.sub(r"\\[{}]", "", document)):
+        depth += 1 if brace == "{" else -1
+        assert depth >= 0
+    return depth == 0

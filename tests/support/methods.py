@@ -6,6 +6,7 @@ from __future__ import annotations
 import inspect
 import itertools
 import re
+from typing import Any
 
 import freebody as fb
 
@@ -32,3 +33,9 @@ WAYS = [
 ]
 """The ways from a motion to the torques: every method of open chains, with every choice of its
 options that makes another way."""
+
+
+def agree(first: Any, second: Any) -> bool:
+    """Whether two derivations of one model end in identical polynomials for the torques."""
+    assert len(first.tau) == len(second.tau) > 0
+    return all((a - b).is_zero for a, b in zip(first.tau, second.tau, strict=True))

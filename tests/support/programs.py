@@ -2,11 +2,7 @@
 
 from __future__ import annotations
 
-import os
-import sys
-
 import numpy as np
-import pytest
 
 import freebody as fb
 from freebody.math import (
@@ -26,17 +22,6 @@ from freebody.math import (
     tanh,
     where,
 )
-from freebody.targets import TARGETS
-from freebody.targets.target import target_named
-
-WAYS = [
-    pytest.param(name, width, marks=pytest.mark.skipif(bool(lacking), reason=f"{name}: {lacking}"))
-    for name in TARGETS
-    for lacking in [target_named(name).missing()]
-    for width in target_named(name).widths["float64"] or (None,)
-]
-"""Every target with each of its widths: what there is, only the tables of targets say."""
-every_target = pytest.mark.parametrize(("target", "width"), WAYS)
 
 INPUTS = {"x": (3,), "A": (2, 5), "s": ()}
 OUTPUTS = {"y": (4,), "B": (3, 3), "t": ()}
@@ -138,8 +123,3 @@ def same_bits(left, right):
         np.array_equal(np.asarray(x).view(np.int64), np.asarray(y).view(np.int64))
         for x, y in zip(left, right, strict=True)
     )
-
-
-def environment():
-    """Of a child process that imports what this one does."""
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}

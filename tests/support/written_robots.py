@@ -3,15 +3,15 @@ choice: the same robot in other words."""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 import freebody as fb
-from freebody.formats.writing.toml import written
-from freebody.model.quantity_reader import VALUES
-from freebody.spatial import of_dimension
+from support.helpers import numbers
 
 Pose = tuple[np.ndarray, np.ndarray]
 HERE: Pose = np.eye(3), np.zeros(3)
@@ -38,24 +38,42 @@ class Written:
 
 
 def bodies_of(model: fb.Model, count: int | None = None) -> list[Written]:
-    """The bodies of a model in space, or the first of them."""
-    space, value, found = of_dimension(3), VALUES.quantity, []
-    for body in model.bodies[:count]:
-        joint, drive = body.joint, body.joint.drive
-        parts = [x.inertia.placed(*x.placement.lower(space, VALUES)) for x in body.inertias]
-        mass, com, tensor = sum(parts[1:], parts[0]).numbers()
-        R, p = joint.placement.lower(space, VALUES)
+    """The bodies of a model in space, or the first of them, as public functions tell them."""
+    inertial, known, rest = fb.inertial_parameters(model), fb.parameters(model), fb.neutral(model)
+    own: dict[int, Pose] = {-1: HERE}
+    found = []
+    for k, body in enumerate(model.bodies[:count]):
+        joint = body.joint
+        T = numbers(model, "forward_kinematics", rest, frame=body.name)
+        own[k] = T[:3, :3], T[:3, 3]
+        mass, *moment = (inertial[f"{body.name}.{x}"] for x in ("m", "hx", "hy", "hz"))
+        com = np.array(moment) / mass if mass else np.zeros(3)
+        entries = np.array([[inertial[f"{body.name}.I{x}"] for x in row] for row in _ENTRIES])
+        tensor = entries - mass * (com @ com * np.eye(3) - np.outer(com, com))
+        drive = {
+            x: known[name].value if (name := f"{joint.name}.{place}") in known else default
+            for x, place, default in _DRIVE
+        }
         limits = {key: x for key, x in vars(joint.limits).items() if np.isfinite(x)}
         found.append(
             Written(
                 body.name, joint.name, body.parent, joint.kind,
-                (np.array(R, dtype=float), np.array(p, dtype=float)),
+                composed(inverse(own[body.parent]), own[k]),
                 np.array(joint.axis, dtype=float), mass, com, tensor, limits,
-                value(drive.viscous), value(drive.coulomb),
-                value(drive.rotor) * value(drive.gear) ** 2,
+                drive["viscous"], drive["coulomb"], drive["rotor"] * drive["gear"] ** 2,
             )
         )  # fmt: skip
     return found
+
+
+_ENTRIES = (("xx", "xy", "xz"), ("xy", "yy", "yz"), ("xz", "yz", "zz"))
+_DRIVE = (
+    ("viscous", "friction.viscous", 0.0),
+    ("coulomb", "friction.coulomb", 0.0),
+    ("rotor", "rotor.inertia", 0.0),
+    ("gear", "rotor.gear", 1.0),
+)
+"""Numbers of a drive, where `fb.parameters` has them, and what they are where it has not."""
 
 
 def composed(outer: Pose, inner: Pose) -> Pose:
@@ -227,7 +245,9 @@ def toml(bodies: Sequence[Written]) -> str:
     for body in bodies:
         if body.armature:
             model = model.with_drive(body.joint, rotor=body.armature, gear=1.0)
-    return written(model)[0]
+    with tempfile.TemporaryDirectory() as folder:
+        fb.save(model, path := Path(folder) / "robot.toml")
+        return path.read_text(encoding="utf-8")
 
 
 FORMATS: dict[str, Callable[[Sequence[Written]], str]] = {

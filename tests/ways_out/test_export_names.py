@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.ways_out.program_description import MEANINGS
 
 LINE = re.compile(r"    const double (\w+) = (.*);")
 
@@ -114,14 +113,6 @@ def test_forces_are_those_of_the_robot_where_nothing_is_regrouped():
             looked_at += 1
             assert value == pytest.approx(should, rel=1e-9, abs=1e-9), word
     assert looked_at >= 10
-
-
-def test_the_head_tells_what_the_letters_stand_for_and_no_others():
-    text = fb.source(fb.load("ur5e"), "inverse_dynamics", "c")
-    head, _, body = text.partition("*/")
-    told = set(re.findall(r"^ \*   (\w+) [a-z]", head, re.MULTILINE)) & set(MEANINGS)
-    words = re.findall(r"const double (?:minus_)?([A-Za-z]+)\d_[xyz]", body)
-    assert told == set(words)
 
 
 def test_a_robot_without_a_joint_goes_out_too(tmp_path):

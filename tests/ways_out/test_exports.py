@@ -34,6 +34,7 @@ from freebody.targets.text import LANGUAGES, SourceUnit
 from freebody.targets.text.language import called
 from freebody.targets.text.statements import Spelling, lines, statements, words_of
 from freebody.ways_out.exports import vectors
+from freebody.ways_out.program_description import MEANINGS
 from support.browser import browser
 from support.closed_chains import built, ring
 from support.command import run
@@ -798,3 +799,11 @@ def test_the_page_of_the_docs_moves_under_its_own_policy(tmp_path, monkeypatch):
     first, kept, last = energies
     assert first == pytest.approx(kept, abs=2e-3)  # nothing rubs
     assert last < kept - 0.1
+
+
+def test_the_head_tells_what_the_letters_stand_for_and_no_others():
+    text = fb.source(fb.load("ur5e"), "inverse_dynamics", "c")
+    head, _, body = text.partition("*/")
+    told = set(re.findall(r"^ \*   (\w+) [a-z]", head, re.MULTILINE)) & set(MEANINGS)
+    words = re.findall(r"const double (?:minus_)?([A-Za-z]+)\d_[xyz]", body)
+    assert told == set(words)

@@ -15,10 +15,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.targets.xla import operation as xla
-from freebody.targets.xla.operation import arranged
-from freebody.ways_out import differentials
-from freebody.ways_out.differentials import Differentiable
 from support.extras import extra
 from support.real_files import ROBOTS
 
@@ -117,24 +113,6 @@ def test_maps_within_maps_copy_nothing_that_is_shared():
     agree(
         jax.vmap(function, -1)(*(np.moveaxis(x, 0, -1) for x in (q, qd, qdd))), function(q, qd, qdd)
     )
-
-
-def test_batches_become_two_axes():
-    """Whatever is laid out means the same entries as before."""
-    rng = np.random.default_rng(1)
-    for _ in range(15):
-        whole = rng.integers(1, 5, size=rng.integers(0, 5))
-        shapes = [tuple(int(n) if rng.random() < 0.6 else 1 for n in whole) for _ in range(3)]
-        arrays = [rng.normal(size=(*shape, 2)) for shape in shapes]
-        size, placed, varies = arranged(arrays, shapes)
-        batch = np.broadcast_shapes(*shapes)
-        for array, new, many in zip(arrays, placed, varies, strict=True):
-            assert new.shape[0] in (1, size[0])
-            assert new.shape[1] == (size[1] if many else 1)
-            agree(
-                np.broadcast_to(new, (*size, 2)).reshape(*batch, 2),
-                np.broadcast_to(array, (*batch, 2)),
-            )
 
 
 def test_without_x64_the_kernel_of_float32_computes():
@@ -326,28 +304,6 @@ def test_derivatives_of_gradients():
         np.testing.assert_allclose(one, whole @ v, rtol=1e-9, atol=1e-9 * np.abs(whole).max())
     ends = [jax.grad(loss)(q + h * v) for h in (1e-6, -1e-6)]
     np.testing.assert_allclose(forward, (ends[0] - ends[1]) / 2e-6, rtol=1e-5)
-
-
-def test_derivatives_that_come_in_columns(monkeypatch):
-    """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the
-    same, also twice."""
-    model = fb.load("3R")
-    q, qd, tau = (x[0] for x in state(model, 1))
-
-    def results():
-        step = fb.to_jax(model, "semi_implicit_step")
-
-        def end(qd, h):
-            return step(q, qd, tau, h)[1]
-
-        first = [way(end, (0, 1))(qd, 0.01) for way in (jax.jacfwd, jax.jacrev)]
-        return jax.tree.leaves([*first, jax.jacfwd(jax.jacrev(end))(qd, 0.01)])
-
-    whole = results()
-    monkeypatch.setattr(differentials, "LONGEST", 10)
-    assert not Differentiable(fb.kernel(model, "semi_implicit_step").program).jacobian((1, 3)).whole
-    for one, other in zip(results(), whole, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
 
 
 def test_wrenches_and_numbers_of_the_model():
@@ -552,14 +508,6 @@ def test_a_humanoid():
         for slope, table in zip(slopes[1:], tables[1:], strict=True):
             scale = np.abs(slope).max()
             np.testing.assert_allclose(slope / scale, weight @ table / scale, atol=1e-9)
-
-
-def test_equal_kernels_are_given_to_xla_once():
-    def given():
-        fb.to_jax(fb.load("2R"), "mass_matrix")(np.zeros(2))
-        return set(xla._given)
-
-    assert given() == given()
 
 
 PROGRAM = """

@@ -1,5 +1,6 @@
-"""The interface to XLA that kernels in JAX rest on: its layout, its versions, and what happens
-where it is another."""
+"""The interface to XLA that kernels in JAX rest on: its layout, its versions, what happens where it
+is another, how batches are laid out for it, and the way of long derivatives.
+"""
 
 from __future__ import annotations
 
@@ -15,6 +16,9 @@ import pytest
 import freebody as fb
 from freebody.targets.xla import layout
 from freebody.targets.xla import operation as xla
+from freebody.targets.xla.operation import arranged
+from freebody.ways_out import differentials
+from freebody.ways_out.differentials import Differentiable
 from support.extras import extra
 
 jax = extra("jax", "JAX", "jax")
@@ -189,3 +193,51 @@ def test_matrices_of_very_many_coordinates_are_refused():
         fb.FreebodyError, match=r"mass_matrix of 65 coordinates is too long for one program"
     ):
         fb.to_jax(many, "mass_matrix")
+
+
+def test_batches_become_two_axes():
+    """Whatever is laid out means the same entries as before."""
+    rng = np.random.default_rng(1)
+    for _ in range(15):
+        whole = rng.integers(1, 5, size=rng.integers(0, 5))
+        shapes = [tuple(int(n) if rng.random() < 0.6 else 1 for n in whole) for _ in range(3)]
+        arrays = [rng.normal(size=(*shape, 2)) for shape in shapes]
+        size, placed, varies = arranged(arrays, shapes)
+        batch = np.broadcast_shapes(*shapes)
+        for array, new, many in zip(arrays, placed, varies, strict=True):
+            assert new.shape[0] in (1, size[0])
+            assert new.shape[1] == (size[1] if many else 1)
+            np.testing.assert_array_equal(
+                np.broadcast_to(new, (*size, 2)).reshape(*batch, 2),
+                np.broadcast_to(array, (*batch, 2)),
+            )
+
+
+def test_derivatives_that_come_in_columns(monkeypatch):
+    """As those of a step of a larger robot, whose whole Jacobian would be too long a program: the
+    same, also twice."""
+    model = fb.load("3R")
+    q, qd, tau = np.random.default_rng(3).normal(size=(3, 3))
+
+    def results():
+        step = fb.to_jax(model, "semi_implicit_step")
+
+        def end(qd, h):
+            return step(q, qd, tau, h)[1]
+
+        first = [way(end, (0, 1))(qd, 0.01) for way in (jax.jacfwd, jax.jacrev)]
+        return jax.tree.leaves([*first, jax.jacfwd(jax.jacrev(end))(qd, 0.01)])
+
+    whole = results()
+    monkeypatch.setattr(differentials, "LONGEST", 10)
+    assert not Differentiable(fb.kernel(model, "semi_implicit_step").program).jacobian((1, 3)).whole
+    for one, other in zip(results(), whole, strict=True):
+        np.testing.assert_allclose(one, other, rtol=1e-11, atol=1e-13)
+
+
+def test_equal_kernels_are_given_to_xla_once():
+    def given():
+        fb.to_jax(fb.load("2R"), "mass_matrix")(np.zeros(2))
+        return set(xla._given)
+
+    assert given() == given()

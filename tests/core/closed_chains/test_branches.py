@@ -9,62 +9,13 @@ import xarray as xr
 
 import freebody as fb
 from freebody import FreebodyError
-from freebody.algorithms.closed_form_inverse.quartic import zeros
-from freebody.inverse.ways import by_closed_form
-from support.arms import apart, arm, direction, meeting, parallel, skew
+from support.arms import POSES, apart, arm, meeting, skew
 from support.exported import passes, require
-
-
-def industrial(rng):
-    """Axes 2 and 3 parallel and across axis 1, which they miss: an arm with a shoulder's offset and
-    a wrist."""
-    w, n = np.array([0.0, 0.0, 1.0]), direction(rng) * [1, 1, 0]
-    second = [("R", s * n, rng.normal(size=3)) for s in (1, -1)]
-    return [("R", w, np.zeros(3)), *second, *meeting(3, rng)]
 
 
 def planar(word, lengths):
     n = len(word)
     return fb.planar(word, l=lengths, lc=[0.3] * n, m=[1.0] * n, I=[0.1] * n)
-
-
-def scara(rng):
-    w = direction(rng)
-    turns = [("R", s * w, rng.normal(size=3)) for s in (1, -1, 1)]
-    turns.insert(int(rng.integers(4)), ("P", -w, np.zeros(3)))
-    return turns
-
-
-POSES = {
-    "an industrial arm": (industrial, 8),
-    "an industrial arm, backwards": (lambda rng: industrial(rng)[::-1], 8),
-    "a shoulder and an elbow": (
-        lambda rng: meeting(2, rng) + skew("R", rng) + meeting(3, rng),
-        8,
-    ),
-    "a shoulder and a slide": (lambda rng: meeting(2, rng) + skew("P", rng) + meeting(3, rng), 8),
-    "parallel axes and a wrist": (
-        lambda rng: parallel(2, rng) + skew("R", rng) + meeting(3, rng),
-        8,
-    ),
-    "slides and a wrist": (lambda rng: skew("PPP", rng) + meeting(3, rng), 2),
-    "like a UR": (lambda rng: skew("R", rng) + parallel(3, rng) + meeting(2, rng), 8),
-    "like a UR, backwards": (
-        lambda rng: (skew("R", rng) + parallel(3, rng) + meeting(2, rng))[::-1],
-        8,
-    ),
-    "three skew joints and a wrist": (lambda rng: skew("RRR", rng) + meeting(3, rng), 8),
-    "a wrist and a skew slide": (lambda rng: meeting(3, rng) + skew("PRR", rng), 8),
-    "a SCARA": (scara, 2),
-    "seven, the last held": (
-        lambda rng: meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng),
-        8,
-    ),
-    "seven, the first held": (
-        lambda rng: (meeting(3, rng) + skew("R", rng) + meeting(2, rng) + skew("R", rng))[::-1],
-        8,
-    ),
-}
 
 
 def reached(model, found, target):
@@ -112,32 +63,6 @@ def test_every_branch(kind, seed):
         there = found[0][found[1] == 1.0]
         rows = np.broadcast_to(held[0][:, None], found[1].shape)[found[1] == 1.0]
         assert (there[:, at] == rows).all()
-
-
-def test_zeros_of_degree_two():
-    """As many as the polynomial changes sign, none of them far off, double ones too."""
-    rng = np.random.default_rng(0)
-    a0, a1, b1, a2, b2 = a = rng.normal(size=(5, 3000))
-    a[3:, :500] *= 1e-4
-    a[1, 500:700] = 0.0
-
-    def value(x):
-        return a0 + a1 * np.cos(x) + b1 * np.sin(x) + a2 * np.cos(2 * x) + b2 * np.sin(2 * x)
-
-    found = zeros(tuple(value(2 * np.pi * k / 5) for k in range(5)))
-    grid = np.linspace(-np.pi, np.pi, 4000, endpoint=False)[:, None]
-    changes = (np.sign(value(grid)) != np.sign(value(np.roll(grid, 1)))).sum(axis=0)
-    clear = np.array([c for _, _, c in found])
-    sure = (np.abs(clear) > 1e-5).all(axis=0)
-    assert sure.sum() > 2900
-    assert ((clear > 0).sum(axis=0) == changes)[sure].all()
-    for sine, cosine, c in found:
-        assert np.abs(value(np.arctan2(sine, cosine)))[(c > 0) & sure].max() < 1e-13
-    # (1 - cos(x - 1)) (2 - cos x) touches 0 at 1
-    twice = [(1 - np.cos(x - 1.0)) * (2.0 - np.cos(x)) for x in 2 * np.pi * np.arange(5) / 5]
-    angles = [np.arctan2(s, c) for s, c, clear in zeros(tuple(twice)) if clear > -1e-9]
-    assert len(angles) == 2
-    assert np.allclose(angles, 1.0, atol=1e-6)
 
 
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RRR", "RRP", "RPR", "PRR", "PPR", "PRP"])
@@ -281,49 +206,6 @@ def test_exports(name, language, tmp_path):
     require(language)
     fb.export(fb.load(name), "inverse_kinematics", tmp_path, language)
     passes(tmp_path, language, "inverse_kinematics")
-
-
-@pytest.mark.parametrize("kind", ["an industrial arm", "like a UR, backwards", "a SCARA"])
-@pytest.mark.usefixtures("numpy_kernels")
-def test_many_targets_as_few(kind, monkeypatch):
-    """The kernel says what is said where every candidate is looked at: singular poses, targets out
-    of reach and beyond limits among them."""
-    model, again = (arm(POSES[kind][0](np.random.default_rng(7)), 7) for _ in range(2))
-    q, _, _ = fb.random_state(model, 5, 100)
-    q[:9] *= 0.0  # as singular as it gets
-    T = fb.forward_kinematics(model, q)
-    T[10:14, :3, 3] += 30.0
-    many = fb.inverse_kinematics(model, T, q0=q[40])
-    assert many.residual[np.isfinite(many.residual)].max() < 1e-12
-    monkeypatch.setattr(by_closed_form, "branch_kernel", lambda *_: None)
-    few = fb.inverse_kinematics(again, T, q0=q[40])
-    assert (many.count == few.count).all()
-    assert (many.valid.sum(axis=-1) == many.count).all()
-    assert not many.count[10:14].any()
-    assert np.allclose(many.distance, few.distance)
-    assert (many.distance[10:14] > 20).all()
-    assert many.method == few.method
-    assert many.notes == few.notes
-    for i, row in enumerate(many.q):
-        for x, name in zip(row[many.valid[i]], many.branches[i][many.valid[i]], strict=True):
-            same = [apart(model, x, other) < 1e-6 for other in few.q[i][few.valid[i]]]
-            assert sum(same) == 1
-            assert few.branches[i][few.valid[i]][same] == [name]
-
-
-def test_many_positions_of_a_robot_with_more(monkeypatch):
-    """Joints that do not move the target stay where they were asked to stay."""
-    model, again = fb.load("ur5e"), fb.load("ur5e")
-    q, _, _ = fb.random_state(model, 5, 50)
-    p = fb.forward_kinematics(model, q, frame="wrist_1_link")[:, :3, 3]
-    q0 = np.full(6, 0.5)
-    many = fb.inverse_kinematics(model, p, frame="wrist_1_link", q0=q0)
-    assert many.method.startswith("closed form")
-    assert (many.q[many.valid][:, 3:] == 0.5).all()
-    monkeypatch.setattr(by_closed_form, "branch_kernel", lambda *_: None)
-    few = fb.inverse_kinematics(again, p, frame="wrist_1_link", q0=q0)
-    assert (many.count == few.count).all()
-    assert many.notes == few.notes
 
 
 def test_derivatives_of_branches():

@@ -18,10 +18,8 @@ import pytest
 import freebody as fb
 from freebody.targets import kernel
 from freebody.targets.llvm import cache, cpu, machine
-from support.programs import (
-    environment,
-    swap_kernel,
-)
+from support.child_process import environment
+from support.programs import swap_kernel
 
 ON_POSIX = pytest.mark.skipif(
     not hasattr(os, "geteuid"), reason="owners and modes of files are POSIX"

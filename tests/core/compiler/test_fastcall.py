@@ -18,6 +18,7 @@ import pytest
 
 import freebody as fb
 from freebody import ShapeError
+from freebody.kernels.parameter_inputs import InputKernel
 from freebody.math import sin
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, KernelError, compile_program, settings
@@ -515,3 +516,25 @@ def test_a_process_with_kernels_ends_in_peace():
         [sys.executable, "-c", text], env=env, capture_output=True, text=True, check=False
     )
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_plain_arrays_with_numbers_go_to_the_compiled_function_itself():
+    kernel = fb.kernel(fb.load("2R"), "inverse_dynamics", inputs=["m1"])
+    if kernel.kernel.target != "cpu" or not fastcall.available():
+        pytest.skip("no C function here")
+    assert type(kernel.__call__) is type(kernel.kernel.__call__) is types.BuiltinFunctionType
+
+
+def test_without_p_the_compiled_function_takes_the_models_own_numbers(monkeypatch):
+    kernel, q = (
+        fb.kernel(fb.load("2R"), "gravity_torque", inputs=["m1", "m2"]),
+        np.array([0.3, -0.4]),
+    )
+    if kernel.kernel.target != "cpu" or not fastcall.available():
+        pytest.skip("no C function here")
+    expected = kernel(q, kernel.values)
+    monkeypatch.setattr(InputKernel, "numbers", lambda *_: pytest.fail("the general way"))
+    assert kernel(q).tobytes() == expected.tobytes()
+    out = np.empty(2)
+    assert kernel(q, out=out) is out
+    assert out.tobytes() == expected.tobytes()

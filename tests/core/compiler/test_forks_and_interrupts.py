@@ -1,8 +1,8 @@
 """A process that forks, or is stopped by Ctrl-C, in the middle of the work of another thread or of
-a long call.
+a long call; how batches are cut into parts.
 
-Where a fork or an interrupt hits is not to be seen from outside: locks and loops are watched where
-they are.
+Where a fork or an interrupt hits, and how a batch is cut, is not to be seen from outside: locks and
+loops are watched where they are, and told of a machine of four CPUs.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ import pytest
 import freebody as fb
 from freebody.program import Argument, trace
 from freebody.targets import Kernel, compile_program, kernel
+from freebody.targets.threads import run_split
+from support.programs import swap_kernel
 from support.sources import SOURCES, SRC
 from support.sources import place as place_of
 
@@ -317,3 +319,48 @@ def test_threads_that_ask_for_memory_at_once_get_different_pieces():
         sum(size * len(pieces) for size, pieces in result_memory._kept.items())
         <= result_memory.LIMIT
     )
+
+
+def test_large_batches_are_shared_by_default(monkeypatch):
+    parts = []
+    compiled = swap_kernel()
+    monkeypatch.setattr(kernel, "run_split", lambda *a: parts.append(a[-2]))
+    monkeypatch.setattr(kernel, "cpus", lambda: 4)
+    compiled(np.ones((100, 3)))
+    assert parts == []
+    compiled(np.zeros((20_000_000 // 3, 3)))
+    assert parts == [3]
+
+
+@pytest.mark.parametrize("count", [1, 15, 16, 17, 100, 1001, 100_000])
+@pytest.mark.parametrize("threads", [1, 2, 5])
+def test_every_sample_is_in_one_part(count, threads):
+    hits, parts = np.zeros((count, 1)), []
+
+    def ufunc(x, out):
+        parts.append(len(x))
+        out[0][:] += x
+
+    run_split(ufunc, [np.ones((count, 1))], [hits], [1, 1], (count,), threads)
+    assert (hits == 1.0).all()
+    assert sum(parts) == count
+    assert len(parts) <= 3 * threads
+
+
+@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
+@pytest.mark.parametrize("where", [0, 500, 999])
+def test_what_a_part_raises_is_raised_when_all_are_done(error, where):
+    finished = np.zeros(1000, dtype=bool)
+
+    def ufunc(x, out):
+        time.sleep(0.01)
+        if where in x:
+            raise error
+        finished[x.astype(int)] = True
+
+    x = np.arange(1000.0)
+    for _ in range(2):  # the helpers are there afterwards
+        with pytest.raises(error):
+            run_split(ufunc, [x], [x.copy()], [0, 0], (1000,), 2)
+    assert finished.sum() < 1000
+    assert finished.any() or error is KeyboardInterrupt  # what nobody has begun is dropped

@@ -1,9 +1,19 @@
-"""Kernels of every target against plain floats, and what NumPy promises of a generalized ufunc."""
+"""Kernels of every target against plain floats, and what NumPy promises of a generalized ufunc;
+what a target is: a record that a table names.
+
+A made-up target is put into the table and asked as the others are. How the text for LLVM is laid
+out changes no bit of a result; no option chooses it, so the emitter is patched.
+"""
 
 from __future__ import annotations
 
 import ctypes
+import importlib.util
 import mmap
+import os
+import pickle
+import re
+import subprocess
 import sys
 
 import numpy as np
@@ -12,13 +22,16 @@ import pytest
 import freebody as fb
 from freebody import ShapeError
 from freebody.math import cos, sin, sqrt
-from freebody.targets import TARGETS, settings
-from freebody.targets.target import target_named
+from freebody.program.segments import LONGEST, segment
+from freebody.targets import TARGETS, Kernel, KernelError, kernel, settings
+from freebody.targets.llvm import emit
+from freebody.targets.target import Target, target_named
+from support.child_process import environment
+from support.every_target import every_target
 from support.programs import (
     OUTPUTS,
     assert_close,
     direct,
-    every_target,
     random_kernel,
     same_bits,
     samples,
@@ -383,3 +396,106 @@ def test_no_warnings_from_floating_point_flags(target, width):
     np.testing.assert_array_equal(a[:2], [np.inf, -1.0])
     assert np.isnan(b[1])
     assert c[2] == np.inf
+
+
+def test_a_target_is_a_module_and_a_line(monkeypatch):
+    """It is found, told its program, width and number type, asked for its text, and found again by
+    a pickle."""
+    asked = []
+
+    def build(program, width, dtype):
+        asked.append((width, dtype))
+        return Kernel(program, "halves", width or 6, lambda q: np.asarray(q) / 2, dtype)
+
+    record = Target(
+        build=build,
+        source=lambda program, width, dtype: f"{program.name} {width} {dtype}",
+        widths={"float64": (6, 7), "float16": ()},
+        variant=lambda program: os.environ.get("HALVES"),
+        loops=False,
+    )
+    monkeypatch.setitem(TARGETS, "halves", lambda: record)
+    first = swap_kernel(target="halves", width=7)
+    assert (first.target, first.width, first.dtype, first.source) == (
+        "halves",
+        7,
+        "float64",
+        "swap 7 float64",
+    )
+    assert first(np.ones(3)).tolist() == [0.5, 0.5, 0.5]
+    assert pickle.loads(pickle.dumps(first)) is first
+    assert asked == [(7, "float64")]
+    swap_kernel(target="halves", dtype="float16")
+    monkeypatch.setattr(settings, "TARGET", "halves")
+    monkeypatch.setattr(settings, "WIDTH", "6")
+    assert fb.kernel(fb.load("2R"), "bias").target == "halves"
+    monkeypatch.setenv("HALVES", "other")  # what the code depends on is part of its key
+    assert swap_kernel(width=7) is not first
+    assert asked[1:] == [(None, "float16"), (6, "float64"), (7, "float64")]
+    for option, text in (
+        ({"width": 4}, "no width 4 of float64. Widths: 6, 7 "),
+        ({"dtype": "float32"}, "target 'halves' has no dtype 'float32'. It has: float64, float16."),
+    ):
+        with pytest.raises(KernelError, match=re.escape(text)):
+            swap_kernel(**option)
+
+
+def test_importing_the_compiler_does_not_import_llvm():
+    code = (
+        "import sys, freebody.targets; assert not any(m.startswith('llvmlite') for m in "
+        "sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env=environment())
+
+
+def test_without_llvm_numpy_computes(monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert swap_kernel().target == "numpy"
+
+
+def test_cutting_into_segments_changes_nothing(monkeypatch):
+    arrays = samples(20)
+    whole = random_kernel(3, 300)(*arrays)
+    for longest in (1, 7, 50):
+        monkeypatch.setattr(emit, "segment", lambda p, n=longest: segment(p, n))
+        monkeypatch.setattr(kernel, "_kernels", {})
+        assert_close(random_kernel(3, 300)(*arrays), whole)
+
+
+def test_one_or_two_groups_a_round_give_the_same_bits(monkeypatch):
+    kernels = []
+    for tiles in (1, 2):
+        monkeypatch.setattr(emit, "_tiles", lambda nodes, room, n=tiles: n)
+        monkeypatch.setattr(kernel, "_kernels", {})
+        kernels.append(random_kernel(8, width=4))
+    for batch in (1, 3, 4, 5, 8, 9, 12, 15, 16, 17, 100):
+        x, A, s = samples(batch)
+        for arrays in [(x, A, s), (x[0], A, s), (x, A[:, :, ::-1], s[0])]:
+            assert same_bits(*(k(*arrays) for k in kernels))
+            assert_close(kernels[0](*arrays), direct(8, arrays))
+
+
+def test_long_programs_run_their_pieces_in_groups(monkeypatch):
+    """As a whole and in functions of a few pieces: the same bits."""
+    arrays = samples(37, 17)
+    whole = random_kernel(17, 4000).ufunc(*arrays)
+    monkeypatch.setattr(emit, "PIECES", 3)
+    monkeypatch.setattr(kernel, "_kernels", {})
+    cut = random_kernel(17, 4000)
+    assert "@compute1(" in cut.source
+    assert same_bits(cut.ufunc(*arrays), whole)
+
+
+def test_the_text_grows_with_the_program_and_its_functions_do_not():
+    """LLVM takes more than twice as long for a function twice as long: so time stays in proportion
+    to the program."""
+
+    def lengths(length):
+        compiled = random_kernel(11, length, target="cpu", width=8)
+        functions = re.findall(r"^define .*?^}", compiled.source, flags=re.M | re.S)
+        return [text.count("\n") for text in functions], sum(compiled.program.operations.values())
+
+    (short, few), (long, many) = lengths(1500), lengths(12000)
+    assert many > 4 * few
+    assert sum(long) / many < 1.2 * sum(short) / few
+    assert max(long + short) < 2 * LONGEST

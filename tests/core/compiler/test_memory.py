@@ -16,7 +16,7 @@ import pytest
 
 import freebody as fb
 from freebody import FreebodyError, OutOfMemoryError
-from support.programs import environment
+from support.child_process import environment
 
 MANY = 10**13
 ARM, CHAIN = fb.load("ur5e"), fb.load("four_bar")

@@ -24,7 +24,7 @@ from freebody.targets.interpreter import FUNCTION
 from freebody.targets.llvm.instructions import INSTRUCTION
 from freebody.targets.target import target_named
 from freebody.targets.text import LANGUAGES, SourceUnit
-from support.programs import every_target
+from support.every_target import every_target
 
 NAMED = sorted(elementary.FUNCTIONS)
 CHOICES = ("absolute", "less", "less_equal", "equal", "where", "minimum", "maximum", "sign")

@@ -10,15 +10,8 @@ import pytest
 
 import freebody as fb
 from freebody import FreebodyError, Model
-from freebody.algorithms.aba import aba
-from freebody.algorithms.crba import bias, crba
-from freebody.algorithms.kinematics import coordinate_rates
-from freebody.algorithms.regrouped_parameters import lightened
-from freebody.kernels.formulas import FORMULAS, Option
-from freebody.program import Argument, trace
 from support import generate
-from support.helpers import numbers
-from support.reference import reference
+from support.helpers import numbers, several
 from support.robots import Joint, Link, Robot, loaded
 from support.stepping import METHODS, State, apart, walk
 
@@ -81,27 +74,10 @@ def test_a_short_step_is_the_acceleration(seed: int):
     qd, h = qd + np.copysign(0.5, qd), 1e-7  # all slide
     expected = numbers(model, "forward_dynamics", q, qd, tau)
     for method in METHODS:
-        _, qd1 = reference(model, method, q, qd, tau, np.full(2, h))
+        _, qd1 = several(model, method, q, qd, tau, np.full(2, h))
         np.testing.assert_allclose(
             (qd1 - qd) / h, expected, rtol=0, atol=2e-5 * np.abs(expected).max() + 1e-7
         )
-
-
-@pytest.mark.parametrize("seed", [4, 20])
-def test_rates_of_the_coordinates_of_a_step(seed: int):
-    """dexp⁻¹(x) v is how the way from q to q ⊕ x changes when the robot moves on with v; three
-    terms of it."""
-    model = generate.model(seed)
-    q, v, x = fb.random_state(model, seed)
-    x, tiny = 0.3 * x / np.abs(x).max(), 1e-5
-    ahead, back = (
-        fb.difference(model, q, fb.integrate(model, fb.integrate(model, q, x), t * v))
-        for t in (tiny, -tiny)
-    )
-    found = coordinate_rates(model.tree, tuple(x), tuple(v))
-    np.testing.assert_allclose(
-        found, (ahead - back) / (2 * tiny), rtol=0, atol=1e-4 * np.abs(v).max()
-    )
 
 
 @pytest.mark.parametrize("method", [*METHODS, "implicit_feedback_step"])
@@ -113,7 +89,7 @@ def test_a_kernel_is_the_formula(method: str):
     if "feedback" in method:
         given += [q_ref, qd_ref, np.abs(gains), 0.1 * np.abs(gains)]
     for found, expected in zip(
-        fb.kernel(model, method)(*given), reference(model, method, *given), strict=True
+        fb.kernel(model, method)(*given), several(model, method, *given), strict=True
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
 
@@ -139,37 +115,14 @@ def test_other_samples_are_left_alone_by_nan():
         np.testing.assert_array_equal(np.delete(one, 4, axis=0), np.delete(other, 4, axis=0))
 
 
-@pytest.mark.parametrize("dim", [2, 3])
-@pytest.mark.parametrize("seed", range(20))
-def test_other_bodies_under_which_it_moves_alike(seed: int, dim: int):
-    """A step's program is shorter by regrouped inertial numbers; M and the bias are those of the
-    robot's own."""
-    model = generate.model(seed, dim)
-    q, qd, _ = fb.random_state(model, seed)
-    own, light = model.tree, lightened(model.tree)
-    for found, expected in ((crba(light, q), crba(own, q)), (bias(light, q, qd), bias(own, q, qd))):
-        scale = np.abs(np.array(expected, dtype=float)).max()
-        np.testing.assert_allclose(
-            np.array(found, dtype=float),
-            np.array(expected, dtype=float),
-            rtol=0,
-            atol=1e-13 * scale,
-        )
-    if not own.follows:
-        np.testing.assert_allclose(aba(light, q, qd, qd), aba(own, q, qd, qd), rtol=1e-8, atol=1e-8)
-
-
 def test_a_step_takes_fewer_operations_than_the_acceleration_of_the_links_as_they_are():
     """By an eighth and more for arms whose joints stand at right angles; so does the acceleration's
     own kernel."""
     model = fb.load("ur5e").without("friction")
-    acceleration = FORMULAS["forward_dynamics"].evaluate
-    plain = trace(
-        "plain",
-        lambda q, qd, tau: acceleration(model.tree, Option(), q, qd, tau),
-        [Argument(name, (6,)) for name in ("q", "qd", "tau")],
-        [Argument("qdd", (6,))],
-    )
+    acceleration = fb.formula(model, "forward_dynamics")
+    plain = fb.compile(
+        lambda q, qd, tau: acceleration(q, qd, tau), {"q": 6, "qd": 6, "tau": 6}, target="numpy"
+    ).program
     for name in ("semi_implicit_step", "forward_dynamics"):
         found = fb.kernel(model, name).program.operations
         assert sum(found.values()) < 0.875 * sum(plain.operations.values())

@@ -1,8 +1,4 @@
-"""Batches in parts on several threads, several callers, forked children.
-
-How a batch is cut is not to be seen in a result: `run_split` is called by itself, and told of a
-machine of four CPUs.
-"""
+"""Batches in parts on several threads, several callers, forked children."""
 
 from __future__ import annotations
 
@@ -17,15 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from freebody.targets import kernel
-from freebody.targets.threads import run_split
-from support.programs import (
-    environment,
-    random_kernel,
-    same_bits,
-    samples,
-    swap_kernel,
-)
+from support.child_process import environment
+from support.programs import random_kernel, same_bits, samples, swap_kernel
 
 pytestmark = pytest.mark.usefixtures("memory_only")
 
@@ -47,57 +36,12 @@ def test_threads_change_nothing(threads):
     assert same_bits(compiled(*single, threads=threads), compiled.ufunc(*single))
 
 
-def test_large_batches_are_shared_by_default(monkeypatch):
-    parts = []
-    compiled = swap_kernel()
-    monkeypatch.setattr(kernel, "run_split", lambda *a: parts.append(a[-2]))
-    monkeypatch.setattr(kernel, "cpus", lambda: 4)
-    compiled(np.ones((100, 3)))
-    assert parts == []
-    compiled(np.zeros((20_000_000 // 3, 3)))
-    assert parts == [3]
-
-
 def test_threads_with_out_over_input():
     compiled = swap_kernel()
     q = np.random.default_rng(0).normal(size=(1000, 3))
     expected = compiled(q)
     compiled(q, out=q, threads=4)
     np.testing.assert_array_equal(q, expected)
-
-
-@pytest.mark.parametrize("count", [1, 15, 16, 17, 100, 1001, 100_000])
-@pytest.mark.parametrize("threads", [1, 2, 5])
-def test_every_sample_is_in_one_part(count, threads):
-    hits, parts = np.zeros((count, 1)), []
-
-    def ufunc(x, out):
-        parts.append(len(x))
-        out[0][:] += x
-
-    run_split(ufunc, [np.ones((count, 1))], [hits], [1, 1], (count,), threads)
-    assert (hits == 1.0).all()
-    assert sum(parts) == count
-    assert len(parts) <= 3 * threads
-
-
-@pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
-@pytest.mark.parametrize("where", [0, 500, 999])
-def test_what_a_part_raises_is_raised_when_all_are_done(error, where):
-    finished = np.zeros(1000, dtype=bool)
-
-    def ufunc(x, out):
-        time.sleep(0.01)
-        if where in x:
-            raise error
-        finished[x.astype(int)] = True
-
-    x = np.arange(1000.0)
-    for _ in range(2):  # the helpers are there afterwards
-        with pytest.raises(error):
-            run_split(ufunc, [x], [x.copy()], [0, 0], (1000,), 2)
-    assert finished.sum() < 1000
-    assert finished.any() or error is KeyboardInterrupt  # what nobody has begun is dropped
 
 
 def test_several_callers_at_once_and_nothing_is_kept():

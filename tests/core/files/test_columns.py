@@ -12,13 +12,14 @@ import pytest
 
 import freebody as fb
 from freebody.kernels import lookup
-from freebody.kernels.formulas import FORMULAS, Option
+from freebody.kernels.formulas import FORMULAS, Formula, Option
+from freebody.kernels.formulas.record import Output
 from freebody.kernels.lookup import ColumnKernel, KernelList
 from freebody.kernels.tracing import arguments
 from freebody.targets import KernelError
+from freebody.trees.public_calls import evaluate
 from support.branched import MODELS, difference_along
-from support.helpers import refused
-from support.reference import reference
+from support.helpers import refused, several
 
 BY_COLUMNS = [name for name, formula in FORMULAS.items() if formula.by_columns]
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
@@ -159,7 +160,7 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()
     q, qd, qdd = fb.random_state(model, seed=6)
-    by_q_q, by_qd_q, by_qd_qd, M_q = reference(
+    by_q_q, by_qd_q, by_qd_qd, M_q = several(
         model, "inverse_dynamics_second_derivatives", q, qd, qdd
     )
 
@@ -180,3 +181,28 @@ def test_second_derivatives_are_differences_of_first_ones(model_name):
     )
     np.testing.assert_allclose(by_qd_qd, (ahead - behind) / 2, atol=1e-10 * scale)
     np.testing.assert_allclose(by_qd_qd, np.swapaxes(by_qd_qd, -1, -2), atol=1e-10 * scale)
+
+
+def test_a_public_function_takes_scalars_and_matrices_as_well_as_vectors(monkeypatch):
+    """As a new formula may have them."""
+
+    def weighted(tree, option, q, reactions, h):
+        return (tuple(h * x + reactions[1][0] for x in q),)
+
+    formula = Formula(("q", "reactions", "h"), {"y": Output(("nq",), "what comes out")}, weighted)
+    monkeypatch.setitem(FORMULAS, "weighted", formula)
+    model, rng = fb.load("2R"), np.random.default_rng(1)
+    for batch in ((), (5,), (4, 5)):
+        q, w, h = rng.normal(size=(*batch, 2)), rng.normal(size=(*batch[1:], 2, 3)), 0.3
+        expected = h * q + w[..., 1, :1]
+        for _ in range(2):  # carefully, and by what was kept
+            np.testing.assert_allclose(evaluate("weighted", model, (q, w, h)), expected, rtol=1e-15)
+    q, w = np.zeros((5, 2)), np.zeros((2, 3))
+    for given, words in (
+        ((q, w[:1], 0.3), r"reactions has shape \(1, 3\), expected \(..., 2, 3\)"),
+        ((q, w, np.zeros(4)), r"do not broadcast together: q \(5,\), reactions \(\), h \(4,\)"),
+        ((q, w, np.nan), "weighted: h"),
+        ((q, np.full((2, 3), np.inf), 0.3), "weighted: reactions"),
+    ):
+        with pytest.raises(fb.FreebodyError, match=words):
+            evaluate("weighted", model, given)

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.robots import models
 from support.command import run
 from support.real_files import FILES, ROBOTS
 from support.written_robots import FORMATS, Written, bodies_of, disguised, rotation, toml, urdf
@@ -109,7 +108,7 @@ def test_a_dh_table_with_masses_is_recognised(tmp_path):
     assert found, str(found)
 
 
-@pytest.mark.parametrize("name", sorted(models()))
+@pytest.mark.parametrize("name", sorted(fb.models()))
 def test_each_bundled_robot_is_itself(name):
     if fb.load(name, physical="ignore").missing:
         pytest.skip("it has parameters without value")

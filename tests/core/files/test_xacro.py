@@ -1,128 +1,24 @@
 """Xacro files: expanded as ROS's own tool does, told with their own lines, and never run."""
 
 import os
-import sys
 import time
-import types
 from contextlib import suppress
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 import freebody as fb
-from support.extras import extra
+from support.xacro_package import HEAD, package, written
 
-HEAD = '<robot name="arm" xmlns:xacro="http://ros.org/wiki/xacro">'
 LINK = (
     '<link name="{}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" '
     'iyz="0"/></inertial></link>'
 )
 
-FEATURES = {
-    "numbers": '<xacro:property name="l" value="0.5"/><link name="a${2*l}${round(pi, 2)}"/>',
-    "lazy": '<xacro:property name="a" value="${b+1}"/><xacro:property name="b" value="2"/>'
-    '<link name="x${a}"/>',
-    "eager": '<xacro:property name="b" value="1"/><xacro:property name="a" value="${b+1}" '
-    'lazy_eval="false"/><xacro:property name="b" value="7"/><link name="x${a}"/>',
-    "default": '<xacro:property name="a" value="1"/><xacro:property name="a" default="9"/>'
-    '<xacro:property name="c" default="8"/><link name="x${a}${c}"/>',
-    "remove": '<xacro:property name="a" value="1"/><xacro:property name="a" remove="true"/>'
-    '<xacro:property name="a" default="2"/><link name="x${a}"/>',
-    "text": "<xacro:property name='a' value=\"'007'\"/><xacro:property name='b' value='1_0'/>"
-    "<link name='x${a}${b}'/>",
-    "escaped": '<link name="$${a} $$(b) $ c$"/>',
-    "macro": '<xacro:macro name="m" params="name size:=${1+1} suffix:=\'\'"><link name="${name}'
-    '${size}${suffix}"/></xacro:macro><xacro:m name="a"/><xacro:m name="b" size="3" suffix="_e"/>',
-    "forward": '<xacro:property name="p" value="out"/><xacro:macro name="m" params="p:=^ q:=^|x">'
-    '<link name="${p}${q}"/></xacro:macro><xacro:m/><xacro:m p="in"/>',
-    "blocks": '<xacro:macro name="m" params="*one **two"><link name="l"><xacro:insert_block '
-    'name="one"/><xacro:insert_block name="two"/></link></xacro:macro>'
-    '<xacro:m><a x="${1+1}"/><b><c/><d/></b></xacro:m>',
-    "block property": '<xacro:property name="p"><a x="${k}"/><b/></xacro:property><xacro:property '
-    'name="k" value="3"/><link name="l"><xacro:insert_block name="p"/></link>',
-    "macro in macro": '<xacro:macro name="in" params="x"><link name="${x}"/></xacro:macro>'
-    '<xacro:macro name="out" params="x"><xacro:in x="${x}1"/><xacro:in x="${x}2"/></xacro:macro>'
-    '<xacro:out x="a"/>',
-    "recursion": '<xacro:macro name="m" params="n"><xacro:if value="${n > 0}"><link name="l${n}"/>'
-    '<xacro:m n="${n-1}"/></xacro:if></xacro:macro><xacro:m n="4"/>',
-    "scopes": '<xacro:macro name="m" params=""><xacro:property name="g" value="1" scope="global"/>'
-    '<xacro:property name="p" value="2" scope="parent"/><xacro:property name="o" value="3"/>'
-    '</xacro:macro><xacro:property name="o" value="0"/><xacro:m/><link name="l${g}${p}${o}"/>',
-    "conditions": '<xacro:if value="true"><a/></xacro:if><xacro:if value="0"><b/></xacro:if>'
-    "<xacro:unless value=\"${1 == 2}\"><c/></xacro:unless><xacro:if value=\"${'a' in 'cat'}\"><d/>"
-    "</xacro:if>",
-    "arguments": '<xacro:arg name="n" default="3"/><xacro:arg name="w" default="x y"/>'
-    '<link name="l$(arg n)$(arg w)"/><link name="m${xacro.arg(\'n\')}"/><link name="$(eval n+1)"/>',
-    "element": '<xacro:property name="t" value="link"/><xacro:element xacro:name="${t}" name="a">'
-    '<xacro:attribute name="b" value="x${1+1}"/></xacro:element>',
-    "call": '<xacro:macro name="m1" params="a"><link name="${a}"/></xacro:macro>'
-    '<xacro:call macro="m${1}" a="z"/>',
-    "lists": '<xacro:property name="v" value="${[1.5, 2, 3]}"/><link name="${v[0]}${len(v)}'
-    "${[2*x for x in v if x > 1.5]}${dict(a=1)['a']}\"/>",
-    "functions": "<link name=\"${radians(90)} ${min(3, 2)} ${math.hypot(3, 4)} ${'a b'.split()[1]} "
-    "${xacro.tokenize('1,2;3')} ${'yes' if 1 &lt; 2 else 'no'} ${str(1e-5)} ${int(2.7)}\"/>",
-    "include": '<xacro:include filename="parts/part.xacro"/><xacro:part n="1"/>',
-    "namespace": '<xacro:include filename="parts/part.xacro" ns="p"/><xacro:p.part n="2"/>'
-    '<link name="${p.length}"/>',
-    "several": '<xacro:include filename="parts/more_*.xacro"/>',
-    "optional": '<xacro:include filename="parts/none.xacro" optional="true"/><link name="a"/>',
-    "yaml": '<xacro:property name="y" value="${xacro.load_yaml(\'parts/n.yaml\')}"/>'
-    "<link name=\"${y['a'][0]} ${y.b.c} ${round(y.turn, 6)} ${y.length}\"/>",
-    "find": '<xacro:include filename="$(find arm_description)/urdf/parts/part.xacro"/>'
-    '<xacro:part n="5"/>',
-}
-
 
 @pytest.fixture
 def folder(tmp_path):
-    """A package as robots have them: arm_description/urdf/, with parts below it."""
-    parts = tmp_path / "arm_description" / "urdf" / "parts"
-    parts.mkdir(parents=True)
-    (parts / "part.xacro").write_text(
-        f'{HEAD}<xacro:property name="length" value="0.25"/><xacro:macro name="part" params="n">'
-        '<link name="part${n}"/></xacro:macro></robot>'
-    )
-    for name in "ab":
-        (parts / f"more_{name}.xacro").write_text(f'{HEAD}<link name="{name}"/></robot>')
-    (parts / "n.yaml").write_text(
-        "a: [1, 2.5]\nb: {c: text}\nturn: !degrees 90\nlength: !millimeters 2*3\n"
-    )
-    return parts.parent
-
-
-def written(folder, inside, name="arm.urdf.xacro"):
-    path = folder / name
-    path.write_text(f"{HEAD}\n{inside}\n</robot>")
-    return path
-
-
-def tree(element):
-    """Tag, attributes and elements inside; namespaces apart."""
-    attributes = {k: v for k, v in element.items() if not k.startswith("{")}
-    return element.tag, attributes, [tree(child) for child in element]
-
-
-@pytest.mark.parametrize("feature", FEATURES)
-def test_expands_as_ros_does(feature, folder, monkeypatch):
-    """Each feature of the language against the tool that defines it."""
-    from freebody.formats.packages import packages_around
-    from freebody.formats.xacro.expand import expanded
-
-    xacro = extra("xacro", "the xacro wheel")
-    path = written(folder, FEATURES[feature])
-    # ROS's own finder of packages; the wheel has none without ROS
-    index = types.ModuleType("ament_index_python.packages")
-    index.get_package_share_directory = lambda name: os.fspath(folder.parent)
-    monkeypatch.setitem(sys.modules, "ament_index_python", types.ModuleType("x"))
-    monkeypatch.setitem(sys.modules, "ament_index_python.packages", index)
-    theirs = ElementTree.fromstring(xacro.process_file(str(path)).toxml())
-    ours = expanded(str(path), path.read_bytes(), packages_around(str(path)), {}).root
-
-    def as_tree(element):
-        return element.tag, element.attributes, [as_tree(child) for child in element.children]
-
-    assert [as_tree(child) for child in ours.children] == [tree(child) for child in theirs]
+    return package(tmp_path)
 
 
 def test_a_robot_of_macros(folder):

@@ -7,53 +7,16 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.inverse import inverse_kinematics as module
-from freebody.inverse.ways import by_closed_form
 from support import generate
-from support.arms import apart, arm, direction, holds, meeting, parallel, skew
+from support.arms import apart, arm, checked, direction, holds, puma_like, skew
 from support.helpers import refused
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
-
-GENERAL = {
-    **{
-        f"{word} and a wrist": lambda rng, w=word: skew(w, rng) + meeting(3, rng)
-        for word in ("RRR", "RRP", "PRP")
-    },
-    "a shoulder and RRR": lambda rng: meeting(3, rng) + skew("RRR", rng),
-    "Puma-like": lambda rng: _puma_like(rng),
-    "UR-like": lambda rng: skew("R", rng) + parallel(3, rng) + meeting(2, rng),
-    "UR-like, backwards": lambda rng: (skew("R", rng) + parallel(3, rng) + meeting(2, rng))[::-1],
-    **{
-        f"position by {word}": lambda rng, w=word: skew(w, rng)
-        for word in ("RRR", "RRP", "RPR", "PRR", "RPP", "PPP")
-    },
-}
-
-
-def _puma_like(rng):
-    first, second = meeting(2, rng)
-    w = np.cross(first[1], direction(rng))
-    return [first, ("R", w, second[2]), ("R", -w, rng.normal(size=3)), *meeting(3, rng)]
 
 
 def planar(word, l, **more):
     n = len(word)
     return fb.planar(word, l=l, lc=[0.3] * n, m=[1.0] * n, I=[0.1] * n, **more)
-
-
-def checked(model, target, **more):
-    """The solutions, each of which forward kinematics brings to the target."""
-    found = fb.inverse_kinematics(model, target, **more)
-    T = fb.forward_kinematics(model, found.q)
-    d = model.dim
-    target = np.asarray(target)
-    if target.shape[-1] == d:
-        assert np.abs(T[..., :d, d] - target).max(initial=0) < 1e-10
-    elif more.get("task") in (None, "pose"):
-        assert np.abs(T - target).max(initial=0) < 1e-10
-    assert found.residual.max(initial=0) < 1e-10
-    return found
 
 
 # ---------------------------------------------------------------- planar
@@ -270,24 +233,6 @@ def test_branches_look_like_their_names():
         assert ("elbow up" in name) == (elbow[2] > line[2])
         lifts = fb.jacobian(model, q, frame="frame4")[2, 1]
         assert ("shoulder right" in name) == (lifts > 0)
-
-
-@pytest.mark.parametrize("kind", GENERAL)
-@pytest.mark.parametrize("seed", range(3))
-def test_general_geometry(kind, seed, monkeypatch):
-    """Any axes, base, link frames and tool: in closed form, and a search from many starts finds
-    nothing more."""
-    axes = GENERAL[kind](np.random.default_rng(seed))
-    model = arm(axes, seed)
-    q, _, _ = fb.random_state(model, seed)
-    T = fb.forward_kinematics(model, q)
-    task = "pose" if len(axes) == 6 else "position"
-    found = checked(model, T, task=task)
-    assert found.method.startswith("closed form")
-    assert holds(model, found.q, q)
-    monkeypatch.setattr(module, "_form", lambda _: None)
-    searched = checked(model, T, task=task, starts=100)
-    assert all(holds(model, found.q, other, 1e-5) for other in searched.q)
 
 
 def test_right_angled_geometry():
@@ -584,7 +529,7 @@ def test_prints_as_a_table():
 
 def test_a_pose_by_three_joints():
     """The position leaves a few candidates, of which the orientation takes one."""
-    model = arm(_puma_like(np.random.default_rng(2))[:3], 2)
+    model = arm(puma_like(np.random.default_rng(2))[:3], 2)
     q, _, _ = fb.random_state(model, 0)
     T = fb.forward_kinematics(model, q)
     found = checked(model, T)
@@ -596,27 +541,6 @@ def test_a_pose_by_three_joints():
     none = fb.inverse_kinematics(model, T)
     assert len(none) == 0
     assert "but not with this orientation" in none.notes[0]
-
-
-def test_a_pose_by_three_joints_above_the_first(monkeypatch):
-    """There the position leaves joint 1 where it is, and the orientation alone tells where that
-    has to be; where nothing can stand anywhere, what is not found is not sought from many starts.
-    """
-    half = np.pi / 2
-    rows = [{"d": 0.4, "alpha": half}, {"a": 0.5}, {"a": 0.5}]
-    model = fb.dh(
-        [{"m": 1.0, "com": [0, 0, 0], "I": [0] * 6, **row} for row in rows], convention="standard"
-    )
-    q = np.array([0.7, np.pi / 3, np.pi / 3])
-    T = fb.forward_kinematics(model, q)
-    assert np.abs(T[:2, 3]).max() < 1e-15
-    found = checked(model, T)
-    assert holds(model, found.q, q)
-    q[1] = 0.4
-    T = fb.forward_kinematics(model, q)
-    T[2, 3] += 0.05
-    monkeypatch.setattr(by_closed_form, "by_search", None)
-    assert len(fb.inverse_kinematics(model, T)) == 0
 
 
 def test_names_of_branches_are_completed_before_they_are_asked_for():
@@ -645,37 +569,3 @@ def test_limits_of_a_quick_answer_are_those_of_a_careful_one():
         assert not quick.q.flags.writeable
     ignored = fb.inverse_kinematics(puma, T, limits="ignore")
     assert (fb.inverse_kinematics(puma, T, limits="ignore").within_limits == ignored.valid).all()
-
-
-def test_few_doubtful_targets_are_looked_at_without_the_others(monkeypatch: pytest.MonkeyPatch):
-    """One of a hundred sent them all the careful way; what is said is the same."""
-    model = fb.load("ur5e")
-    q, _, _ = fb.random_state(model, 7, 60)
-    T = fb.forward_kinematics(model, q)
-    aligned = q[:3].copy()
-    aligned[:, 4] = 0.0, 1e-7, -1e-4  # two axes of the wrist in line, or nearly
-    T[[4, 17, 59]] = fb.forward_kinematics(model, aligned)
-    T[[8, 30], :3, 3] *= 50.0  # out of reach
-    fresh = fb.inverse_kinematics(fb.load("ur5e"), T)  # all of them the careful way
-    fb.inverse_kinematics(model, T[:2])
-    seen, closer = [], by_closed_form.by_closed_form
-    monkeypatch.setattr(
-        "freebody.inverse.inverse_kinematics.by_closed_form",
-        lambda problem, form: seen.append(len(problem.target)) or closer(problem, form),
-    )
-    found = fb.inverse_kinematics(model, T.reshape(6, 10, 4, 4))
-    assert seen == [4]  # 1e-4 is clear
-    assert found.q.shape == (6, 10, *fresh.q.shape[1:])
-    for name in ("q", "residual", "within_limits", "distance", "valid", "branches", "count"):
-        one, other = getattr(found, name), getattr(fresh, name)
-        np.testing.assert_array_equal(one.reshape(other.shape), other, err_msg=name)
-    assert found.notes == fresh.notes
-    assert any(note.startswith("Target 8: ") for note in found.notes)
-    assert (found.distance.ravel()[[8, 30]] > 1.0).all()
-    bad = T.copy()
-    bad[5, 0, 0] = np.nan
-    with pytest.raises(fb.FreebodyError, match=r"target is nan at sample 5 at component \(0, 0\)"):
-        fb.inverse_kinematics(model, bad)
-    bad[5] = 2.0 * T[5]
-    with pytest.raises(fb.FreebodyError, match="target is not a pose"):
-        fb.inverse_kinematics(model, bad)

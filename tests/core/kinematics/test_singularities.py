@@ -10,8 +10,6 @@ import pytest
 
 import freebody as fb
 from freebody.expressions.closed_form_kinematics import kinematics
-from freebody.expressions.polynomials.factors import factored
-from freebody.scalars.trig import TrigRing
 from support.arms import arm, skew
 from support.helpers import refused
 
@@ -85,71 +83,6 @@ def test_determinant_needs_a_square():
         "square; choose 2 rows.",
         lambda: kinematics(fb.planar("RR")).determinant(),
     )
-
-
-# ---------------------------------------------------------------- factors
-@pytest.fixture(scope="module")
-def ring():
-    return TrigRing(["a", "b", "c"], ["l", "m", "d"])
-
-
-def test_factors_of_sums_of_angles(ring):
-    """What the normal form hides: sin²a as 1 - cos²a, sin(a+b) as a sum of four products."""
-    a, b, c, l, m, d = (ring[x] for x in "abclmd")
-    one = a.cos() ** 2 + a.sin() ** 2
-    for wanted in (
-        [(a.sin(), 2)],
-        [(a.cos(), 1), (a.sin(), 1)],
-        [((a + b).sin(), 1), (b.cos(), 1)],
-        [((a + b).cos(), 2), (l, 1)],
-        [((a - b + c).sin(), 1), ((b + c).cos(), 1), (m, 2)],
-        [(one - a.cos(), 1)],
-        [(l * a.cos() + m, 1), (b.sin(), 1), (d + l, 1)],
-        [(l * a.cos() + m * (a + b).cos(), 1), (c.sin(), 3)],
-        [((a + b).sin() + 2 * c.cos(), 1)],
-    ):
-        product = one * 3
-        for factor, exponent in wanted:
-            product = product * factor**exponent
-        number, found = factored(product)
-        again = one * number
-        for factor, exponent in found:
-            again = again * factor**exponent
-        assert again == product
-        assert len(found) == len(wanted)
-        assert {e: sum(1 for _, x in found if x == e) for _, e in found} == {
-            e: sum(1 for _, x in wanted if x == e) for _, e in wanted
-        }
-        for factor, exponent in wanted:
-            assert any(e == exponent and _proportional(factor, f) for f, e in found)
-
-
-def _proportional(x, y):
-    return x * y.leading_coefficient == y * x.leading_coefficient
-
-
-def test_factors_of_random_products(ring):
-    """Multiplied out, put into normal form, taken apart again: the product is the same, and never
-    in fewer factors."""
-    rng = np.random.default_rng(0)
-    names = [ring[x] for x in "abc"]
-    for _ in range(30):
-        pool = []
-        for _ in range(int(rng.integers(1, 4))):
-            turns = rng.integers(-1, 2, 2)
-            angle = names[0] + sum((int(k) * x for k, x in zip(turns, names[1:], strict=True)), 0)
-            wave = angle.sin() if rng.random() < 0.5 else angle.cos()
-            pool.append(wave + ring["l"] if rng.random() < 0.3 else wave)
-        product = pool[0]
-        for factor in pool[1:]:
-            product = product * factor
-        number, found = factored(product)
-        total = None
-        for factor, exponent in found:
-            for _ in range(exponent):
-                total = factor if total is None else total * factor
-        assert total * number == product
-        assert sum(e for _, e in found) >= len(pool)
 
 
 # ---------------------------------------------------------------- where

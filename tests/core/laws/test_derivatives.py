@@ -7,11 +7,8 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.algorithms import kinematics
-from freebody.algorithms.forward_dynamics import forward_dynamics
-from freebody.algorithms.rnea import rnea
 from support.branched import MODELS, difference_along
-from support.reference import reference
+from support.helpers import STEPS, numbers, rate, several
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -63,36 +60,32 @@ def test_kernels_equal_the_reference(name, formula):
     model = MODELS[name]()
     state = fb.random_state(model, seed=5, batch=3)[: 2 if formula == "coriolis_matrix" else 3]
     compiled = getattr(fb, formula)(model, *state)
-    plain = reference(model, formula, *state)
+    plain = (numbers if formula == "coriolis_matrix" else several)(model, formula, *state)
     for a, b in zip(compiled, plain, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-11 * np.abs(b).max())
 
 
-def _complex_steps(model, function, q, *rates):
-    """Derivatives of function(tree, q, *rates) along the tangent of q and along the first rates, to
-    rounding."""
-    tree, h = model.tree, 1e-30
+def _complex_steps(model, formula, q, *rates):
+    """Derivatives of a formula along the tangent of q and along the first rates, to rounding."""
+    function, h, far = fb.formula(model, formula), 1e-30, 1e-2
     exact = [tuple(map(complex, x)) for x in (q, *rates)]
     by_q, by_rates = [], []
     for unit in np.eye(model.nv):
-        ahead = kinematics.position_rates(tree, exact[0], tuple(map(complex, unit)))
-        moved = tuple(x + 1j * h * rate for x, rate in zip(exact[0], ahead, strict=True))
-        by_q.append(np.imag(function(tree, moved, *exact[1:])) / h)
+        ahead = rate(numbers(model, "integrate", q, far * STEPS[:, None] * unit), far)
+        moved = tuple(x + 1j * h * step for x, step in zip(exact[0], ahead, strict=True))
+        by_q.append(np.imag(function(moved, *exact[1:])) / h)
         faster = tuple(x + 1j * h * step for x, step in zip(exact[1], unit, strict=True))
-        by_rates.append(np.imag(function(tree, exact[0], faster, *exact[2:])) / h)
+        by_rates.append(np.imag(function(exact[0], faster, *exact[2:])) / h)
     return np.stack(by_q, axis=-1), np.stack(by_rates, axis=-1)
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_derivatives_are_complex_steps_of_the_recursions(name):
-    """No difference is taken, so all digits count: the recursion on complex numbers, a step of
-    1e-30."""
+    """No difference of what is differentiated is taken, so all digits count: the recursion on
+    complex numbers, a step of 1e-30."""
     model = MODELS[name]().without("friction")
     q, qd, qdd = fb.random_state(model, seed=8)
-    for formula, function in (
-        ("inverse_dynamics_derivatives", lambda tree, *state: rnea(tree, *state).tau),
-        ("forward_dynamics_derivatives", forward_dynamics),
-    ):
-        found = reference(model, formula, q, qd, qdd)
-        for ours, theirs in zip(found, _complex_steps(model, function, q, qd, qdd), strict=False):
+    for formula in ("inverse_dynamics", "forward_dynamics"):
+        found = several(model, f"{formula}_derivatives", q, qd, qdd)
+        for ours, theirs in zip(found, _complex_steps(model, formula, q, qd, qdd), strict=False):
             np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-11 * np.abs(theirs).max())

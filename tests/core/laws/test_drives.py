@@ -7,7 +7,7 @@ import pytest
 from scipy.special import ellipk
 
 import freebody as fb
-from freebody.errors import FreebodyError, ModelError
+from freebody import FreebodyError, ModelError
 from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.drives.acting import ActingLaw, DriveScalars, every_law
 from freebody.model.drives.law_numbers import LawNumbers

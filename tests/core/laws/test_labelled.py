@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import subprocess
 import sys
 from collections import namedtuple
 from collections.abc import Callable
@@ -16,7 +17,7 @@ import pytest
 import xarray as xr
 
 import freebody as fb
-from freebody.labels import is_labelled
+from support.child_process import environment
 from support.public_calls import arguments, bits, functions_of_states, state
 from support.sources import SOURCES
 
@@ -368,7 +369,15 @@ def test_a_torque_by_names_drives_the_joints_that_are_named():
 def test_freebody_does_not_import_pandas():
     assert "pandas" in sys.modules  # by this file
     assert not [p for p in SOURCES if "import pandas" in p.read_text(encoding="utf-8")]
-    assert not is_labelled(np.zeros(3))
+    program = (
+        "import sys, numpy, freebody as fb; fb.mass_matrix(fb.load('2R'), numpy.zeros(2)); "
+        "print('pandas' in sys.modules)"
+    )
+    child = {**environment(), "FREEBODY_TARGET": "numpy"}
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, env=child
+    )
+    assert done.stdout == "False\n", done.stderr
 
 
 @pytest.mark.parametrize("name", functions_of_states())

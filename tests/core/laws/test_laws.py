@@ -4,7 +4,6 @@ compiled kernels."""
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,10 +11,6 @@ import pytest
 
 import freebody as fb
 from freebody import Inertia, Model, SingularError
-from freebody.algorithms.aba import aba
-from freebody.algorithms.forward_dynamics import forward_dynamics
-from freebody.algorithms.rnea import External, external_on_frame, rnea
-from freebody.model.inertia import combined
 from support import generate
 from support.helpers import (
     close,
@@ -25,31 +20,11 @@ from support.helpers import (
     poses,
     random_wrenches,
     rate,
-    scalars,
     second_rate,
     state,
 )
-from support.reference import at_point
 from support.robots import Joint, Link, Placement, Robot, loaded, rotate, shift
-
-TREES = range(200)
-FLAT_TREES = range(60)
-CASES = [(seed, 3) for seed in TREES] + [(seed, 2) for seed in FLAT_TREES]
-
-
-def trees(cases: Sequence[tuple[int, int]]) -> pytest.MarkDecorator:
-    """A test of these seeds and dimensions: of every fourth soon, of the others where there is
-    time."""
-    return pytest.mark.parametrize(
-        ("seed", "dim"),
-        [pytest.param(*x, marks=() if k % 4 == 1 else LONG) for k, x in enumerate(cases)],
-        ids=[f"{dim}D-{seed}" for seed, dim in cases],
-    )
-
-
-LONG = pytest.mark.long
-every_tree = trees(CASES)
-every_other = trees(CASES[::2])
+from support.tree_marks import CASES, FLAT_TREES, TREES, every_other, every_tree, trees
 
 EPS = np.finfo(float).eps
 H = 2e-3  # s, step of first differences
@@ -101,13 +76,6 @@ def condition(M: np.ndarray) -> float:
     return float(np.linalg.cond(M).max())
 
 
-def external(model: Model, q: np.ndarray, loads: dict[str, np.ndarray]) -> list[External]:
-    given = (
-        external_on_frame(model.tree, scalars(q), name, scalars(w)) for name, w in loads.items()
-    )
-    return [load for load in given if load is not None]
-
-
 # ---------------------------------------------------------------- forward, inverse, mass matrix
 @every_tree
 def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
@@ -123,20 +91,6 @@ def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
         allowed,
         what="forward(inverse)",
     )
-    given = (model.tree, scalars(q), scalars(qd), scalars(tau), external(model, q, loads))
-    close(
-        np.stack(np.broadcast_arrays(*forward_dynamics(*given)), -1),
-        qdd,
-        allowed,
-        what="composite bodies",
-    )
-    if model.tree.follows:
-        with pytest.raises(AssertionError, match="moves several joints"):
-            aba(*given)
-    else:
-        close(
-            np.stack(np.broadcast_arrays(*aba(*given)), -1), qdd, allowed, what="articulated bodies"
-        )
     close(numbers(model, "inverse_dynamics", q, qd, qdd, wrenches=loads), tau, 0.0)
 
 
@@ -290,11 +244,27 @@ def six(model: Model, linear: np.ndarray, angular: np.ndarray) -> np.ndarray:
     return np.concatenate([linear[..., :2], angular[..., 2:]], axis=-1)
 
 
+def momentum_about(model: Model, h: np.ndarray, point: np.ndarray) -> np.ndarray:
+    """The momentum about the origin, taken about a point of the world."""
+    p, L = in_space(h, model.dim)
+    return six(model, p, L - np.cross(np.append(point, [0.0] * (3 - model.dim)), p))
+
+
+def velocity_of_point(
+    model: Model, frame: str, q: np.ndarray, qd: np.ndarray, point: np.ndarray
+) -> np.ndarray:
+    """The velocity of a frame, taken at a point that is told in the frame's axes."""
+    v, w = in_space(numbers(model, "velocity", q, qd, frame=frame), model.dim)
+    arm = poses(model, q)[frame][..., :3, :3] @ np.append(point, [0.0] * (3 - model.dim))
+    return six(model, v + np.cross(w, arm), w)
+
+
 def some_frames(model: Model, seed: int, n: int = 3) -> list[str]:
     rng = np.random.default_rng(seed)
     return ["tool", *(str(name) for name in rng.permutation(np.array(model.frame_names))[:n])]
 
 
+@pytest.mark.usefixtures("numpy_kernels")
 @every_tree
 def test_velocities_jacobians_and_accelerations_are_derivatives(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -317,7 +287,7 @@ def test_velocities_jacobians_and_accelerations_are_derivatives(seed: int, dim: 
         close(V, six(model, Td[..., :3, 3], vee(W)), 1e-9, scale, "velocity")
         arm = T[..., :dim, :dim] @ point
         moved = rate((moving[name][..., :dim, :dim] @ point) + moving[name][..., :dim, 3], H)
-        arrived = at_point(model, "velocity", q, qd, point, frame=name)
+        arrived = fb.velocity(model, q, qd, name, point=point)
         close(arrived[..., :dim], moved, 1e-9, scale, "velocity of a point")
         close(arrived[..., dim:], V[..., dim:], 1e-15, what="angular velocity at a point")
         A = numbers(model, "acceleration", q, qd, qdd, frame=name)
@@ -328,8 +298,8 @@ def test_velocities_jacobians_and_accelerations_are_derivatives(seed: int, dim: 
             scale**2 + abs(A).max(),
             "acceleration",
         )
-        A_point = at_point(model, "acceleration", q, qd, qdd, point, frame=name)
-        V_point = at_point(model, "velocity", along, rates, point, frame=name)
+        A_point = fb.acceleration(model, q, qd, qdd, name, point=point)
+        V_point = fb.velocity(model, along, rates, name, point=point)
         close(
             A_point,
             rate(V_point, H),
@@ -534,28 +504,8 @@ def test_external_wrenches(seed: int, dim: int):
     close(static, -pull, 1e-12, scale, "static")
 
 
-@every_tree
-def test_gravity_as_base_acceleration_or_explicit(seed: int, dim: int):
-    model = generate.model(seed, dim)
-    q, qd, qdd = state(model, seed)
-    given = (
-        model.tree,
-        scalars(q),
-        scalars(qd),
-        scalars(qdd),
-        external(model, q, random_wrenches(model, seed, 3)),
-    )
-    base, explicit = rnea(*given, gravity="base"), rnea(*given, gravity="explicit")
-    for a, b in (
-        (base.tau, explicit.tau),
-        *zip(base.f, explicit.f, strict=True),
-        *zip(base.n, explicit.n, strict=True),
-    ):
-        a, b = (np.stack(np.broadcast_arrays(*x, q[..., 0]), -1) for x in (a, b))
-        close(a, b, 1e-12, 10.0 + float(abs(b).max()), "two ways of gravity")
-
-
 # ---------------------------------------------------------------- momentum
+@pytest.mark.usefixtures("numpy_kernels")
 @every_tree
 def test_momentum(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -567,11 +517,9 @@ def test_momentum(seed: int, dim: int):
     scale = 1.0 + float(abs(h).max())
     close(h[..., :dim], model.mass * rate(com, H), 1e-9, scale, "m v_com")
     about = np.random.default_rng(seed).normal(size=dim)
-    p, L = in_space(h, dim)
-    elsewhere = six(model, p, L - np.cross(np.append(about, [0.0] * (3 - dim)), p))
     close(
-        at_point(model, "momentum", q, qd, about),
-        elsewhere,
+        fb.momentum(model, q, qd, about),
+        momentum_about(model, h, about),
         1e-12,
         scale,
         "about a point",
@@ -951,7 +899,7 @@ def test_lumped_mass_is_the_combined_inertia():
         pose[f"l{i}"] = pose[parent] @ placement.matrix()
         parts.append(links[-1].inertia.placed(pose[f"l{i}"][:3, :3], pose[f"l{i}"][:3, 3]))
     model = loaded(Robot("welded", 3, tuple(links), tuple(joints), (0.0, (0.0, 0.0, -1.0))))
-    whole = combined(parts)
+    whole = sum(parts[1:], parts[0])
     m, c, tensor = whole.numbers()
     S = np.array([[0, -c[2], c[1]], [c[2], 0, -c[0]], [-c[1], c[0], 0]])
     M = np.block([[m * np.eye(3), -m * S], [m * S, tensor - m * S @ S]])
@@ -1026,7 +974,7 @@ def kernels_agree(model: Model, seed: int, tolerance: float) -> None:
     point = np.arange(1.0, 1 + model.dim)
     close(
         fb.momentum(model, q, qd, point),
-        at_point(model, "momentum", q, qd, point),
+        momentum_about(model, numbers(model, "momentum", q, qd), point),
         tolerance,
         1.0,
         "momentum",
@@ -1049,7 +997,7 @@ def kernels_agree(model: Model, seed: int, tolerance: float) -> None:
         )
         close(
             fb.velocity(model, q, qd, frame, point=point),
-            at_point(model, "velocity", q, qd, point, **at),
+            velocity_of_point(model, frame, q, qd, point),
             tolerance,
             1.0,
             "velocity of a point",

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.algorithms import forward_dynamics
-from freebody.errors import FreebodyError, ModelError
+from freebody import FreebodyError, ModelError
 from support import generate
 from support.exported import passes, require
 from support.extras import extra
@@ -188,23 +187,6 @@ def test_a_gear_holds_what_hardly_pushes():
         steps = {"method": "implicit", "step": 1e-3, "friction_width": 1e-5}
         moved = fb.simulate(model, [0.0], [0.0], [0.0, 1.0], [tau], **steps).q.values[-1, 0]
         assert least < moved < most
-
-
-@pytest.mark.usefixtures("numpy_kernels")
-def test_directions_of_power_that_do_not_settle_are_told(monkeypatch):
-    """By the number of sweeps, which is enough for all states that were tried, made too small."""
-    monkeypatch.setattr(forward_dynamics, "_SWEEPS", 1)
-    model = arm(**BOTH, rotor=0.3, gear=10.0)
-    q, qd, tau = np.random.default_rng(0).normal(size=(3, 50, 3)) * 3.0
-    with pytest.raises(
-        fb.SingularError, match=r"way power flows through joint1 and joint3 of 'RRP"
-    ):
-        fb.forward_dynamics(model, q, qd, tau)
-    found = fb.kernel(model, "forward_dynamics", target="numpy")(q, qd, tau)
-    settled = np.isfinite(found).all(axis=1)
-    assert 0 < settled.sum() < 50
-    again = fb.inverse_dynamics(model, q[settled], qd[settled], found[settled])
-    np.testing.assert_allclose(again, tau[settled], atol=1e-11)
 
 
 # ------------------------------------------------------------ in dynamics

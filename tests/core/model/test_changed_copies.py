@@ -19,12 +19,8 @@ from scipy.spatial.transform import Rotation
 
 import freebody as fb
 from freebody import FreebodyError, MissingValueError
-from freebody.model.build import build_model
-from freebody.model.description import Joint, Link, RobotDescription
-from freebody.model.gravity import gravity_of
-from freebody.model.piece_paths import get, put_at
-from freebody.model.placement import Placement, Shift, shift
 from support import generate
+from support.robots import Joint, Link, Robot, loaded, shift
 
 ROBOTS: dict[str, Callable[[], fb.Model]] = {
     "ur5e": lambda: fb.load("ur5e"),
@@ -38,26 +34,18 @@ ROBOTS: dict[str, Callable[[], fb.Model]] = {
 def screw() -> fb.Model:
     """A helical joint, whose pitch is a number, that carries a link on a revolute one."""
     heavy = fb.Inertia.box(2.0, (0.1, 0.2, 0.3)).moved_to((0.1, 0.0, 0.02))
-    return build_model(
-        RobotDescription(
-            "screw",
-            3,
-            (Link("base"), Link("nut", heavy), Link("arm", heavy)),
-            (
-                Joint(
-                    "turn",
-                    "helical",
-                    "base",
-                    "nut",
-                    shift(0.1, 0.0, 0.2),
-                    (0.0, 0.0, 1.0),
-                    numbers=(0.01,),
-                ),
-                Joint("elbow", "revolute", "nut", "arm", shift(0.3, 0.0, 0.0), (0.0, 1.0, 0.0)),
-            ),
-            gravity_of(9.81, 3),
-        )
+    turn = Joint(
+        "turn",
+        "helical",
+        "base",
+        "nut",
+        shift(0.1, 0.0, 0.2),
+        axis=(0.0, 0.0, 1.0),
+        numbers=(0.01,),
     )
+    elbow = Joint("elbow", "revolute", "nut", "arm", shift(0.3, 0.0, 0.0), axis=(0.0, 1.0, 0.0))
+    links = (Link("base"), Link("nut", heavy), Link("arm", heavy))
+    return loaded(Robot("screw", 3, links, (turn, elbow), (9.81, (0.0, 0.0, -1.0))))
 
 
 def changed(model: fb.Model, rng: np.random.Generator) -> fb.Model:
@@ -293,27 +281,6 @@ def test_a_value_that_is_missing_is_named_though_the_origin_had_it():
     loaded = model.with_payload(fb.Inertia.of("load", (0.0, 0.0), 0.0))
     with pytest.raises(MissingValueError, match="load"):
         fb.inverse_dynamics(loaded, [0.1, 0.2], [0.0, 0.0], [0.0, 0.0])
-
-
-def test_what_was_one_object_at_several_places_is_one_again():
-    twice = Shift((1.0, 2.0, 3.0))
-    things = (Placement((twice,)), (Placement((twice, twice)), twice), Shift((1.0, 5.0, 6.0)))
-    first, again, other = (0, "steps", 0, "by", 0), (1, 1, "by", 0), (2, "by", 0)
-    found = put_at(things, (first, (1, 0, "steps", 1, "by", 0), again, other), 7.0)
-    assert found == (
-        Placement((Shift((7.0, 2.0, 3.0)),)),
-        (Placement((twice, Shift((7.0, 2.0, 3.0)))), Shift((7.0, 2.0, 3.0))),
-        Shift((7.0, 5.0, 6.0)),
-    )
-    assert get(found, first[:3]) is get(found, again[:2])
-    assert things[0].steps[0] is twice
-    assert twice.by == (1.0, 2.0, 3.0)
-
-
-def test_one_object_reached_in_two_ways_is_changed_in_each_way():
-    shared = Shift((1.0, 2.0, 3.0))
-    found = put_at((shared, shared), ((0, "by", 0), (1, "by", 1)), 7.0)
-    assert found == (Shift((7.0, 2.0, 3.0)), Shift((1.0, 7.0, 3.0)))
 
 
 def test_a_frame_and_the_inertia_in_it_keep_one_placement_when_a_length_changes():

@@ -18,13 +18,15 @@ from freebody.figures.snapshot import clear_pose
 from freebody.inverse.problem.solutions import turning_coordinates
 from freebody.model import description
 from freebody.model.build import build_model
-from freebody.model.joints import KINDS
+from freebody.model.joints import KINDS, JointKind
+from freebody.model.joints.prismatic import SLIDING
+from freebody.model.joints.revolute import TURNING
 from freebody.model.loop_kinds import LOOP_KINDS
-from freebody_textbook.derive import compare
 from freebody_textbook.equations.base_parameters import base_parameters
 from support import generate, robots
 from support.extras import extra
 from support.helpers import close
+from support.methods import agree
 from support.robots import Joint, Link, Mimic, Robot, loaded, rpy, shift
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
@@ -344,7 +346,7 @@ def test_derivations_of_joints_of_several_coordinates(kind: str):
     close(fb.inverse_dynamics(single, q, qd, qdd), torques, 1e-12)
     derived = [fb.derive(model, method) for method in ("newton-euler", "recursive", "lagrange")]
     for one in derived:
-        assert compare(derived[0], one)
+        assert agree(derived[0], one)
         assert f"The {kind} joint j is replaced by joints 2" in one.given
         assert "m₂" not in str(one)
     found = fb.equations(model, numbers=True)
@@ -491,3 +493,28 @@ def test_a_screw_in_derivations(method: str, with_slide: bool):
         assert "v₁ = h θ̇₁ z₁ = [0, 0, h θ̇₁]ᵀ" in said
         assert "τ₁ = n₀₁ · z₁ + h (f₀₁ · z₁)" in said
         assert "the turning and the sliding of joint 1" in said
+
+
+def test_a_joint_kind_of_tomorrow_says_itself_whether_it_has_an_axis(tmp_path, monkeypatch):
+    """A joint of two motions: a file and a line, and its files are written and read."""
+
+    class Sleeve(JointKind):
+        name, nq, nv, needs_axis = "sleeve", 2, 2, True
+        position_names = velocity_names = ("turn", "slide")
+        angular = (True, False)
+
+        def primitives(self, space, axis, numbers):
+            return ((TURNING, axis), (SLIDING, axis))
+
+    monkeypatch.setitem(KINDS, "sleeve", Sleeve())
+    text = (
+        '[[link]]\nname = "base"\n[[link]]\nname = "arm"\n[[joint]]\nname = "a"\nkind = "sleeve"\n'
+        'parent = "base"\nchild = "arm"\naxis = [0, 0.6, 0.8]\n'
+    )
+    model = fb.load(text=text, format="toml")
+    fb.save(model, tmp_path / "saved.toml")
+    for arm in (model, fb.load(tmp_path / "saved.toml")):
+        velocity = fb.velocity(arm, [0.3, 0.2], [1.0, 2.0], frame="arm")
+        np.testing.assert_allclose(velocity, [0.0, 1.2, 1.6, 0.0, 0.6, 0.8], atol=1e-15)
+    with pytest.raises(fb.FreebodyError, match="a sleeve joint has no friction; remove it"):
+        fb.load(text=text + "friction = { viscous = 1.0 }\n", format="toml")

@@ -13,7 +13,6 @@ import pytest
 
 import freebody as fb
 from freebody import FileError, FreebodyError, Inertia
-from freebody.formats.packages import packages_around
 from support.command import run
 from support.extras import extra
 
@@ -355,22 +354,3 @@ def test_meshes_weigh_what_they_enclose():
     assert mass == pytest.approx(2.0)
     np.testing.assert_allclose(com, [LENGTHS[0] / 2, 0, 0], atol=1e-9)
     np.testing.assert_allclose(tensor, Inertia.box(2.0, (0.2, 0.1, 0.1)).numbers()[2], atol=1e-9)
-
-
-def test_where_meshes_are_looked_for(tmp_path: Path):
-    for name in ("pkg/urdf/arm.urdf", "pkg/meshes/a.stl"):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("x")
-    found = tmp_path / "pkg/meshes/a.stl"
-    packages = packages_around(str(tmp_path / "pkg/urdf/arm.urdf"))
-    for name in (
-        "package://pkg/meshes/a.stl",
-        "package://renamed/meshes/a.stl",
-        "../meshes/a.stl",
-        f"file://{found}",
-    ):
-        where = packages.located(name)
-        assert where is not None
-        assert where.resolve() == found
-    for name in ("package://pkg/meshes/b.stl", "http://pkg/meshes/a.stl", "b.stl"):
-        assert packages.located(name) is None

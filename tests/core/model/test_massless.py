@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody import SingularError
+from freebody import (
+    SingularError,
+)
 from freebody.trees import special_joints
 from support import generate
 
@@ -138,3 +140,43 @@ def test_what_a_heavy_body_far_away_hides_is_seen():
     refused(
         fb.planar("RRR", l=[0.0, 1e2, 1.0], lc=[0.0] * 3, m=[1e-4, 1.0, 1e6], I=[1e-4, 1.0, 1.0])
     )
+
+
+def test_a_new_payload_is_seen_to_move_inertia_without_the_mass_matrix(monkeypatch):
+    """In a loop over payloads this would take fifty times what the forward dynamics take."""
+    arm, q = fb.load("ur5e"), 0.3 * np.ones(6)
+    monkeypatch.setattr(special_joints, "crba", None)
+    heavy = arm.with_payload(3.0).bind({"forearm_link.mass": 2.5})
+    qdd = fb.forward_dynamics(heavy, q, q, q)
+    assert fb.inverse_dynamics(heavy, q, q, qdd) == pytest.approx(q, abs=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("model", "usual"),
+    [
+        (
+            fb.planar("RRR", l=[1, 0, 1], lc=[0.5] * 3, m=[1] * 3, I=[0.1] * 3),
+            ({"m2": 1.0, "I2": 0.1}, {"m3": 1.0, "I3": 0.1}),
+        ),
+        (
+            fb.planar("RPR", l=[1, 0, 1], lc=[0.5] * 3, m=[1] * 3, I=[0.1] * 3),
+            ({"m2": 1.0, "I2": 0.1}, {"m3": 1.0, "I3": 0.1}),
+        ),
+        (fb.load("ur5e"), ({"forearm_link.scale": 1.0}, {"wrist_3_link.scale": 1.0})),
+        (fb.load("quadrotor"), ()),
+    ],
+    ids=["RRR", "RPR", "ur5e", "quadrotor"],
+)
+def test_what_bodies_weigh_alone_finds_no_robot_sound_that_is_not(model, usual, monkeypatch):
+    """From a usual link to none the verdict is that of the mass matrix, whatever was seen without
+    it."""
+    assert special_joints._all_sound(model)
+    for link in usual:
+        for size in (*10.0 ** -np.arange(0.0, 25.0, 2.0), 0.0):
+            less = model.bind({name: size * value for name, value in link.items()})
+            alone = special_joints._all_sound(less)
+            with monkeypatch.context() as without:
+                without.setattr(special_joints, "_all_sound", lambda _: False)
+                names = special_joints.massless(less)
+            assert not (alone and names), (link, size, names)
+        assert not alone

@@ -16,6 +16,7 @@ import freebody as fb
 from freebody import Drive, FileError, Inertia, Limits, ModelError, Parameter
 from freebody.model.build import build_model
 from freebody.model.description import Joint, Link, Loop, Mount, Payload, RobotDescription
+from freebody.model.inertia import combined
 from freebody.model.joints import KINDS
 from freebody.model.loop_kinds import LOOP_KINDS
 from freebody.model.mimics import Mimic
@@ -672,3 +673,8 @@ def test_what_is_known_to_be_negative_is_refused_though_other_values_are_open():
     with pytest.raises(ModelError, match="'link2': moment of inertia -2 kg m² is negative"):
         fb.planar("RR", I=[1, -2])
     assert fb.planar("RR", m=["a", 0]).parameters["a"] is None
+
+
+def test_no_inertias_are_none_together():
+    with pytest.raises(fb.FreebodyError, match=r"^combined: give at least one Inertia\.$"):
+        combined([])

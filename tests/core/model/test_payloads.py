@@ -114,11 +114,10 @@ def words(capsys: pytest.CaptureFixture[str]) -> str:
 def test_the_option_means_what_python_does(
     text: str, given: dict, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    from freebody.cli.options import GivenRobot
-
     monkeypatch.chdir(tmp_path)
     fb.save(ARM, "arm.toml")
-    assert GivenRobot("arm.toml", {"payload": text}).load() == ARM.with_payload(3.0, **given)
+    assert run(["convert", "arm.toml", "loaded.toml", "--payload", text]) == 0
+    assert fb.load("loaded.toml", physical="ignore") == ARM.with_payload(3.0, **given)
 
 
 def test_what_is_no_load_is_refused(capsys: pytest.CaptureFixture[str]):

@@ -18,6 +18,8 @@ import freebody as fb
 from freebody import Inertia, MissingValueError, SingularError
 from freebody.kernels.formulas import FORMULAS, Option
 from freebody.kernels.structural import fetch
+from freebody.model.piece_paths import get, put_at
+from freebody.model.placement import Placement, Shift
 from freebody.model.structure import Structure
 from freebody.targets.kernel import compile_program
 from support import generate
@@ -292,3 +294,35 @@ def test_no_centre_of_mass_is_said():
     model = fb.dh([{"a": 0.3}], convention="standard")
     with pytest.raises(SingularError, match="no link that moves has a mass"):
         fb.centroidal_momentum_matrix(model, [0.1])
+
+
+def test_what_was_one_object_at_several_places_is_one_again():
+    twice = Shift((1.0, 2.0, 3.0))
+    things = (Placement((twice,)), (Placement((twice, twice)), twice), Shift((1.0, 5.0, 6.0)))
+    first, again, other = (0, "steps", 0, "by", 0), (1, 1, "by", 0), (2, "by", 0)
+    found = put_at(things, (first, (1, 0, "steps", 1, "by", 0), again, other), 7.0)
+    assert found == (
+        Placement((Shift((7.0, 2.0, 3.0)),)),
+        (Placement((twice, Shift((7.0, 2.0, 3.0)))), Shift((7.0, 2.0, 3.0))),
+        Shift((7.0, 5.0, 6.0)),
+    )
+    assert get(found, first[:3]) is get(found, again[:2])
+    assert things[0].steps[0] is twice
+    assert twice.by == (1.0, 2.0, 3.0)
+
+
+def test_one_object_reached_in_two_ways_is_changed_in_each_way():
+    shared = Shift((1.0, 2.0, 3.0))
+    found = put_at((shared, shared), ((0, "by", 0), (1, "by", 1)), 7.0)
+    assert found == (Shift((7.0, 2.0, 3.0)), Shift((1.0, 7.0, 3.0)))
+
+
+def test_kernels_get_the_numbers_of_a_member_side_by_side():
+    """In columns a batch takes twice the time."""
+    family = fb.load("ur5e").bind(
+        {"forearm_link.mass": np.linspace(2.0, 3.0, 4), "wrist_3_joint.d": 0.1}
+    )
+    for name in ("inverse_dynamics", "mass_matrix", "gravity_torque"):
+        (numbers,) = fetch(family, (name,), Option()).numbers
+        assert numbers.shape[0] == 4
+        assert numbers.strides[-1] == numbers.itemsize

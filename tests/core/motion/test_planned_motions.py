@@ -6,7 +6,6 @@ import pickle
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pandas as pd
@@ -15,12 +14,6 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import freebody as fb
-from freebody.cli.plan import PlannerName
-from freebody.motion.piecewise import PiecewisePolynomial
-from freebody.motion.planners import PLANNERS as PLANNERS_BY_NAME
-from freebody.motion.planning.point_to_point import PROFILES
-from freebody.report.replay import replayed
-from freebody.report.studied_motion import with_peaks
 from support.command import run
 from support.extras import extra
 
@@ -32,37 +25,6 @@ PLANNERS: dict[str, Callable[..., fb.Motion]] = {
     "s_curve": lambda way, **given: fb.s_curve(ARM, way, acceleration=3.0, jerk=20.0, **given),
     "spline": lambda way, **given: fb.spline(ARM, way, acceleration=3.0, **given),
 }
-
-
-# ---------------------------------------------------------------- one axis
-def test_the_trapezoid_and_its_triangle_are_the_closed_forms():
-    move = PROFILES["trapezoid"].quickest
-    assert move(3.0, 1.0, 2.0, np.inf).breaks == pytest.approx([0.0, 0.5, 3.0, 3.5])
-    assert move(2.0, 9.0, 2.0, np.inf).breaks == pytest.approx([0.0, 1.0, 2.0])
-    assert move(2.0, np.inf, 2.0, np.inf)(1.0) == pytest.approx(1.0)
-
-
-def test_the_s_curve_has_the_phases_of_the_book():
-    """Biagiotti and Melchiorri 2008, examples 3.9 and 3.11: way 10, limits 5, 10, 30 and so on."""
-    move = PROFILES["s-curve"].quickest
-    full = move(10.0, 5.0, 10.0, 30.0)
-    assert np.diff(full.breaks) == pytest.approx(np.array([2, 1, 2, 7, 2, 1, 2]) / 6.0)
-    short = move(10.0, 10.0, 10.0, 1e6)  # nearly a triangle of speed
-    assert short.breaks[-1] == pytest.approx(2.0, rel=1e-4)
-    assert move(2.0, np.inf, np.inf, 1.0).breaks[-1] == pytest.approx(4.0)
-
-
-@pytest.mark.parametrize("name", PROFILES)
-def test_profiles_reach_a_limit_and_break_none(name: str):
-    rng = np.random.default_rng(3)
-    for _ in range(40):
-        way, *limits = (10.0 ** rng.uniform(-2, 2, 4)).tolist()
-        curve = PROFILES[name].quickest(way, *limits)
-        assert curve(curve.breaks[[0, -1]]) == pytest.approx(np.array([[0.0], [way]]), rel=1e-9)
-        assert curve.derivative()(curve.breaks[-1]) == pytest.approx(0.0, abs=1e-8 * way)
-        counted = limits[:2] if name == "trapezoid" else limits
-        used = [curve.derivative(k + 1).extremes.size[0] / most for k, most in enumerate(counted)]
-        assert max(used) == pytest.approx(1.0, rel=1e-9)
 
 
 def ruckig_duration(q: np.ndarray, v: np.ndarray, a: np.ndarray, j: np.ndarray | None) -> float:
@@ -204,36 +166,6 @@ def test_torques_that_jump_hundreds_of_times_lead_back_to_the_motion():
     assert all(check.passed for check in study.checks)
     assert study.replay is not None
     assert np.nanmax(study.replay.misses) < 1e-11
-
-
-def test_with_dry_friction_the_replay_goes_from_jump_to_jump_too():
-    arm = fb.load("2R").with_drive("joint1", coulomb=2.0).with_drive("joint2", coulomb=2.0)
-    motion = fb.time_optimal(arm, [[0, 0], [1, -0.5], [0.4, 1]], torque=[150, 40], points=21)
-    replay = replayed(arm, motion)
-    assert replay.method == "Radau"  # begins again at once
-    assert np.nanmax(replay.misses) < 1e-8
-    assert replay.drift_time[-1] == motion.t[-1]
-    assert replay.drift.max() < 1e-6
-
-
-def test_polynomials_that_meet_without_a_jump_are_replayed_each_in_its_place():
-    arm = fb.load("2R")
-    way = [[0, 0], [0.4, 0.5], [1, 0.7], [0.8, -0.3]]
-    motion = fb.spline(arm, way, degree=3, acceleration=3).then(
-        fb.trapezoid(arm, way[::-1], acceleration=3)
-    )
-    assert len(motion.jumps) < len(motion.knots) - 2
-    replay = replayed(arm, motion)
-    assert np.nanmax(replay.misses) < 1e-7
-
-
-@pytest.mark.parametrize("off", [-1e-13, 1e-13])
-def test_a_break_beside_a_sample_is_that_sample(off: float):
-    t, still = np.array([0.0, 0.25, 0.5, 1.0]), np.zeros((4, 2))
-    pieces = PiecewisePolynomial(np.array([0.0, 0.5 + off, 0.8, 1.0]), np.zeros((2, 3, 2)))
-    layout = fb.default_motion(fb.load("2R")).layout
-    motion = fb.Motion(t, still, still, still, "", layout, pieces=pieces)
-    assert motion.knots.tolist() == [0.0, 0.25, 0.5, 0.8, 1.0]
 
 
 def test_a_jump_beside_a_sample_is_one(tmp_path: Path):
@@ -572,11 +504,6 @@ def test_the_command_plans_a_free_body(
     assert "positions are quaternions" in capsys.readouterr().err
 
 
-def test_the_command_knows_all_planners():
-    assert set(get_args(PlannerName)) == set(PLANNERS_BY_NAME)
-    assert next(iter(PLANNERS_BY_NAME)) == "spline"
-
-
 def test_a_study_judges_what_lies_between_samples():
     """Four samples at 0, 1, 1, 0: the curve through them goes to 1.125, and is fastest at ends."""
     limits = [fb.Limits(-2.0, 1.1, 2.0, 100.0)]
@@ -608,20 +535,6 @@ def test_a_study_finds_peaks_between_samples_and_beside_jumps():
     assert float(np.abs(worst["tau"]).max()) == pytest.approx(abs(found.worst.value))
     limited = arm.bind({"joint1.limits.effort": 0.5 * (at_samples[0] + exact[0])})
     assert fb.study(limited, motion).verdict.outcome == "not feasible"
-
-
-def test_noise_between_samples_is_no_peak():
-    arm, t = fb.load("2R"), np.linspace(0.0, 1.0, 21)
-    q = np.stack([np.sin(t), 0.5 * t**2], axis=-1)
-    rates, seconds = np.stack([np.cos(t), t], axis=-1), np.stack([-np.sin(t), 1.0 + 0 * t], axis=-1)
-    noisy = q + 1e-3 * np.random.default_rng(1).normal(size=q.shape)
-    motion = fb.Motion.of(arm, t, noisy, rates, seconds)
-    assert np.abs(motion.at(t[:-1] + 0.01)[2]).max() > 3.0  # between the samples
-    found = with_peaks(arm, motion)
-    peaks, own = (
-        np.abs(fb.inverse_dynamics(arm, x.q, x.qd, x.qdd)).max(axis=0) for x in (found, motion)
-    )
-    np.testing.assert_allclose(peaks, own, rtol=0.01)
 
 
 def test_a_waypoint_at_0_prints_as_0(

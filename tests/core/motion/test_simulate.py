@@ -10,7 +10,7 @@ import pytest
 
 import freebody as fb
 from freebody import FreebodyError, NotFiniteError, ShapeError, SingularError, UnknownNameError
-from support.robots import Joint, Link, Mimic, Robot, loaded
+from support.robots import Joint, Link, Robot, loaded
 
 
 def pendulum(**friction: float) -> fb.Model:
@@ -136,36 +136,6 @@ def test_methods_agree(method: str):
     args = (fb.load("2R"), [0.1, 0.2], [0, 0], [0, 0.5])
     found, expected = fb.simulate(*args, method=method, tolerance=1e-9), fb.simulate(*args)
     np.testing.assert_allclose(found["q"], expected["q"], atol=1e-6)
-
-
-def test_followers_feel_their_friction():
-    """A follower of ratio r with friction c adds r c tanh(r q̇ / width) to its leader's torque."""
-    from freebody.motion.smooth_friction import smooth_friction
-
-    links = tuple(
-        Link(f"l{k}", fb.Inertia(1.0, (0.1, 0, 0), (0.1, 0, 0, 0.1, 0, 0.1))) for k in range(3)
-    )
-    joints = (
-        Joint("a", "revolute", "l0", "l1", axis=(0, 0, 1), drive=fb.Drive(coulomb=1.0)),
-        Joint(
-            "b",
-            "revolute",
-            "l1",
-            "l2",
-            axis=(0, 0, 1),
-            drive=fb.Drive(coulomb=3.0),
-            mimic=Mimic("a", -2.0, 0.1),
-        ),
-    )
-    model = loaded(Robot("pair", 3, links, joints, 9.81))
-    smooth, friction = smooth_friction(model, 0.1)
-    rate = np.array([[0.03], [-0.5]])
-    expected = np.tanh(rate / 0.1) + 2.0 * 3.0 * np.tanh(2.0 * rate / 0.1)
-    np.testing.assert_allclose(friction.torque(0.0 * rate, rate), expected, rtol=1e-14)
-    np.testing.assert_allclose(friction.steepest(np.zeros(model.nq)), [(1.0 + 4 * 3.0) / 0.1])
-    fast = np.array([[7.0]])
-    sharp = fb.bias(model, [[0.3]], fast) - fb.bias(smooth, [[0.3]], fast)
-    np.testing.assert_allclose(friction.torque(0.0 * fast, fast), sharp, rtol=1e-12)
 
 
 def test_what_is_refused():

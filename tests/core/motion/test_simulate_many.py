@@ -12,7 +12,6 @@ import pytest
 import freebody as fb
 from freebody import FreebodyError, FreebodyWarning, ShapeError, UnknownNameError
 from freebody.math import less
-from freebody.motion.simulation import side_by_side, step_sizes
 from support import generate
 from support.robots import Joint, Link, Placement, Robot, Shift, loaded
 
@@ -88,43 +87,6 @@ def test_a_result_does_not_depend_on_what_is_beside_it_or_on_threads():
         whole = run(slice(None), threads=1, **more)
         np.testing.assert_array_equal(run(slice(None), threads=3, **more), whole)
         np.testing.assert_array_equal(run(slice(5, 18), **more), whole[5:18])
-
-
-def test_results_do_not_depend_on_how_many_steps_a_call_takes(monkeypatch: pytest.MonkeyPatch):
-    """Nor on blocks and threads. Internals are set: no argument chooses them."""
-    lanes, t = 300, np.linspace(0, 0.02, 8)
-    q, qd, tau = fb.random_state(ARM, 1, (lanes,))
-    tables = np.random.default_rng(0).normal(size=(lanes, len(t), 2))
-    given = {"torque_inputs": {"goal": q[::-1], "gain": 5.0}, "breakpoints": [0.0041]}
-    cases = {
-        "tables": (tables, {}),
-        "a table": (tables[0], {}),
-        "constant": (tau[:, None], {}),
-        "compiled": (LAW, given),
-        "sampled": (lambda t, q, qd: -5.0 * q, {"sample_time": 0.06 / 7}),
-    }
-
-    def run() -> dict[str, np.ndarray]:
-        found = {}
-        for name, (torque, more) in cases.items():
-            for options in ({"every": 3}, {"step": 7e-4, "every": 2}, {"step": 7e-4}):
-                result = fb.simulate(ARM, q, qd, t, torque, method="rk4", **options, **more)
-                both = [result.q.values, result.qd.values]
-                found[f"{name} {options}"] = np.concatenate(both, axis=-1)
-        return found
-
-    whole = run()
-    settings = (
-        (step_sizes, "_MOST_AT_ONCE", 3),
-        (side_by_side, "STAYING", 32),
-        (side_by_side, "_FEW_STEPS", 10**9),  # every step called from Python
-    )
-    for module, name, value in settings:
-        with monkeypatch.context() as patch:
-            patch.setattr(module, name, value)
-            patch.setattr(side_by_side, "_FEWEST", 16)
-            for case, found in run().items():
-                np.testing.assert_array_equal(found, whole[case], err_msg=f"{name} {case}")
 
 
 def test_batches_broadcast_and_a_family_has_its_own_dimension():
@@ -240,13 +202,6 @@ def test_a_jump_at_a_time_of_the_result_but_for_rounding(method: str, t: np.ndar
     for breaks in ([at], [at, np.nextafter(at, 1.0), at + 1e-16]):
         found = fb.simulate(ROD, np.zeros((2, 1)), [0.0], t, push, breakpoints=breaks, **step)
         np.testing.assert_allclose(found.qd.values[:, -1, 0], 100.0 * (at - t[0]), rtol=1e-13)
-
-
-def test_instants_of_a_long_run_are_found_at_once():
-    """Of a controller of 1 kHz in 200 s."""
-    calls = 1e-3 * np.arange(200_000)
-    found = step_sizes.step_times(np.array([0.0, 200.0]), 1, np.zeros(0), calls)
-    assert found.calls == tuple(range(200_000))
 
 
 def test_a_double_pendulum_for_100_s_keeps_its_energy():

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.targets.llvm.machine import host
 
 distributed = pytest.importorskip("distributed")
 
@@ -59,35 +58,6 @@ def test_a_cluster_gives_the_same_bytes_also_where_a_worker_is_killed(tmp_path):
             client=cluster.scheduler_address, store=tmp_path / "s",
         )  # fmt: skip
         assert same(stored, fb.sweep(ARM, "inverse_dynamics", over=OVER, reduce="max", block=1000))
-
-
-@pytest.mark.skipif(not host().x86, reason="levels of x86-64")
-def test_a_mixed_cluster_is_refused_unless_a_level_is_named():
-    def pretend_to_be(level: str) -> None:
-        """On a worker: a processor that has the features of a level and no more."""
-        from dataclasses import replace
-
-        from freebody.targets.llvm import machine
-
-        features = ",".join(f"+{name}" for name in machine.LEVELS[level].features)
-        other = replace(machine.host(), cpu="haswell", features=features)
-        machine.host = lambda: other
-
-    with (
-        distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        one = next(iter(client.scheduler_info()["workers"]))
-        client.run(pretend_to_be, "x86-64-v3", workers=[one])
-        given = {"over": OVER, "reduce": "mean", "block": 1000}
-        with pytest.raises(fb.FreebodyError, match="a worker has another processor than this"):
-            fb.sweep(ARM, "inverse_dynamics", **given, client=client)
-        with pytest.raises(
-            fb.FreebodyError, match=r"worker .*: this CPU \(haswell\) lacks avx512f"
-        ):
-            fb.sweep(ARM, "inverse_dynamics", **given, client=client, cpu="x86-64-v4")
-        there = fb.sweep(ARM, "inverse_dynamics", **given, client=client, cpu="x86-64-v2")
-        assert same(there, fb.sweep(ARM, "inverse_dynamics", **given, cpu="x86-64-v2"))
 
 
 def test_what_is_no_cluster_is_refused():

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import errno
-import hashlib
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -18,9 +16,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.sweeps import run
-from freebody.sweeps.evaluation import SweepTask
-from freebody.sweeps.identity import fingerprint
 
 zarr = pytest.importorskip("zarr")
 xr = pytest.importorskip("xarray")
@@ -61,39 +56,6 @@ def test_a_store_holds_what_the_call_returns(tmp_path):
     assert whole.tau.dims == ("point", "state", "coordinate")
     assert whole.tau.values.tobytes() == swept(None, reduce=None).tau.values.tobytes()
     assert whole.l1.values.tolist() == [0.2, 0.6] * 4
-
-
-@pytest.mark.parametrize("reduce", [NAMES, None])
-def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
-    """At several places; what is done is not done again, nor is more than one block under way, on
-    however many processors."""
-    swept(tmp_path / "whole.zarr", reduce=reduce)
-    evaluated = []
-    real = SweepTask.__call__
-    monkeypatch.setattr(SweepTask, "__call__", lambda *a: evaluated.append(a[1]) or real(*a))
-    monkeypatch.setattr(run, "cpus", lambda: 4)
-
-    for stop in (0.1, 0.3, 0.9):
-
-        def stopping(told: str, share: float, stop: float = stop) -> None:
-            assert re.fullmatch(r"\d+ of 720 points, \S+ per second, \d+ s left", told)
-            if share >= stop:
-                raise KeyboardInterrupt
-
-        with pytest.raises(KeyboardInterrupt):
-            swept(tmp_path / "again.zarr", reduce=reduce, progress=stopping)
-    swept(tmp_path / "again.zarr", reduce=reduce)
-    assert content(tmp_path / "again.zarr") == content(tmp_path / "whole.zarr")
-    assert len(evaluated) == len(set(evaluated)) == 24
-
-
-def test_a_block_of_zeros_is_done(tmp_path, monkeypatch):
-    over = {"q": np.zeros((8, 2))}
-    nothing = fb.compile(lambda q: 0.0 * q[0], {"q": (2,)}, {"x": ()})
-    fb.sweep(ARM, nothing, over=over, block=2, store=tmp_path / "z")
-    monkeypatch.setattr(SweepTask, "__call__", lambda *a: pytest.fail("evaluated again"))
-    found = fb.sweep(ARM, nothing, over=over, block=2, store=tmp_path / "z")
-    assert (found.x.values == 0.0).all()
 
 
 def test_failed_points_are_kept_with_their_reasons(tmp_path):
@@ -150,38 +112,7 @@ def test_functions_are_known_again_by_what_they_hold(tmp_path):
         fb.sweep(ARM, holds, over={"q": [1.0]}, store=store)
 
 
-THING, GAIN, TABLE = object(), 2.0, {"a": np.ones(2)}
-
-
-def gained(model: fb.Model, q: Any) -> Any:
-    return helped(q) * TABLE["a"][0] * np.sin(q).shape[0] ** 0
-
-
-def helped(q: Any) -> Any:
-    return (lambda x: GAIN * x)(q) if "q" in {"q", "p", "r"} else helped(q)
-
-
-def test_functions_are_known_again_by_the_globals_that_they_read(monkeypatch):
-    """Also those of functions that they call; in another process the same."""
-    first = fingerprint(gained)
-    script = "import test_sweep_stores as t; print(t.digest(t.fingerprint(t.gained)))"
-    here = Path(__file__)
-    folders = (here.parent, here.parents[2], Path(fb.__file__).parents[1])
-    paths = os.pathsep.join(map(str, folders))
-    environment = {**os.environ, "PYTHONPATH": paths, "PYTHONHASHSEED": "1"}
-    printed = subprocess.run(
-        [sys.executable, "-c", script], env=environment, capture_output=True, text=True
-    )
-    assert printed.stdout.strip() == digest(first), printed.stderr
-    for name, value in (("GAIN", 3.0), ("TABLE", {"a": np.zeros(2)}), ("helped", lambda q: q)):
-        with monkeypatch.context() as patched:
-            patched.setattr(sys.modules[__name__], name, value)
-            assert fingerprint(gained) != first
-    assert fingerprint(gained) == first
-
-
-def digest(parts: list[Any]) -> str:
-    return hashlib.sha256(repr(parts).encode()).hexdigest()
+THING = object()
 
 
 def test_folders_of_others_are_left_alone(tmp_path):

@@ -16,10 +16,6 @@ from scipy.interpolate import CubicSpline, PPoly
 from scipy.optimize import brentq
 
 import freebody as fb
-from freebody.motion.optimal.geometric_path import grid, sampled
-from freebody.motion.piecewise import PiecewisePolynomial
-from freebody.targets import in_turn
-from freebody.targets import in_turn as recurrences
 from support import real_files
 from support.command import run
 from support.extras import extra
@@ -314,30 +310,6 @@ def test_many_paths_are_what_each_is_alone():
     assert both[0].duration == pytest.approx(both[1].duration, rel=0.2)
 
 
-def test_curves_of_any_degree_are_sampled_as_scipy_does():
-    """With a derivative for each power, at breaks those of the piece that begins there."""
-    rng = np.random.default_rng(3)
-    curves = [
-        PiecewisePolynomial(np.array([0.0, 0.3, 1.0]), rng.normal(size=(degree + 1, 2, 2)))
-        for degree in (1, 4, 2)
-    ]
-    s = np.stack([np.linspace(0.0, 1.0, 11), *rng.uniform(0.0, 1.0, (2, 11))], axis=1)
-    found = sampled(curves, s).orders
-    assert len(found) == 5
-    for k, curve in enumerate(curves):
-        of_scipy = PPoly(np.array(curve.coefficients), np.array(curve.breaks))
-        for order, x in enumerate(found):
-            expected = of_scipy.derivative(order)
-            np.testing.assert_allclose(x[:, k], expected(s[:, k]), rtol=1e-13, atol=1e-13)
-            own = curve.derivative(order) if order else curve
-            np.testing.assert_allclose(own(s[:, k]), expected(s[:, k]), rtol=1e-15, atol=1e-15)
-        np.testing.assert_allclose(curve.at_breaks, of_scipy(curve.breaks), rtol=1e-13)
-    alone = sampled(curves[2:], s[:, 2:])
-    assert len(alone.orders) == 3
-    for x, y in zip(alone.orders, found, strict=False):
-        np.testing.assert_allclose(x[:, 0], y[:, 2], rtol=1e-15, atol=1e-15)
-
-
 def test_a_changed_robot_has_limits_of_its_own():
     """What is found of a model is kept with it, not with what is made from it."""
     before = fb.time_optimal(arm(), WAY, points=101)
@@ -359,17 +331,6 @@ def test_a_finer_path_is_as_quick_as_its_spline():
     )
 
 
-def test_without_compiled_code_the_same_comes_out(monkeypatch: pytest.MonkeyPatch):
-    quick = fb.time_optimal(arm(), WAY, points=41)
-
-    def one_by_one(kernel, arguments, steps, samples):
-        in_turn._one_by_one(kernel, arguments, steps)
-
-    monkeypatch.setattr(recurrences, "_FEW", 0)
-    monkeypatch.setattr(recurrences, "in_turn", one_by_one)
-    assert fb.time_optimal(arm(), WAY, points=41) == quick
-
-
 def test_the_command_plans_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     file = tmp_path / "motion.csv"
     limits = ["--velocity", "2", "--acceleration", "9"]
@@ -386,13 +347,15 @@ def test_the_command_plans_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 # ---------------------------------------------------------------- beside toppra
 def toppra_duration(model: fb.Model, path: CubicSpline, points: int, effort: np.ndarray) -> float:
-    """With limits at both ends of each interval, on the same grid."""
+    """With limits at both ends of each interval, on an even grid that is finer at rest."""
     toppra = extra("toppra")
     algorithm, limits = extra("toppra.algorithm"), extra("toppra.constraint")
     toppra.setup_logging("ERROR")
     scheme = {"discretization_scheme": limits.DiscretizationType.Interpolation}
     speed, torque = (np.stack([-x, x], axis=-1) for x in (model.limits.velocity, effort))
-    friction, s = np.zeros(model.nv), grid(PiecewisePolynomial(path.x, path.c), points - 1)
+    friction, even = np.zeros(model.nv), np.linspace(0.0, 1.0, points)
+    start = even[1] * (np.arange(1, 10) / 10) ** 2
+    s = np.concatenate([even[:1], start, even[1:-1], 1.0 - start[::-1], even[-1:]])
     problem = algorithm.TOPPRA(
         [
             limits.JointVelocityConstraint(speed),

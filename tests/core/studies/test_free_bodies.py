@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import pickle
+from typing import Any
 
 import numpy as np
 import pytest
 
 import freebody as fb
 from freebody import Inertia, Model
-from freebody.expressions.expression import Equation, Symbol, nodes
-from freebody_textbook.derive import compare
-from support.methods import METHODS
-from support.printed_values import evaluate
+from support.methods import METHODS, agree
+from support.printed_values import evaluate, is_a, parts
 from support.robots import Joint, Link, Robot, loaded
 
 SYMBOLIC = Inertia.of("m", ["a", 0, "c"], ["Ixx", 0, "Ixz", "Iyy", 0, "Izz"])
@@ -52,14 +51,14 @@ def as_quaternion(R: np.ndarray) -> np.ndarray:
     return np.array([w, *(axis / (4 * w))])
 
 
-def lines(derivation, operation: str) -> dict[str, Equation]:
+def lines(derivation, operation: str) -> dict[str, Any]:
     """The equations of the steps whose heading begins so, by the name on the left."""
     return {
         line.lhs.name: line
         for step in derivation.steps
         if step.operation.startswith(operation)
         for line in step.equations
-        if isinstance(line.lhs, Symbol)
+        if is_a(line.lhs, "Symbol")
     }
 
 
@@ -151,7 +150,7 @@ def test_every_method_ends_in_the_same_polynomials(kinds):
     first = fb.derive(model, "newton-euler")
     for tau, closed in zip(first.tau, first.equations.tau, strict=True):
         assert (tau - closed).is_zero
-    assert compare(first, fb.derive(model, "lagrange"))
+    assert agree(first, fb.derive(model, "lagrange"))
 
 
 def test_thrusts_of_the_quadrotor():
@@ -184,13 +183,13 @@ def test_a_free_body_with_its_load_is_one_body():
 def test_each_symbol_is_in_the_table():
     for model in (fb.load("quadrotor"), bodies("free", "free")):
         derivation = fb.derive(model)
-        told = {x.name for row in derivation.glossary for x in row.symbols if isinstance(x, Symbol)}
+        told = {x.name for row in derivation.glossary for x in row.symbols if is_a(x, "Symbol")}
         used = {
             node.name.removesuffix("_d").removesuffix("_d")
             for step in derivation.steps
             for line in step.equations
-            for node in nodes(line)
-            if isinstance(node, Symbol)
+            for node in parts(line)
+            if is_a(node, "Symbol")
         }
         components = {x for x in used if x.split("_")[0].rstrip("12") in ("f", "n")}
         assert used - told - components - {"g", "m"} == set()

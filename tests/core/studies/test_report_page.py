@@ -1,5 +1,5 @@
 """The report as text: it fetches nothing, its numbers are the data file's, a failed check stands
-out."""
+out, equations are there where they are short."""
 
 import dataclasses
 import re
@@ -8,8 +8,6 @@ from html.parser import HTMLParser
 import pytest
 
 import freebody as fb
-from freebody.outputs.number_text import significant
-from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
 from support.report_numbers import compare, data_file
 
 
@@ -42,12 +40,6 @@ class Cells(HTMLParser):
         self.inside = False
 
 
-def test_what_is_at_its_limit_is_not_marked_as_beyond():
-    """As the verdict: a speed of 1.0000000000000002 of 1 rad/s is within."""
-    at, beyond = (PrintedNumber(x, "speed", {}, bar=x) for x in (1.0 + 1e-15, 1.001))
-    assert (at.over, beyond.over, PrintedNumber(2.0, "speed", {}).over) == (False, True, False)
-
-
 @pytest.fixture(scope="module", params=["2R", "ur5e", "quadrotor", "RP"])
 def study(request):
     return fb.study(fb.load(request.param))
@@ -72,12 +64,10 @@ def test_every_number_is_the_data_files(study, tmp_path):
         assert compare(cells, data) == []
 
 
-def test_failed_check_stands_out(study):
+def test_failed_check_stands_out(study, tmp_path):
     bad = dataclasses.replace(study.checks[0], passed=False, value=1.0)
-    page = dataclasses.replace(study, checks=(bad, *study.checks[1:]))
-    from freebody.report.page import page as written
-
-    text = written(page)
+    failed = dataclasses.replace(study, checks=(bad, *study.checks[1:]))
+    text = failed.to_html(tmp_path / "failed.html").read_text(encoding="utf-8")
     assert f'class="badge bad" href="#checks">1 of {len(study.checks)} self-checks failed' in text
     assert '<td class="bad">failed</td>' in text
     assert "checks passed" not in text
@@ -103,31 +93,11 @@ def test_names_from_a_file_are_text_not_markup(tmp_path):
         assert compare(parsed.cells, data) == []
 
 
-# ---------------------------------------------------------------- how numbers are printed
-def numbers(*values: float) -> list[str]:
-    return [cell.text for cell in aligned([PrintedNumber(v, "x", {}) for v in values])]
-
-
-def test_column_has_one_number_of_decimals():
-    assert numbers(-67.27, 2.72, 1.82, 5.62) == ["−67.27", "2.72", "1.82", "5.62"]
-    assert numbers(1234.5, 12.25, 0.5) == ["1234.5", "12.2", "0.5"]
-
-
-def test_small_and_missing_numbers_are_not_printed_as_zero():
-    assert numbers(67.0, 5.0, 0.000946) == ["67.00", "5.00", "9.5·10⁻⁴"]
-    assert numbers(67.0, 5.0, 1e-15) == ["67.00", "5.00", "0"]
-    assert numbers(float("nan"), float("inf"), 2.0) == ["–", "∞", "2.00"]
-    assert aligned([WordsCell("word")]) == [WordsCell("word")]
-
-
-@pytest.mark.parametrize(
-    ("value", "text"), [(0, "0"), (3.14159, "3.14"), (-2e-7, "−2.00·10⁻⁷"), (123456, "1.23·10⁵")]
-)
-def test_significant_digits(value, text):
-    assert significant(value) == text
-
-
-def test_sentences_are_typeset_and_escaped():
-    assert typeset("needs -67.27 N m <at> 1.96e+04, 10^3.2-fold") == (
-        "needs −67.27 N m &lt;at&gt; 1.96·10⁴, 10<sup>3.2</sup>-fold"
-    )
+def test_section_and_its_entry_in_the_contents(tmp_path):
+    page = fb.study(fb.load("2R")).to_html(tmp_path / "index.html").read_text(encoding="utf-8")
+    assert '<a href="#equations">Equations</a>' in page
+    section = re.search(r'<section id="equations">.*?</section>', page, re.S)
+    assert section is not None
+    assert section[0].count("<mtr>") == 8  # (3.20)-(3.27)
+    long = fb.study(fb.load("ur5e")).to_html(tmp_path / "long.html").read_text(encoding="utf-8")
+    assert "#equations" not in long

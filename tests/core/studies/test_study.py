@@ -9,17 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.linalg import expm
 
 import freebody as fb
 from freebody import FreebodyError, MissingValueError, UnknownNameError
-from freebody.math import cos, sin
-from freebody.report import replay as replays
-from freebody.report.checks import checks
-from freebody.report.driven_runs import land
-from freebody.report.replay import BOUND, amplification, exponentials, pieces
-from freebody.scalars.time_derivatives import Jet, parts
-from freebody.spatial import space
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -65,7 +57,7 @@ def test_all_checks_pass_on_every_bundled_model(name: str):
         return
     assert study.replay is not None
     assert study.replay.misses.max() < 1e-6
-    assert (study.replay.factors <= BOUND).all()
+    assert (study.replay.factors <= 1e4).all()
     assert study.replay.edges[0] == 0.0
     assert study.replay.edges[-1] == 5.0
 
@@ -106,94 +98,6 @@ def test_a_log_with_a_computers_clock_is_studied_from_its_first_instant(start: f
     np.testing.assert_array_equal(study.motion.t[[0, -1]], [0.0, 1.0])
     said = "Times are counted from the first, 1732380000.125 s, at which numbers of 64 bits are "
     assert any(x.startswith(said) for x in study.notices) == (start > 0.0)
-
-
-def test_a_planted_fault_is_found(arm: fb.Study):
-    def failing(**changes: np.ndarray) -> set[str]:
-        data = arm.data.copy()
-        for name, value in changes.items():
-            data[name] = (data[name].dims, value)
-        return {c.name for c in checks(arm.model, arm.motion, data, arm.replay) if not c.passed}
-
-    assert failing() == set()
-    values = {
-        name: arm.data[name].values.copy()
-        for name in ("tau", "reaction_force", "reaction_moment", "qdd")
-    }
-    values["reaction_force"][100, 2, 0] += 1e-6
-    assert failing(reaction_force=values["reaction_force"]) == {
-        "forces on each body",
-        "moments on each body",
-    }
-    values["reaction_moment"][100, 2, 0] += 1e-6
-    assert failing(reaction_moment=values["reaction_moment"]) == {"moments on each body"}
-    values["tau"][100, 2] += 1e-5
-    wrong = {"equation of motion", "reactions along the axes", "forward dynamics"}
-    assert failing(tau=values["tau"]) == wrong
-    off = arm.data["energy_residual"].values + 1e-3
-    assert failing(energy_residual=off) == {"energy balance"}
-    assert failing(energy_residual=off * np.nan) == {"energy balance"}
-
-
-def test_the_replay_finds_a_wrong_torque():
-    model = fb.load("2R")
-    motion = fb.default_motion(model)
-    whole, allowed = replays.system(model), replays.ranges(model)
-    heavier = replace(
-        whole,
-        inverse=fb.kernel(model.bind(m2=model.parameters["m2"] * (1 + 1e-4)), "inverse_dynamics"),
-    )
-    edges = np.array([0.0, 1.0, 2.0, 3.0])
-    assert land(whole, motion, edges[:-1], edges[1:], allowed, "DOP853").max() < 1e-9
-    assert land(heavier, motion, edges[:-1], edges[1:], allowed, "DOP853").max() > 1e-6
-
-
-def test_pieces_are_as_long_as_the_bound_lets_them():
-    times = np.linspace(0, 10, 101)
-    growth = np.exp(2.0 * 0.1)  # e-fold in half a second
-    steps = np.broadcast_to(np.diag([growth, 1 / growth]), (100, 2, 2))
-    edges, factors = pieces(times, steps)
-    length = np.log(BOUND) / 2.0
-    assert np.diff(edges)[:-1] == pytest.approx(np.full(len(edges) - 2, np.floor(length * 10) / 10))
-    assert (factors <= BOUND).all()
-    assert amplification(steps) == pytest.approx(20.0 / np.log(10))
-
-
-def test_exponentials():
-    A = np.random.default_rng(0).normal(size=(5, 6, 6))
-    A[:, 2, 2] -= 1e4  # friction
-    np.testing.assert_allclose(exponentials(A), expm(A), atol=1e-9)
-    assert (exponentials(np.zeros((1, 3, 3))) == np.eye(3)).all()
-
-
-def test_an_inverted_pendulum_drifts_as_it_must():
-    """The linearised error of a uniform rod held upright grows as exp(sqrt(3 g / 2 l) t)."""
-    model = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[1 / 12])
-    t = np.linspace(0, 4, 201)
-    motion = fb.Motion.of(model, t, np.full((201, 1), np.pi / 2) + 1e-3 * np.sin(t)[:, None])
-    found = replays.replayed(model, motion)
-    rate = np.sqrt(1.5 * 9.81)
-    assert found.amplification == pytest.approx(rate * 4 / np.log(10), abs=1.0)
-    assert found.misses.max() < 1e-8
-
-
-def test_jets_are_exact():
-    t = np.linspace(0, 1, 5)
-    x = Jet(t, np.ones(5), np.zeros(5))
-    value, rate, second = parts((sin(x) * x / (2.0 + cos(x)), 1.0 - x, 3.0))
-    c, s = np.cos(t), np.sin(t)
-    np.testing.assert_allclose(value[0], s * t / (2 + c))
-    n, d = s * t, 2 + c
-    nd, dd = c * t + s, -s
-    np.testing.assert_allclose(rate[0], (nd * d - n * dd) / d**2)
-    ndd, ddd = -s * t + 2 * c, -c
-    np.testing.assert_allclose(
-        second[0], (ndd - 2 * dd * (nd * d - n * dd) / d**2 - n / d * ddd) / d, atol=1e-14
-    )
-    np.testing.assert_array_equal(rate[1], -np.ones(5))
-    assert rate[2] == 0.0
-    R, Rd, _ = parts(space.rotation((0.0, 0.0, 1.0), x))
-    np.testing.assert_allclose(Rd[0][1], -R[0][0])
 
 
 def test_the_worst_pose_of_a_planar_arm_is_stretched_out():

@@ -1,12 +1,13 @@
-"""Answers from a seeded generator over arms, methods and their lines: right ones rewritten are
-accepted, planted errors caught and explained, hostile ones harmless. What stands in equations of
-motion is in test_check_random.py; here are the lines on the way, and whole documents."""
+"""`check` at random, from a seeded generator over arms, methods and their lines: right answers
+rewritten are accepted, planted errors caught and named, hostile ones harmless; in equations of
+motion, in the lines on the way, and in whole documents."""
 
 from __future__ import annotations
 
 import contextlib
 import random
 import time
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -15,7 +16,20 @@ import freebody as fb
 from freebody_textbook.check.asked.joints import polynomial
 from freebody_textbook.check.asked.right_equations import setting
 from support.answer_documents import CODE, LATEX, MARKDOWN, NOTEBOOK, TEXT
-from support.answers import KINDS, Mistake, Writer, lines, mistake, model, named, rewritten
+from support.answers import (
+    KINDS,
+    Mistake,
+    Writer,
+    lines,
+    mistake,
+    model,
+    named,
+    quantities,
+    rewritten,
+)
+from support.answers import (
+    WORDS as ALL_WORDS,
+)
 
 WORDS = ("R", "RR", "RP", "PR", "PP", "RRR", "RPR", "PRR")
 SHORT, LONG = 25, 500
@@ -137,3 +151,69 @@ def test_a_sign_changed_in_a_line_of_a_derivation_is_found(method: str):
         verdict = fb.check(arm, "\n\n".join(wrong), form="markdown")
         assert not verdict, wrong[k]
         assert {x.where for x in verdict.equations if not x.equal} == {f"line {1 + 2 * k}"}
+
+
+FEW_EQUATIONS, MANY_EQUATIONS = 40, 1000
+
+
+def are_equal(count: int) -> None:
+    for k in range(count):
+        rng = random.Random(f"equal {k}")
+        word = rng.choice(ALL_WORDS)
+        name, right = rng.choice(quantities(word))
+        answer = Writer(rng, word).equation(name, rewritten(rng, right))
+        verdict = fb.check(model(word)[0], answer)
+        assert verdict, f"{k}: {word}: {answer}\n{verdict.text}"
+
+
+def mistakes(count: int) -> list[tuple[random.Random, str, str, Mistake]]:
+    """That many wrong answers; those that a mistake left equal are passed over."""
+    found = []
+    k = 0
+    while len(found) < count:
+        rng = random.Random(f"wrong {k}")
+        word = rng.choice(ALL_WORDS)
+        name, right = rng.choice(quantities(word))
+        made = mistake(rng, word, right, rng.choice(KINDS))
+        k += 1
+        if made is None:
+            continue
+        where = setting(model(word)[1])
+        change = polynomial(where, made.answer) - polynomial(where, made.right)
+        constant = name == "V" and all(
+            change.derivative(x).is_zero for x in where.symbols.coordinates
+        )
+        if not change.is_zero and not constant:
+            found.append((rng, word, name, made))
+    return found
+
+
+def share_named(count: int, steps: int) -> float:
+    """Of answers with one mistake, rewritten as students do: the share in which it is named."""
+    lost: Counter[str] = Counter()
+    for rng, word, name, made in mistakes(count):
+        answer = Writer(rng, word).equation(name, rewritten(rng, made.answer, steps, odd=False))
+        verdict = fb.check(model(word)[0], answer)
+        assert not verdict, f"{word}: {answer}: {made.kind}, {made.old} -> {made.new}"
+        lost[made.kind] += not named(setting(model(word)[1]), verdict, made)
+    print(f"not named: {dict(lost)} of {count}")
+    return 1 - lost.total() / count
+
+
+def test_rewritten_answers_are_equal():
+    are_equal(FEW_EQUATIONS)
+
+
+def test_mistakes_are_found_and_named():
+    assert share_named(FEW_EQUATIONS, steps=0) >= 0.95
+
+
+@pytest.mark.long
+def test_many_rewritten_answers_are_equal():
+    are_equal(MANY_EQUATIONS)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("steps", [0, 3])
+def test_many_mistakes_are_found_and_named(steps: int):
+    assert share_named(MANY_EQUATIONS, steps) >= 0.95

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import time
 
 import pytest
 
 import freebody as fb
-from freebody.expressions.grammar.tables import characters, classes, spellings
 
 ARM = fb.planar("RR")
-
-
-@pytest.mark.parametrize("module", [characters, classes, spellings])
-def test_tables_are_literals_that_another_language_can_read(module):
-    """Nothing is lost on the way through JSON but that a tuple is a list."""
-    tables = {name: x for name, x in vars(module).items() if name.isupper()}
-    assert tables
-    for x in tables.values():
-        assert json.dumps(json.loads(json.dumps(x))) == json.dumps(x)
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,12 @@ from freebody_textbook.closed_chains.absolute import AbsoluteCoordinates
 from freebody_textbook.closed_chains.loop_equations import LoopEquations
 from freebody_textbook.closed_chains.multiplier_equations import FirstKind
 from freebody_textbook.derivation import Derivation
-from freebody_textbook.derive import compare
 from freebody_textbook.methods.absolute_coordinates import BackToJoints
 from freebody_textbook.methods.body_by_body import SolvedReactions
 from freebody_textbook.methods.loop_forces_on_bodies import LoopReactions
 from freebody_textbook.methods.loops_and_multipliers import Loops
 from freebody_textbook.methods.setting import Setting
+from support.methods import agree
 from support.printed_values import evaluate
 from support.robots import Joint, Link, Mount, Robot, loaded, shift, turn
 from support.symbolic import spatial_arm, with_values
@@ -40,7 +40,7 @@ def lines_of(derivation: Derivation, operation: str) -> list[Equation]:
 @pytest.mark.parametrize("load", [False, True])
 def test_open_chains_end_in_the_second_kind(word, load):
     model = fb.planar(word)
-    assert compare(absolute(model, load=load), fb.derive(model, "lagrange", load=load))
+    assert agree(absolute(model, load=load), fb.derive(model, "lagrange", load=load))
 
 
 @pytest.mark.parametrize(
@@ -56,7 +56,7 @@ def test_friction_springs_and_rotors_act_along_the_joints():
     drive = fb.Drive(viscous="b1", coulomb="k1", rotor="J1", stiffness="s1", rest="r1")
     model = fb.planar("RP", drives=[drive, fb.Drive(viscous="b2")])
     derivation = absolute(model)
-    assert compare(derivation, fb.derive(model, "lagrange"))
+    assert agree(derivation, fb.derive(model, "lagrange"))
     assert "Q₂ = τ₂ − b₂ ḋ₂" in map(str, lines_of(derivation, "Forces along"))
     assert "m₂ ẍ₂ = cos(φ₁) Q₂ + sin(φ₁) λ₃" in map(str, lines_of(derivation, "The equations of"))
 

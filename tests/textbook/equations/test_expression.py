@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import math
+import subprocess
+import sys
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from fractions import Fraction
+from pathlib import Path
 from unicodedata import normalize
 
 import numpy as np
@@ -29,12 +34,19 @@ from freebody.expressions.expression import (
     sin,
     sub,
 )
+from freebody.expressions.grammar.tables import characters, classes, spellings
 from freebody.expressions.nodes import nodes, replaced
 from freebody.expressions.printed_names import entry, sym, vec
+from freebody.expressions.typesetting.latex import width_of
 from freebody.expressions.typesetting.text import TEXT
 from freebody.expressions.typesetting.typesetter import broken
+from freebody_textbook.check.asked.right_equations import setting
+from freebody_textbook.check.verdicts.verdict_sentences import example
+from freebody_textbook.closed_chains.linear_equations import product
 from freebody_textbook.equations.source_code import to_sympy
-from freebody_textbook.relations.formula_values import value
+from freebody_textbook.relations.formula import FormulaError, parse
+from freebody_textbook.relations.formula_values import Each, value
+from freebody_textbook.relations.relation import agrees, printed_numbers
 from support.extras import extra
 from support.printed_values import evaluate
 
@@ -241,3 +253,117 @@ def test_lines() -> None:
     assert all(len(line) <= 40 for line in lines)
     assert " ".join(lines) == whole
     assert all(line[0] in "−+" for line in lines[1:])
+
+
+def test_a_name_that_is_nothing_but_the_mark_of_a_rate_is_a_name():
+    assert (sym("_d").dots, sym("theta1_d").dots, sym("theta1_dd").dots) == (0, 1, 2)
+
+
+def test_scripts_in_a_formula_are_narrower_than_letters_and_wider_than_nothing():
+    assert width_of("x") < width_of("x_{12}") < width_of("x12") + width_of("{}")
+
+
+def test_there_is_no_example_that_tells_an_answer_from_itself():
+    where = setting(fb.equations(fb.planar("RR")), ())
+    length, mass = where.ring["l1"], where.ring["m1"]
+    assert example(where, length, length) is None
+    assert example(where, length, mass) is not None
+
+
+@pytest.mark.parametrize("power", [1, 2, 3])
+def test_a_square_has_no_sign_of_its_factor(power: int):
+    equations = fb.equations(fb.planar("RR"))
+    ring = equations.symbols.ring
+    factor = (
+        ring.sin("theta1") * ring.cos("theta1") - ring["l1"] * ring["lc1"] - ring["l1"] * ring["l2"]
+    )
+    values = {"theta1": 0.4, "l1": 0.7, "l2": 0.5, "lc1": 0.3}
+    number = math.sin(0.4) * math.cos(0.4) - 0.7 * 0.3 - 0.7 * 0.5
+    x = ring["l1"]
+    for _ in range(power):
+        x = x * factor
+    assert evaluate(product(x, equations.layout), values) == pytest.approx(
+        0.7 * number**power, rel=1e-12
+    )
+
+
+def test_mutants_are_drawn_from_every_file():
+    """The tool refuses where a file of the source is in none of its areas."""
+    tool = Path(__file__).parents[3] / "tools/mutants.py"
+    done = subprocess.run(
+        [sys.executable, str(tool), "--list", "--count", "14"],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-500:]
+    areas = [line.partition(":")[0] for line in done.stdout.splitlines()]
+    assert len(areas) == len(set(areas)) == 14
+
+
+ROWS = (
+    "3*x^3*y - x/2 + 1",
+    "sin(2*x)*exp(y) - cos(x - y)^2",
+    "sqrt(x)*log(x*y)/(1 + y^2)",
+    "tan(x)/y^2 + sqrt(x + sin(y)^3)",
+    "exp(x)*exp(-2*y)/(x + 2*y)^3",
+    "1/sqrt(x*y) + log(2 + cos(exp(x)))",
+)
+
+
+def test_sums_over_bodies():
+    at = {"m": 3.0, "m_i": Each((1.0, 2.0)), "r_i": Each(((1.0, 0.0), (0.0, 1.0)))}
+    assert fb.relation(at, "m = sum(m_i)")
+    assert fb.relation(at, "sum(m_i*r_i) = [1, 2]")
+
+
+def test_printed_numbers_and_their_last_digits():
+    assert printed_numbers("[5.97, −7.190]") == [(5.97, 0.01), (-7.19, pytest.approx(0.001))]
+    assert agrees([5.9731, -7.1896], "[5.97, -7.190]")
+    assert not agrees([5.99, -7.1896], "[5.97, -7.190]")
+
+
+@pytest.mark.parametrize("row", ROWS)
+def test_what_a_function_prints_has_its_values(row: str):
+    f = fb.vector_function([row], ["x", "y"])
+    at = np.random.default_rng(3).uniform(0.3, 1.2, (20, 2))
+    printed = [value(f.expressions[0], {"x": x, "y": y}) for x, y in at]
+    np.testing.assert_allclose(printed, f(at)[:, 0], rtol=1e-13)
+
+
+def test_formulas_have_the_grammar_of_answers() -> None:
+    """A formula that cannot be read says where; powers, products, fractions and matrices are read
+    as in an answer, with a sign in every product."""
+    assert parse("2·m_1/3 − a²") == parse("2*m_1/3 - a^2")
+    assert parse(r"\frac{a}{b} + \begin{bmatrix} a & b \\ c & 1 \end{bmatrix}") == parse(
+        "a/b + [[a, b], [c, 1]]"
+    )
+    assert str(parse("dot([a, b], [c, 0.5])^-1")) == "([a, b]ᵀ · [c, 0.5]ᵀ)⁻¹"
+    for text, place in (
+        ("f = 2 m a", "there is 'm' where an operator or the end of the line is expected"),
+        ("f = m*foo(a)", "no function 'foo'; there are arccos"),
+        ("f = cross(a)", "cross is given 1 arguments"),
+        ("f = a^b", "a power must be a whole number"),
+        ("f = (a", "'\\(' is not closed"),
+        ("f = a!", "'!' has no meaning here"),
+        ("f = ", "the line ends where a term is expected"),
+    ):
+        with pytest.raises(FormulaError, match=place) as refused:
+            parse(text)
+        assert refused.value.line == 1
+        assert "^" in refused.value.context
+
+
+def test_a_greek_letter_with_a_number_is_no_name_between_two_bodies():
+    assert str(parse("phi_2 + psi_i")) == "φ₂ + ψ_i"
+    assert str(parse("R1_2 + vc1_i")) == "R₂¹ + vc_i¹"
+
+
+@pytest.mark.parametrize("module", [characters, classes, spellings])
+def test_tables_are_literals_that_another_language_can_read(module):
+    """Nothing is lost on the way through JSON but that a tuple is a list."""
+    tables = {name: x for name, x in vars(module).items() if name.isupper()}
+    assert tables
+    for x in tables.values():
+        assert json.dumps(json.loads(json.dumps(x))) == json.dumps(x)

@@ -1,0 +1,257 @@
+"""What prints for people, by itself: numbers with their digits, names as they are in files, tables,
+and sentences with subscripts.
+
+Public results show of these only what they happen to have.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from freebody.expressions.printed_names import sym
+from freebody.expressions.typesetting import literal
+from freebody.figures.marked_text import html, marked, plain, runs
+from freebody.figures.plots import Plot, plot
+from freebody.outputs.display import TextTable, counted
+from freebody.outputs.number_text import compared, fixed, rounded_up, shortest, significant
+from freebody.report.results import LimitUse, percent
+from freebody.report.tables import PrintedNumber, WordsCell, aligned, typeset
+from freebody_textbook.render.prose import markdown_prose, tex_prose, text_prose, web_prose
+from support.hostile import NAMES, balanced
+
+
+@pytest.mark.parametrize(
+    ("value", "as_measured", "as_short"),
+    [
+        (0.4, "0.400", "0.4"),
+        (-12.0, "−12.0", "−12"),
+        (9.99e-4, "9.99·10⁻⁴", "0.000999"),
+        (1e-3, "0.00100", "0.001"),
+        (99999.0, "99999", "99999"),
+        (-123456789.0, "−1.23·10⁸", "−123456789"),
+        (2.5e-7, "2.50·10⁻⁷", "2.5·10⁻⁷"),
+        (6e23, "6.00·10²³", "6·10²³"),
+    ],
+)
+def test_a_number_prints_with_its_digits(value: float, as_measured: str, as_short: str) -> None:
+    assert significant(value) == as_measured
+    assert shortest(value) == as_short
+
+
+def test_what_is_no_number_and_signs() -> None:
+    assert [significant(x) for x in (math.nan, math.inf, -math.inf, 0.0)] == ["–", "∞", "−∞", "0"]
+    assert fixed(-0.256, 2) == "−0.26"
+
+
+@pytest.mark.parametrize("value", [3.14159, -2.5e-9, 7.5e6, 0.02, 1e-300])
+@pytest.mark.parametrize("digits", [2, 4])
+def test_what_is_printed_is_the_number(value: float, digits: int) -> None:
+    """Read back, it is the number to the digits that are given."""
+    raised = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
+    for text in (significant(value, digits), shortest(value, digits)):
+        mantissa, _, power = text.replace("−", "-").partition("·10")
+        read = float(f"{mantissa}e{power.translate(raised) or 0}")
+        assert read == pytest.approx(value, rel=10.0 ** (1 - digits) / 2)
+
+
+PAIRS = [(0.78539, 0.78541), (1.0 + 1e-9, 1.0), (100000.2, 100000.1), (-3.0, 3.0), (0.0, 1e-9)]
+
+
+@pytest.mark.parametrize("pair", PAIRS)
+def test_numbers_that_a_message_compares_differ_in_print(pair: tuple[float, float]) -> None:
+    one, other = compared(*pair)
+    assert one != other
+    assert (float(one) < float(other)) == (pair[0] < pair[1])
+    assert compared(pair[0], pair[0])[0] == compared(pair[0], pair[0])[1]
+
+
+def test_compared_numbers_have_no_more_digits_than_it_takes() -> None:
+    assert compared(1.23456, 9.87654) == ("1.235", "9.877")
+    assert compared(0.78539, 0.78541) == ("0.78539", "0.78541")
+    assert compared(math.inf, 2.0) == ("inf", "2")
+
+
+def test_what_a_message_states_of_numbers_is_true_of_the_printed_ones() -> None:
+    printed = compared(0.1, 0.2, 0.3000004, digits=6, holds=lambda a, b, c: a + b < c)
+    assert printed == ("0.1", "0.2", "0.3000004")
+
+
+def test_a_limit_that_is_exceeded_prints_so() -> None:
+    use = LimitUse("speed", "elbow", 0.78541, 0.78539, 0.78541 / 0.78539, 1.0, "rad/s")
+    assert use.exceeded
+    assert use.text == (
+        "the speed of elbow is 0.78541 rad/s at t = 1 s, 100.003 % of its limit of 0.78539 rad/s"
+    )
+    by_rounding = LimitUse(
+        "position", "elbow", math.pi, math.nextafter(math.pi, 3), 1.0, 0.5, "rad", "upper"
+    )
+    assert by_rounding.text == (
+        "elbow goes to 3.142 rad at t = 0.5 s, its upper limit being 3.142 rad"
+    )
+    at_zero = LimitUse("position", "elbow", 1.776e-15, 0.0, 1.0, 0.5, "rad", "lower")
+    assert at_zero.text == "elbow goes to 0 rad at t = 0.5 s, its lower limit being 0 rad"
+
+
+def test_what_has_to_be_given_at_least_is_never_rounded_down() -> None:
+    assert rounded_up(1.234501, 4) == "1.235"
+    assert rounded_up(1.2349, 4) == "1.235"
+    assert rounded_up(1.25, 4) == "1.25"
+    rng = np.random.default_rng(3)
+    for x in np.exp(rng.uniform(-20, 20, 200)):
+        assert x <= float(rounded_up(float(x), 5)) <= x * (1 + 1e-4)
+
+
+# ---------------------------------------------------------------- the functions
+@pytest.mark.parametrize("name", NAMES)
+def test_escaped_names_are_letters_to_tex(name: str):
+    """What is left after the known commands has no character that TeX reads as anything but
+    itself."""
+    for made in (
+        literal.tex(name),
+        tex_prose(f"link {literal.literal(name)} of x_1").split(" of $x")[0],
+    ):
+        rest = re.sub(r"\\text[a-z]+\{\}|\\[&%$#_{}]|\$\\[a-z]+\$", "", made)
+        assert not re.search(r"[\\&%$#_{}~^<>|\"]", rest), made
+    formula = literal.tex_math(name)
+    assert formula == name or formula == f"\\text{{{literal.tex(name)}}}"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_in_sentences_are_no_symbols(name: str):
+    sentence = f"point {literal.literal(name)} of s_1"
+    shown = "".join(c if c.isprintable() else "\ufffd" for c in " ".join(name.split()))
+    assert text_prose(sentence) == f"point {shown} of s₁"
+    page = ET.fromstring(f"<p>{web_prose(sentence)}</p>")
+    assert "".join(page.itertext()) == f"point {shown} of s1"
+    assert [e.tag for e in page] == ["b", "sub"]
+    unescaped = re.sub(
+        r"\\(.)", r"\1", markdown_prose(sentence).removesuffix(r" of $\mathbf{s}_{1}$")
+    )
+    assert unescaped == f"point {shown}"
+
+
+def test_plain_names_have_no_marks():
+    assert literal.literal("link2") == "link2"
+    assert literal.MARK not in text_prose(f"link {literal.literal('a_b')}")
+
+
+def test_foreign_letters_are_declared_to_tex():
+    lines = literal.declared("关节 θ é – x")
+    assert any("5173" in line for line in lines)
+    assert not any("03B8" in line or "2013" in line for line in lines)
+    assert literal.declared("plain é – θ") == []
+
+
+def test_what_is_said_of_bundled_robots_is_set_by_any_tex():
+    said = [
+        tomllib.loads(file.read_text("utf-8")).get("about", "")
+        for file in sorted(Path(fb.__file__).parent.glob("robots/*.toml"))
+    ]
+    assert any("₂" in about for about in said)
+    assert literal.declared(literal.tex(" ".join(said))) == []
+    assert literal.tex("θ̇₁² − x̂") == r"$\dot{\theta}$$_{1}$² $-$ x̂"
+
+
+@pytest.mark.parametrize(
+    "name", ["θ1", "left_upper_arm_length_of_the_first_robot", "a__b", "é", "l_", "_"]
+)
+def test_names_of_parameters_are_legible_formulas(name: str):
+    """What a parameter may be called, in LaTeX, MathML and a drawing."""
+    formula = sym(name).latex()
+    assert balanced(formula)
+    assert not re.search(r"(?<!\\)_(?!\{|[A-Za-z0-9])", formula), formula
+    ET.fromstring(sym(name).mathml())
+    model = fb.planar("RR", l=[name, "l2"])
+    for drawing in fb.kinematic_diagram(model).drawings:
+        ET.fromstring(fb.kinematic_diagram(model).svg)
+        assert drawing
+
+
+@pytest.mark.parametrize("name", ["j_{}", "j_{1}", "a_b", "j_{", "_{<&>}"])
+def test_curves_are_called_what_their_joints_are(name: str):
+    """The legend shows a name letter by letter and leaves it room; braces after a bar made the page
+    of a study fail."""
+    t = np.linspace(0.0, 1.0, 5)
+    body = plot(Plot("Torque", t, {name: t, "next": t}, "N m")).body
+    drawn = [x for x in ET.fromstring(f"<g>{body}</g>") if x.get("class") == "num"]
+    first, second = (x for x in drawn if x.text in (name, "next"))
+    assert first.text == name
+    assert float(second.get("x", 0)) - float(first.get("x", 0)) > 40 + 4 * len(name)
+
+
+@pytest.mark.parametrize("text", ["j_{}", "m_{a<b}", "2 θ_12 & x_{1,2}"])
+def test_text_with_subscripts_is_well_formed(text: str):
+    letters = plain(text)
+    for made in (marked(runs(text)), html(text)):
+        assert "".join(ET.fromstring(f"<g>{made}</g>").itertext()) == letters
+
+
+def test_long_tables_say_what_is_left_out():
+    table = TextTable(("k",), [(str(k),) for k in range(100)], ["a & b"])
+    assert table.html(most=3).count("<tr>") == 4
+    assert "<p>… and 97 more</p><p>a &amp; b</p>" in table.html(most=3)
+    assert TextTable((), ()).html("nothing <here>") == "<p><b>nothing &lt;here&gt;</b></p>"
+
+
+def test_columns_of_a_table():
+    table = TextTable(("name", "value", "empty"), [("a", "-1.5 N", ""), ("b", "", "")])
+    assert table.html() == (
+        '<table><thead><tr><th style="text-align:left">name</th><th>value</th></tr></thead><tbody>'
+        '<tr><td style="text-align:left">a</td><td>-1.5 N</td></tr>'
+        '<tr><td style="text-align:left">b</td><td></td></tr></tbody></table>'
+    )
+
+
+def test_counted():
+    assert [counted(k, "body") for k in (1, 2)] == ["1 body", "2 bodies"]
+    assert counted(0, "loop") == "0 loops"
+
+
+def test_what_is_at_its_limit_is_not_marked_as_beyond():
+    """As the verdict: a speed of 1.0000000000000002 of 1 rad/s is within."""
+    at, beyond = (PrintedNumber(x, "speed", {}, bar=x) for x in (1.0 + 1e-15, 1.001))
+    assert (at.over, beyond.over, PrintedNumber(2.0, "speed", {}).over) == (False, True, False)
+
+
+# ---------------------------------------------------------------- how numbers are printed
+def numbers(*values: float) -> list[str]:
+    return [cell.text for cell in aligned([PrintedNumber(v, "x", {}) for v in values])]
+
+
+def test_column_has_one_number_of_decimals():
+    assert numbers(-67.27, 2.72, 1.82, 5.62) == ["−67.27", "2.72", "1.82", "5.62"]
+    assert numbers(1234.5, 12.25, 0.5) == ["1234.5", "12.2", "0.5"]
+
+
+def test_small_and_missing_numbers_are_not_printed_as_zero():
+    assert numbers(67.0, 5.0, 0.000946) == ["67.00", "5.00", "9.5·10⁻⁴"]
+    assert numbers(67.0, 5.0, 1e-15) == ["67.00", "5.00", "0"]
+    assert numbers(float("nan"), float("inf"), 2.0) == ["–", "∞", "2.00"]
+    assert aligned([WordsCell("word")]) == [WordsCell("word")]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(0, "0"), (3.14159, "3.14"), (-2e-7, "−2.00·10⁻⁷"), (123456, "1.23·10⁵")]
+)
+def test_significant_digits(value, text):
+    assert significant(value) == text
+
+
+def test_sentences_are_typeset_and_escaped():
+    assert typeset("needs -67.27 N m <at> 1.96e+04, 10^3.2-fold") == (
+        "needs −67.27 N m &lt;at&gt; 1.96·10⁴, 10<sup>3.2</sup>-fold"
+    )
+
+
+def test_a_share_is_not_rounded_across_its_limit():
+    assert percent(1.004) == "100.40 %"
+    assert percent(0.9996) == "99.96 %"
+    assert percent(2.391) == "239 %"
