@@ -20,16 +20,8 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, PassiveJointError, listed
 from freebody.labels import refuse_labelled
-from freebody.model.doubts import (
-    DYNAMIC,
-    EFFORTS,
-    INERTIAL,
-    Doubt,
-    attribute,
-    barring,
-    doubts_on,
-    in_one_line,
-)
+from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
+from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion

@@ -24,7 +24,8 @@ from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_t
 from freebody.design.parts import Gear, Motor
 from freebody.errors import FreebodyError, KindError
 from freebody.lazy import cached_property
-from freebody.model.doubts import FRICTION, INERTIAL, doubts_used
+from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL
+from freebody.model.doubts import doubts_used
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 

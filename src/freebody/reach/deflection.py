@@ -11,7 +11,8 @@ from freebody.any_chain.dynamics import static_torque
 from freebody.arrays import Array, at_sample
 from freebody.by_value import ByValue
 from freebody.errors import SingularError, listed
-from freebody.model.doubts import MASSES, Doubt, attribute, doubts_on, in_one_line, named
+from freebody.model.doubt_rules.aspects import MASSES
+from freebody.model.doubts import Doubt, attribute, doubts_on, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.compliant_joints import (

@@ -14,7 +14,8 @@ from freebody.algorithms.vibration_modes import SWEEPS, vibration_modes
 from freebody.arrays import Array, at_sample
 from freebody.by_value import ByValue
 from freebody.errors import FreebodyError, SingularError
-from freebody.model.doubts import DYNAMIC, Doubt, attribute, doubts_on, in_one_line, named
+from freebody.model.doubt_rules.aspects import DYNAMIC
+from freebody.model.doubts import Doubt, attribute, doubts_on, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.program import Argument, trace
