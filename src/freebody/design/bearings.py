@@ -169,7 +169,10 @@ def _carried(model: Model, segment: Segment, turning: list[int]) -> dict[str, Ar
     reactions = reactions[:, : len(model.bodies)]  # those of loops stand behind
     loads = joint_loads(loaded, reactions[..., :d], reactions[..., d:])
     found = {name: np.nan_to_num(loads[name][:, turning]) for name in _CARRIED}
-    rates = [np.asarray(model.coordinates[k].rates(tuple(qd.T))[0], dtype=float) for k in turning]
+    rates = [
+        np.asarray(model.coordinates[k].rates(tuple(q.T), tuple(qd.T))[0], dtype=float)
+        for k in turning
+    ]
     return {**found, "rate": np.stack(rates, axis=-1), "seconds": seconds}
 
 

@@ -21,11 +21,12 @@ def followers(
         if not equality["active"] or not is_coupling(equality, given):
             continue
         constant, *terms = equality["data"][:5]
-        follower, other = equality["first"], equality["second"]
+        follower: int = equality["first"]
+        other: int = equality["second"]
         bent = equality["type"] == "joint" and other >= 0 and any(terms[1:])
         if bent and follower not in found:
             zeros = [given["joints"][i]["zero"] for i in (follower, other)]
-            at_zero = Mimic.of_terms([(names[other], tuple(terms))], zeros[0] + constant)
+            at_zero = Mimic.of_terms([(names[other], (*terms,))], zeros[0] + constant)
             found[follower] = at_zero.seen_at(1.0, -zeros[1])
             continue
         factors = _factors(equality, given)
