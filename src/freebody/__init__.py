@@ -180,8 +180,8 @@ _QUICK = tuple(
         "trees.operational_space",
         "trees.regressors",
         "trees.controllers",
-        "trees.states",
-        "inverse.rates",
+        "trees.positions",
+        "inverse.inverse_rates",
     )
 )
 """Their functions look themselves whether they are given a model: a call through another would cost

@@ -219,7 +219,8 @@ ONE_ROBOT = {
         "inverse_acceleration",
         "free_body_diagram",
     ),
-    *("kinematic_diagram", "dexterity", "ellipsoids", "linearize"),
+    *("kinematic_diagram", "dexterity", "ellipsoids", "linearize", "deflection"),
+    "natural_frequencies",
 }
 WHOLE_RUNS = {"simulate", "inverse_kinematics"}
 """Of test_simulate_many.py, test_calibrated_arms.py: they return more than arrays."""
