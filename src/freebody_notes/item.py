@@ -48,7 +48,7 @@ class ItemCheck(Protocol):
 @dataclass(frozen=True)
 class Item:
     """One item of the notes. `printed` and `corrected` are formulas (see
-    `derivations.relations.formula`) or statements in words."""
+    `freebody_textbook.relations.formula`) or statements in words."""
 
     id: str
     section: str

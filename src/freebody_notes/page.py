@@ -235,7 +235,8 @@ def _equations(equations: Sequence[Equation]) -> str:
 
 
 def _words(text: str) -> str:
-    """HTML of text in italics; for a formula that cannot be parsed."""
+    """HTML of words as a quotation; with an = they are a formula that cannot be parsed, set as
+    code."""
     inside = html.escape(text)
     return f'<p class="quote">{f"<code>{inside}</code>" if "=" in text else inside}</p>'
 

@@ -11,8 +11,8 @@ from freebody_notes.item import VERDICTS, ExecutedItem, Item
 
 
 class NotesError(FreebodyError):
-    """Error for an item whose check is inconclusive: both the printed formula and its correction
-    fail."""
+    """Error for an item whose check is inconclusive: the printed formula fails, and its correction
+    fails too or is not given."""
 
 
 def run(item: Item) -> ExecutedItem:

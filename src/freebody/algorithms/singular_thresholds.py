@@ -35,23 +35,8 @@ AT_REST = 1e-6
 change them by 1e-4."""
 
 LOST_MOTION = 1e-7
-"""Input and output of a parallel robot: the type of a singular position is told from here on, well
-before `RANK`, below which there is no J any more."""
-
-FOUND = 1e-8
-"""Loop equations at a position that was found by a search, which is closed to fewer digits."""
-
-BLURRED = 1e-5
-"""Loop equations for accelerations, in which rounding is divided by the square of a singular
-value."""
-
-AT_REST = 1e-6
-"""Loop equations for accelerations of a mechanism at rest, where rounding in the computation may
-change them by 1e-4."""
-
-LOST_MOTION = 1e-7
 """Input and output of a parallel robot: the type of a singular position is told where a position
-that is typed in with seven digits is singular."""
+that is typed in with seven digits is singular, well before `RANK`, below which there is no J."""
 
 FOUND = 1e-9
 """A search for singular positions ends by Newton steps, which get this near."""

@@ -317,6 +317,7 @@ def _struts(model: Model) -> tuple[Any, ...]:
 
 
 def frame_form(model: Model, name: str) -> tuple[int, SharedForm]:
-    """The body that a frame is fixed to, and its pose there without its numbers."""
+    """The body that a frame is fixed to, and the form of its pose there, which is the same for all
+    values of its numbers."""
     frame = model.frame(name)
     return frame.body, pose_part(frame.placement, model.dim).form

@@ -3,7 +3,7 @@
 The first of four rules that says one: (1) the frame that was asked for, or that the robot's
 description names; (2) the only frame that is called as `CONVENTIONS` has it, in their order; (3)
 grippers taken off, the end of the chain of most movable joints, where only one is so long; (4)
-none. What a gripper is, `_fingers` says.
+none. What a gripper is, `_TreeBranches.fingers` says.
 """
 
 from __future__ import annotations

@@ -232,8 +232,8 @@ def _failed_points(tile: SweepBlock, failed: np.ndarray, reasons: Reasons) -> li
 def with_more(
     reasons: list[FailedPoint], more: list[FailedPoint], most: int | None = None
 ) -> list[FailedPoint]:
-    """Failed points together with further ones, of each row each reason once, where it first
-    occurs."""
+    """Failed points of a sweep together with further ones; of those in one row with the same reason
+    only the first is kept."""
     if not more:
         return reasons
     found: dict[tuple[int, str], FailedPoint] = {}

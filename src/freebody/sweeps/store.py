@@ -165,7 +165,7 @@ class SweepStore:
             self._failed[rows, part] = result.failed.astype(float)
 
     def read(self, block: SweepBlock) -> BlockResult:
-        """The stored results of a block, without its values."""
+        """The stored reductions and failures of a block, without the values of its points."""
         rows, (group, part) = slice(block.rows.start, block.rows.stop), self._blocks.place(block)
         with self._disk_errors():
             gathered = [

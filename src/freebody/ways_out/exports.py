@@ -254,8 +254,8 @@ def vectors(
 def _samples(
     name: str, shape: tuple[int, ...], model: Model | None, rng: np.random.Generator
 ) -> Array:
-    """Random values (tries, size) of an input: positions near the home position, other inputs of
-    size 1."""
+    """Random values (tries, size) of an input: positions near the home position, inputs that must
+    be positive up to their usual size, others between -1 and 1."""
     size = int(np.prod(shape))
     values = rng.uniform(-1.0, 1.0, size=(_TRIES, size))
     size = INPUTS[name].positive if model is not None and name in INPUTS else None

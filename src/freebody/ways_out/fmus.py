@@ -173,8 +173,8 @@ def _description(
 
 # ---------------------------------------------------------------- the library
 def _binary(word: str, text: str) -> dict[str, bytes]:
-    """The compiled library for this machine by its path in the archive; {}, with a warning, if it
-    cannot be compiled here."""
+    """The compiled library for this machine by its path in the archive; {}, with a warning, if
+    there is no compiler for it here. Raises FreebodyError if the compiler fails."""
     place = _PLATFORMS.get(sys.platform)
     compiler = next(filter(None, map(shutil.which, _COMPILERS)), None)
     if place is None or compiler is None or platform.machine() not in ("x86_64", "AMD64"):

@@ -171,7 +171,8 @@ def _array(program: Program, k: int, given: Any) -> Any:
 
 
 def _check(program: Program, arrays: Sequence[Any]) -> None:
-    """Raise an error if an array has the wrong shape for its input."""
+    """Raise an error if arrays are too few or too many, have the wrong shape for their inputs, or
+    lie along Explicit axes of a mesh."""
     inputs = program.inputs
     require_count(program.name, arrays, inputs)
     for x, argument in zip(arrays, inputs, strict=True):

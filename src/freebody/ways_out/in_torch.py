@@ -150,7 +150,7 @@ class TorchFunction:
         return torch.float32 if kinds == {torch.float32} else torch.float64
 
     def _tensor(self, x: Any, kind: Any) -> Tensor:
-        """A tensor unchanged if it is one, otherwise a tensor of a number in the given type."""
+        """A tensor, or a number as a tensor, in the number type `kind`; refuses anything else."""
         torch = self._torch
         if not isinstance(x, torch.Tensor):
             if type(x) in (int, float):

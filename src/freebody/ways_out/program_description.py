@@ -5,8 +5,6 @@ Every name from outside becomes a word; `names` says which word is which name. N
 from tracing the recursion once more, with its intermediates as results: a node of the program that
 computes the same from the same inputs has their name. So no algorithm knows that its scalars are
 named, and the program is the kernel's own.
-
-Every name from outside becomes a word; which word is which name stands in `names`.
 """
 
 from __future__ import annotations
@@ -196,7 +194,8 @@ class ProgramDescription:
         return [*lines, f"Gravity: {self._gravity()}."]
 
     def _gravity(self) -> str:
-        """A comment line on the direction of gravity, which matters to whoever mounts the robot."""
+        """Phrase for the gravity vector, which matters to whoever mounts the robot; "in p" if it is
+        an input."""
         given = self.numbers.opened if self.numbers else self.model
         if (given.gravity_size, given.gravity_direction) != (
             self.model.gravity_size,

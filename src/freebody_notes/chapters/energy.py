@@ -9,8 +9,8 @@ from freebody_notes.checks import Related
 
 
 def moving_bar(turning=1.4, sliding=1.0, pinned=False):
-    """A moving uniform bar: its kinetic energy as the sum of ½ dm v² over ten thousand pieces, and
-    the kinetic energy that freebody computes."""
+    """A moving uniform bar: its kinetic energy as the integral of ½ dm v² along it, and the kinetic
+    energy that freebody computes."""
     l, m = 1.2, 3.0
     body = fb.planar(
         "PPR", m=[0, 0, m], lc=[0, 0, l / 2], I=[0, 0, m * l**2 / 12], l=[0, 0, l], g=0

@@ -106,7 +106,7 @@ def inverse_rates():
 
 
 def stretched():
-    """The Jacobian and the singularity measure of the two-link arm at a stretched pose."""
+    """The Jacobian and the singularity measure of the two-link arm when folded, θ₂ = π."""
     arm = fb.load("2R")
     q = [0.7, np.pi]
     return {"J": fb.jacobian(arm, q)[:2], "sigma": fb.singularities(arm).measure(q)}

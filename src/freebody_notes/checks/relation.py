@@ -128,7 +128,7 @@ def _for(links: str, line: str) -> str:
 
 
 def _inside(line: str) -> str:
-    """A sentence in lower case, to follow a colon or comma."""
+    """A sentence with its first letter in lower case, to follow a colon or comma."""
     return f"{line[0].lower()}{line[1:]}"
 
 

@@ -88,7 +88,7 @@ def ratio(above: Trig, below: Trig) -> Ratio:
 
 
 def _content(*values: Trig) -> Fraction:
-    """The number by which coefficients are multiplied to become integers without common divisor."""
+    """The number by which coefficients are divided to become integers without common divisor."""
     coefficients = [c for x in values for _, c in x.terms()]
     return Fraction(
         math.gcd(*(c.numerator for c in coefficients)),

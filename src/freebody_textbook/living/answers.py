@@ -159,8 +159,8 @@ class PageAnswers:
     # ------------------------------------------------------------ states
     @cached_property
     def _tried(self) -> list[dict[str, float]]:
-        """Two states for trying answers: an arbitrary one, and one that satisfies loops and
-        equations of motion."""
+        """States for trying answers: an arbitrary one, and where not every state is possible one
+        that satisfies loops and equations of motion."""
         found = self._admissible
         held = [] if found is None else [{x: float(v[0]) for x, v in found.values.items()}]
         return [self._signed(row) for row in (self._any[0], *held)]

@@ -47,7 +47,8 @@ class ValuedLine:
 
 @dataclass(frozen=True)
 class LineValues:
-    """All lines that have a value, with the values of all names and where these come from."""
+    """The lines of a derivation that have a value, with the values of all names, and which names
+    the model gives and which the lines."""
 
     quantities: Quantities
     known: frozenset[str]

@@ -113,8 +113,8 @@ class SolvedReactions:
 
     @cached_property
     def drives(self) -> dict[int, Trig]:
-        """Torques of friction, springs and rotors that the motors must overcome; at rest only
-        springs."""
+        """Torques of friction, springs and rotors that the motors must overcome; at rest only what
+        then acts, such as springs."""
         return {i: drive_part(self.s, i) for i in self.s.leaders}
 
     def motor_rule(self, i: int, moment: Expression) -> Expression:

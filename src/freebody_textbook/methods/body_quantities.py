@@ -367,8 +367,8 @@ BY_NAME = {record.known: record for record in BODY_QUANTITIES}
 
 
 def meanings(s: Setting, *known: str) -> Iterator[Meaning]:
-    """Glossary entries of the quantities of bodies, for a planar or spatial robot; without those
-    already known."""
+    """Glossary entries, for a planar or spatial robot, of the quantities of bodies with the names
+    `known`."""
     for name in known:
         yield BY_NAME[name].meaning(s.planar)
 

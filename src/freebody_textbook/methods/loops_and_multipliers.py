@@ -280,8 +280,8 @@ class Loops:
 
     # ------------------------------------------------------------ how it is shown
     def ratio(self, x: Ratio, common: Trig | None = None) -> Expression:
-        """Printed form of a quotient, over Δ if `common` is divisible by its denominator; a long
-        one is given by its number of terms."""
+        """Printed form of a quotient; over Δ if `common` is given, of which its denominator then is
+        a multiple by a number. A long one is given by its number of terms."""
         layout, below = self.equations.layout, ex.ONE
         if x.is_polynomial:
             shown = x.form(layout)

@@ -57,8 +57,8 @@ def _vectors(s: Setting, i: int) -> list[Equation]:
 
 
 def measured(s: Setting, i: int, inertia: bool) -> list[Equation]:
-    """Equations of the mass and, if asked for, the inertia of body i, where these are numbers; in
-    space always the inertia matrix."""
+    """Equations of the mass and, if asked for, the inertia of body i, where these are no symbols
+    of the model; an inertia in space is always written out as a matrix."""
     if i not in s.weighted:
         return []
     rows = [(s.mass_name(i), s.show(s.mass(i)))]
@@ -198,7 +198,7 @@ def _work(s: Setting, i: int) -> str:
 
 
 def following(s: Setting, i: int, what: str = "the rate") -> str:
-    """A clause, without a full stop, on the joints that move with a fraction of the rate of body
+    """A clause, without a full stop, on the joints that move with a multiple of the rate of body
     i's joint."""
     others = s.together(i)[1:]
     factors = listed([f"{s.ratio(k):.15g}" for k in others])

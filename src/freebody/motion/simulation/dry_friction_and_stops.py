@@ -188,9 +188,11 @@ def refuse_beyond(model: Model, contacts: JointContacts, q: Array) -> None:
 
 
 def complementary(M: Array, forces: Array, candidates: Flags, least: Array, most: Array) -> Contact:
-    """The contact x (n, nv) with M x = forces + push, where a candidate has x = 0 and a push
-    between least and most, or x above 0 and push = least, or x below 0 and push = most; all other
-    coordinates have no push.
+    """The contact at joints that may be held (`candidates`): accelerations, or rates after an
+    impact, x (n, nv) with M x = forces + push.
+
+    A candidate has x = 0 and a push between least and most, or x above 0 and push = least, or x
+    below 0 and push = most; all other coordinates have no push.
 
     M being positive definite there is one such x. All candidates are held at first; as long as
     something is wrong, the first that is wrong changes: what is held too hard is let go, what moves

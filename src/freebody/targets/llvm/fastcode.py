@@ -1,5 +1,5 @@
-"""LLVM text of a kernel's own C function for Python's interpreter, for the purpose stated in
-`fastcall`."""
+"""LLVM text of a kernel's own C function for Python's interpreter, which makes calls with a few
+samples quick (see `fastcall`)."""
 
 from __future__ import annotations
 

@@ -340,8 +340,8 @@ class OwnDefinitions(SolvedQuantities):
         )
 
     def may_be_vector(self, name: str, node: Number) -> bool:
-        """Whether a plain number may be a vector: a 0, for a vector that vanishes or a letter that
-        other lines define as a vector."""
+        """Whether a plain number may be a vector: any number for a letter that other lines define
+        as a vector, and 0 for a vector that vanishes."""
         if name[0] in self.letters_of_vectors:
             return True
         table = self.targets.tables.get(name, [])

@@ -167,7 +167,7 @@ def _rename_quantity(vocabulary: Vocabulary, targets: Targets, name: str, target
 
 
 def _rates(vocabulary: Vocabulary, value: Value) -> Iterator[Trig]:
-    """The first and higher time derivatives of a value, until one is constant."""
+    """The first and second time derivatives of a value, without those that are 0."""
     ring = vocabulary.setting.ring
     rates = {x: ring[x + RATE] for x in ring.names if x + RATE in ring.index}
     rates |= vocabulary.setting.symbols.rates

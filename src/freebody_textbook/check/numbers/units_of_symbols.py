@@ -108,8 +108,8 @@ def unit_of_quantity(setting: RightEquations, target: AskedQuantity, right: Valu
 
 
 def misfit(setting: RightEquations, yours: Trig, right: Trig) -> tuple[Trig, Unit, Unit] | None:
-    """A term of the answer whose unit differs from the correct answer's, with both units; for a
-    cosine of a sum of angles the whole product."""
+    """A term of the answer whose unit differs from the correct answer's, with both units; together
+    with terms that differ from it in sines and cosines alone."""
     expected = _common_unit(setting, right)
     if expected is None:
         return None

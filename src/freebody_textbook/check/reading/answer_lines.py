@@ -206,7 +206,8 @@ class DocumentReader:
         return lines
 
     def _says_something(self, piece: FormulaPiece) -> bool:
-        """Whether a piece contains an equation or may continue one; always True for plain text."""
+        """Whether a piece contains an equation or may continue one, or is any text that is not read
+        leniently."""
         span = (piece.start, piece.end)
         lexemes, inside = self.source.lexemes, self.source.lexemes.between(*span)
         may = not piece.lenient or _EQUALS.found_in(lexemes, inside.start, inside.stop)

@@ -58,7 +58,8 @@ class AnswerText(Source):
         return super().__getitem__(self._with_padding(span))
 
     def caret(self, span: Span) -> str:
-        """The line of a place, with carets below the piece as originally written."""
+        """The line of the answer that contains a span, with carets below the text of the span as it
+        was originally written."""
         return super().caret(self._with_padding(span))
 
     def _with_padding(self, span: Span) -> Span:

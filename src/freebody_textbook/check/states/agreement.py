@@ -78,8 +78,8 @@ class Agreement:
 
     @property
     def is_in_one_assembly(self) -> bool:
-        """Whether the two sides are equal on the home position's branch; for parameter sets without
-        regular positions on it, on some branch."""
+        """Whether the two sides are equal on the home position's branch; if no state is on it, on
+        some branch for every parameter set."""
         states, home = self.states, self.states.is_home
         if home.any():
             return bool(self.right[home].all())
@@ -90,7 +90,7 @@ class Agreement:
 
     @property
     def is_in_another_assembly(self) -> bool:
-        """Whether the two sides are equal on some branch for every parameter set, but not on the
+        """Whether the two sides are equal, for every parameter set, on some branch other than the
         home position's."""
         states = self.states
         return all(

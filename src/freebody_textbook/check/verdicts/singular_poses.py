@@ -88,7 +88,7 @@ def _poses(source: AnswerText, targets: Targets) -> Iterator[tuple[Match, AskedQ
 
 
 def _told(lexemes: Lexemes) -> Iterator[Match]:
-    """Poses in sentences that contain the word singular."""
+    """Poses that follow the word singular in a sentence which does not deny it."""
     end = 0
     for word in _SINGULAR.all(lexemes):
         begun = lexemes.at(lexemes[word.start].start - 40)

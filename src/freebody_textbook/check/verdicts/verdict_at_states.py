@@ -315,7 +315,8 @@ class _AtStates:
 
     @property
     def _is_by_loops(self) -> bool:
-        """Whether only closed loops can make the claim right: it contains no quotient."""
+        """Whether only closed loops can make the claim right: it is about a quantity that holds by
+        loops, or gives a quotient for a polynomial."""
         claim = self.claim
         return claim.target.kind.holds_by_loops or (
             isinstance(claim.value, Ratio) and not isinstance(self.right, Ratio)
