@@ -22,6 +22,7 @@ from freebody.motion.files.csv_files import read_motion
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.planning.point_to_point import quintic
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import compared
 
 _MEET = 1e-6
 """rad, m: how far apart one motion may end and the next begin."""
@@ -153,9 +154,10 @@ class DutyCycle(Tabled, ByValue):
         off = np.abs(end - start)
         j = int(np.argmax(off))
         if off[j] > _MEET:
+            ends, begins = compared(end[j], start[j], digits=6)
             raise FreebodyError(
-                f"DutyCycle: segment {k} ends with q[{j}] = {end[j]:.6g}, segment {k + 1} begins "
-                f"with {start[j]:.6g}; put a segment with the motion between them."
+                f"DutyCycle: segment {k} ends with q[{j}] = {ends}, segment {k + 1} begins with "
+                f"{begins}; put a segment with the motion between them."
             )
 
     @property

@@ -15,6 +15,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.design.data_sheets import Curve, DataSheet, PartNumber, mean_load, sure
 from freebody.errors import shown
+from freebody.outputs.number_text import compared
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,10 +58,8 @@ class Motor(DataSheet):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.peak_torque < self.continuous_torque:
-            raise self.refusal(
-                f"peak_torque {self.peak_torque:g} N m is below continuous_torque "
-                f"{self.continuous_torque:g} N m"
-            )
+            peak, most = compared(self.peak_torque, self.continuous_torque)
+            raise self.refusal(f"peak_torque {peak} N m is below continuous_torque {most} N m")
 
     def peak_at(self, speed: Any) -> Array:
         """The peak torque (...) in N m at motor speeds (...) in rad/s, of any sign."""

@@ -33,6 +33,7 @@ from freebody.model.inertia import Inertia
 from freebody.model.mimics import Mimic
 from freebody.model.placement import Placement
 from freebody.model.struts import Strut
+from freebody.outputs.number_text import compared
 
 _KINDS = {"free": "free", "ball": "spherical", "slide": "prismatic", "hinge": "revolute"}
 _LAWS = {
@@ -365,9 +366,10 @@ class _MjcfReader:
                     lower, upper = part.get(key, (0.0, 0.0))
                     if lower > upper:
                         called = f"{PARTS[kind]} {part['name'] or k + 1!r}"
+                        low, high = compared(lower, upper)
                         self.note(
-                            f"warning: {called}: the lower end of its {attribute}, {lower:g}, is "
-                            f"above the upper one, {upper:g}, so that MuJoCo takes it to have none."
+                            f"warning: {called}: the lower end of its {attribute}, {low}, is "
+                            f"above the upper one, {high}, so that MuJoCo takes it to have none."
                         )
 
     def name_left_out(self) -> None:
