@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
-from freebody.errors import FreebodyError, KindError, shown
+from freebody.errors import FreebodyError, KindError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model.inertia import Inertia
@@ -56,11 +56,19 @@ class Segment(ByValue):
         if not 0.0 <= dwell < np.inf:
             raise FreebodyError(f"Segment: dwell is {dwell:g} s, expected 0 or more.")
         object.__setattr__(self, "dwell", float(dwell))
+        if isinstance(self.payload, Mapping):
+            for name in self.payload:
+                if name not in (*_LOAD, "name"):
+                    raise UnknownNameError("entry", name, "Segment: payload", _LOAD)
+        elif isinstance(self.payload, bool):
+            raise KindError("Segment", "payload", self.payload, "a mass (kg)")
         wrenches = self.wrenches
-        if wrenches is not None and not isinstance(wrenches, Mapping):
-            wrenches = np.asarray(wrenches, dtype=float)
+        if isinstance(wrenches, Mapping):
+            wrenches = {
+                name: as_floats("Segment", f"wrenches[{name!r}]", w) for name, w in wrenches.items()
+            }
         elif wrenches is not None:
-            wrenches = {name: np.asarray(w, dtype=float) for name, w in wrenches.items()}
+            wrenches = as_floats("Segment", "wrenches", wrenches)
         object.__setattr__(self, "wrenches", wrenches)
         super().__post_init__()
 
