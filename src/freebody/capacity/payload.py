@@ -18,7 +18,7 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.errors import FreebodyError, PassiveJointError, listed
+from freebody.errors import FreebodyError, listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
@@ -29,6 +29,7 @@ from freebody.motion.ranges import ranges
 from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
+from freebody.reach.payload_map import NO_SLOPE, given_efforts, refuse_passive
 from freebody.report.results import CLOSE
 from freebody.report.series import torque_parts
 from freebody.report.time_scaling import effort_limits, pace
@@ -182,8 +183,8 @@ def payload(
     wrenches
         Constant ones exerted on the robot, {frame: (six,)}, world axes.
     effort
-        (nv,), the largest torques and forces of the drives, N m and N; default the joints' effort
-        limits.
+        (nv,), the largest torques and forces of the drives, N m and N, infinite where there is no
+        limit; default the joints' effort limits.
 
     Returns
     -------
@@ -203,10 +204,7 @@ def payload(
     function = "payload"
     model.require_values("the payload")
     if model.passive and not model.loops:
-        raise PassiveJointError(
-            f"{function}: nothing drives {listed(map(repr, model.passive_names), 4)} of "
-            f"{model.name!r}; what it carries is not decided by torques alone."
-        )
+        refuse_passive(function, model)
     name = model.frame(frame).name
     shape = {"com": com, "box": box, "cylinder": cylinder}
     for what, given in shape.items():
@@ -285,7 +283,8 @@ class _Case:
         else:
             whole = tau
             slope = inverse_dynamics(carrying, *at, loads) - tau
-        slope[np.abs(slope) <= _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)] = 0.0
+        rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)
+        slope[np.abs(slope) <= np.maximum(rounding, NO_SLOPE)] = 0.0
         bound = np.where(np.isfinite(self.effort), self.effort, 0.0)
         most = np.sign(slope) * bound - rest
         if lossy:  # of what is transmitted at the limit, by the way of its power
@@ -309,12 +308,7 @@ def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
 def _efforts(model: Model, effort: JointVector | None) -> Array:
     """(nv,) limits of the drives, infinite where there is none."""
     if effort is not None:
-        given = finite_vector("payload", model, "effort", effort)
-        if given.ndim != 1 or not (given > 0.0).all():
-            raise FreebodyError(
-                f"payload: effort must be one positive number for each of the {model.nv} joints; "
-                f"got {given.tolist()}."
-            )
+        given = given_efforts("payload", model, effort)
         driven = np.isin(np.arange(model.nv), model.driven)
         return np.where(driven, given, np.inf)
     found = effort_limits(model, ranges(model))

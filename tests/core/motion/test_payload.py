@@ -90,7 +90,8 @@ def test_a_wrench_and_a_closed_chain():
     found = fb.payload(model, closed, effort=effort, wrenches=pull)
     tau = fb.static_torque(model.with_payload(float(found.mass), frame=model.tip), closed, pull)
     assert (np.abs(tau) / effort).max() == pytest.approx(1.0, abs=1e-10)
-    assert found.mass < fb.payload(model, closed, effort=effort).mass
+    named = fb.payload(model, closed, effort={"theta1": 40.0, "theta2": 25.0})
+    assert found.mass < named.mass == fb.payload(model, closed, effort=effort).mass
 
 
 def test_the_card(arm):
@@ -109,6 +110,11 @@ def test_the_card(arm):
     assert "carries nothing on this path · shoulder_lift_joint is overloaded" in weak.card
     assert weak.mass == 0.0
     assert weak.overloaded
+    most = [np.inf, 1e3, np.inf, np.inf, np.inf, np.inf]
+    assert "shoulder_lift_joint limits" in fb.payload(arm, motion, effort=most).card
+    rod = fb.planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[0.1])
+    hangs = fb.payload(rod, [-np.pi / 2], effort=[30.0])  # of which the cosine is 6e-17
+    assert hangs.card == "carries any mass at this posture: no drive limits it"
     free = fb.payload(arm.replace(gravity=[0, 0, 0]), [0.0] * 6)
     assert free.card == "carries any mass at this posture: no drive limits it"
     bare = fb.planar("R", l=[1.0], limits=[fb.Limits(effort=5.0)])
@@ -158,11 +164,12 @@ def test_refusals(arm):
     for words, call in (
         ("no joint of 'R' has an effort limit", lambda: fb.payload(
             fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1]), [0.0])),
-        ("nothing drives 'joint1' of 'acrobot'", lambda: fb.payload(
+        ("'joint1' of 'acrobot' is passive", lambda: fb.payload(
             fb.load("acrobot"), [0.0, 0.0], effort=[1.0] * 2)),
         ("one positive number", lambda: fb.payload(arm, WAY, effort=[-1.0] * 6)),
         ("the motion has 2 positions", lambda: fb.payload(
             arm, fb.quintic(fb.load("2R"), [[0, 0], [1, 1]], [0, 1]))),
+        ("there are no postures", lambda: fb.load_diagram(arm, np.zeros((0, 6)))),
         ("offsets must increase", lambda: fb.load_diagram(arm, WAY, offsets=[0.0, 0.0])),
         ("no axis 'w'", lambda: fb.load_diagram(arm, WAY, along="w")),
         ("at least two, along an axis", lambda: fb.load_diagram(arm, WAY, offsets=[0.1])),
