@@ -89,7 +89,7 @@ class DriveLoads(Tabled, ByValue):
 
     def _title(self) -> str:
         joint, limit = _worst(self.uses)
-        words = f"{used_of(float(self.uses.max()), limit)} of {joint}"
+        words = f"{used_of(float(self.uses.max()), f'the {limit}')} of {joint}"
         kept = "every limit given is kept" if self.passed else "not every limit is kept"
         return (
             f"Drives of {self.robot.name!r}, {counted(len(self.drives), 'joint')}: {kept}; {words}"
@@ -186,7 +186,8 @@ def checked_life(function: str, life: float) -> float:
     """The hours that gears have to last, else FreebodyError."""
     hours = as_floats(function, "life", life)
     if hours.ndim or not 0.0 <= hours < np.inf:
-        raise FreebodyError(f"{function}: life is {shown(life)} h, expected 0 or more.")
+        said = f"{float(hours):g} h" if hours.ndim == 0 else shown(life)
+        raise FreebodyError(f"{function}: life is {said}, expected 0 or more.")
     return float(hours)
 
 
@@ -333,12 +334,18 @@ def doubt_notices(model: Model) -> tuple[str, ...]:
 
 
 def cycle_notices(cycles: Sequence[DutyCycle]) -> tuple[str, ...]:
-    """Sentences on cycles that do not end where they begin."""
+    """Sentences on cycles that do not end where they begin, and on rates that jump."""
+    jumps = tuple(
+        words if len(cycles) == 1 else f"Cycle {k}: {words}"
+        for k, cycle in enumerate(cycles, 1)
+        for words in cycle.jumps
+    )
     open_ones = [str(k) for k, cycle in enumerate(cycles, 1) if not cycle.closes]
     if not open_ones:
-        return ()
+        return jumps
     which = "The duty cycle ends" if len(cycles) == 1 else f"Cycles {', '.join(open_ones)} end"
     return (
+        *jumps,
         f"{which} elsewhere than it begins: the way back is not in what is said of lives, RMS "
         f"values and energies.",
     )

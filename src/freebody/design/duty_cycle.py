@@ -25,6 +25,8 @@ from freebody.outputs.display import Tabled, TextTable, counted
 
 _MEET = 1e-6
 """rad, m: how far apart one motion may end and the next begin."""
+_JUMP = 0.01
+"""Share of the highest rate by which rates may differ there, as in measured motions."""
 
 CarriedLoad = float | Inertia | Mapping[str, Any] | None
 """A mass (kg) at the tip, an Inertia in the tip's axes, or arguments of `Model.with_payload`."""
@@ -128,7 +130,8 @@ class DutyCycle(Tabled, ByValue):
     """Segments that a robot goes through one after another, over and over: loaded there, empty
     back.
 
-    Each begins where the one before ends, at rest where that one dwells; FreebodyError otherwise.
+    Each begins where the one before ends; FreebodyError otherwise. It should end and begin at the
+    same rates, at rest where it dwells: `jumps` tells where not.
     """
 
     segments: Sequence[Segment]
@@ -176,6 +179,27 @@ class DutyCycle(Tabled, ByValue):
         """Whether it ends where it begins."""
         first, last = self.segments[0].motion, self.segments[-1].motion
         return bool(np.abs(last.q[-1] - first.q[0]).max() <= _MEET)
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """Sentences on rates that change at once between segments, or where one dwells."""
+        behind = list(pairwise(self.segments))
+        if self.closes:
+            behind.append((self.segments[-1], self.segments[0]))
+        found = []
+        for k, (first, second) in enumerate(behind, 1):
+            ends, starts = first.motion.qd[-1], second.motion.qd[0]
+            off = np.abs(ends - starts)
+            if first.dwell > 0.0:
+                off = np.maximum(np.abs(ends), np.abs(starts))
+            most = max(float(np.abs(x.motion.qd).max()) for x in (first, second))
+            j = int(np.argmax(off))
+            if off[j] > _JUMP * most:
+                found.append(
+                    f"Behind segment {k} qd[{j}] jumps by {off[j]:.4g}: the torque that this takes "
+                    f"is not counted."
+                )
+        return tuple(found)
 
     @staticmethod
     def read(model: Model, path: str | os.PathLike[str]) -> DutyCycle:

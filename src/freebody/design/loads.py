@@ -105,7 +105,9 @@ def drive_joints(
             f"{function}: {model.name!r} has no driven joint of one coordinate to choose a motor "
             f"for."
         )
-    names = tuple(possible) if joints is None else tuple(joints)
+    names = (joints,) if isinstance(joints, str) else tuple(possible if joints is None else joints)
+    if not names:
+        raise FreebodyError(f"{function}: there is no joint to choose a drive for; name some.")
     for name in (*names, *(mounts or ())):
         if name not in possible:
             raise UnknownNameError("driven joint", name, model.name, possible)

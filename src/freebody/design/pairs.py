@@ -300,8 +300,8 @@ def used(share: float) -> str:
 
 
 def used_of(share: float, limit: str) -> str:
-    """How much is used of a limit that has this name."""
-    return f"more than the {limit}" if np.isinf(share) else f"{100.0 * share:.3g} % of the {limit}"
+    """How much is used of a limit that is called so, such as 'its brake'."""
+    return f"more than {limit}" if np.isinf(share) else f"{100.0 * share:.4g} % of {limit}"
 
 
 PEAK = [limit.name for limit in LIMITS].index("peak torque")

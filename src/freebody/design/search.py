@@ -308,7 +308,7 @@ class SizingSearch:
             f"No motor with a gear of the catalogue suffices for joint "
             f"{self.loads.joints[k].name!r}{asked}: nearest comes {pairs.motors[m].name} with "
             f"{pairs.gears[g].name}, which would use "
-            f"{used_of(share, LIMITS[limit].name)}.",
+            f"{used_of(share, f'its {LIMITS[limit].name}')}.",
         )
 
     def choice(self, partial: PartialChoice) -> DriveChoice:

@@ -106,10 +106,9 @@ def _refuse_slack(function: str, model: Model, stiffness: JointVector | None, gi
     """Refuse a stiffness of 0 that is given for a drive, which is neither rigid nor left out."""
     if stiffness is None:
         return
-    driven = [name in model.driven_names for name in model.velocity_names]
-    if isinstance(stiffness, Mapping):
-        driven = [x and name in stiffness for x, name in zip(driven, model.velocity_names)]
-    if (given[..., driven] == 0.0).any():
+    told = stiffness if isinstance(stiffness, Mapping) else model.driven_names
+    drives = np.isin(model.velocity_names, [name for name in model.driven_names if name in told])
+    if (given[..., drives] == 0.0).any():
         raise _not_positive(function, given)
 
 

@@ -107,9 +107,10 @@ def payload_map(
 
     q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`, of a family (..., *family, nq).
     frame: name, default the tip. effort: (nv,), of a family (*family, nv) too, the largest torques
-    and forces, N m and N, infinite where unlimited; default the joints' effort limits. Of a closed chain, whose positions
-    must satisfy its loops, only driven joints count, and a dictionary may omit the others. point:
-    (dim,), centre of the mass in the frame's axes, m; default its origin.
+    and forces, N m and N, infinite where there is no limit; default the joints' effort limits. Of a
+    closed chain, whose positions must satisfy its loops, only driven joints count, and a dictionary
+    may omit the others. point: (dim,), centre of the mass in the frame's axes, m; default its
+    origin.
 
     The torques at rest are those of `fb.static_torque`, affine in the mass: g + springs - m Jᵀ g₀
     with the field g₀ (2.41-2.49); friction does not help to hold. Returns PayloadMap. Raises

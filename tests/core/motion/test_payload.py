@@ -106,6 +106,14 @@ def test_the_card(arm):
     fast = fb.payload(arm, motion.faster(8.0))
     assert "would exceed the speed limit" in fast.card
     assert not fast.carries
+    t = np.linspace(0.0, 9.0, 91)
+    q, qd = np.outer(t, [0.8, 0, 0, 0, 0, 0]) + WAY[0], np.tile([0.8, 0, 0, 0, 0, 0], (91, 1))
+    far = fb.Motion.of(arm, t, q, qd, 0.0 * qd)  # 2π is passed
+    for where, words in ((far, "on this path"), (far.q[-1], "at this posture")):
+        out = fb.payload(arm, where)
+        assert out.outside == ("shoulder_pan_joint",)
+        assert out.card == f"not {words}: shoulder_pan_joint would leave the position range"
+        assert not out.carries
     weak = fb.payload(arm, motion, effort=np.full(6, 20.0))
     assert "carries nothing on this path · shoulder_lift_joint is overloaded" in weak.card
     assert weak.mass == 0.0
