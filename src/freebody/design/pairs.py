@@ -290,7 +290,7 @@ LIMITS: tuple[DriveLimit, ...] = (
 
 
 def margin_of(share: float) -> float:
-    """What is allowed over what is used, infinite where nothing is used."""
+    """The ratio of what is allowed to what is used, infinite where nothing is used."""
     return 1.0 / share if share > 0.0 else np.inf
 
 

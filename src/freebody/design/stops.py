@@ -199,7 +199,7 @@ def braked(
     )
 
 
-class _Part(NamedTuple):
+class _StopPart(NamedTuple):
     """A part of a stop: its time and way, the speed at its end, and the torque behind the gear."""
 
     time: Array
@@ -210,7 +210,7 @@ class _Part(NamedTuple):
 
 def _gone_on(
     speed: Array, inertia: Array, load: Array, brake: float, most: Array, motor: Motor, gear: Gear
-) -> _Part:
+) -> _StopPart:
     """How a joint goes on until it stands, for at most so many seconds."""
     a, carried = _slowed(inertia, load, brake, motor, gear)
     stands = (speed == 0.0) & (a >= 0.0)
@@ -219,7 +219,7 @@ def _gone_on(
         time = np.minimum(stop, most)
         way = np.where(np.isinf(time), np.inf, speed * time - 0.5 * a * time**2)
         left = np.where(stop <= most, 0.0, speed - a * time)
-    return _Part(time, way, left, np.abs(carried) * (time > 0.0))
+    return _StopPart(time, way, left, np.abs(carried) * (time > 0.0))
 
 
 def _slowed(
