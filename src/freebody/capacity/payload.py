@@ -322,8 +322,8 @@ def _efforts(model: Model, effort: JointVector | None) -> Array:
     found = effort_limits(model, ranges(model))
     if not np.isfinite(found).any():
         raise FreebodyError(
-            f"payload: no joint of {model.name!r} has an effort limit. Give effort=, the largest "
-            f"torque or force of each joint ({listed(model.driven_names, 8)})."
+            f"payload: no joint of {model.name!r} has an effort limit. Give effort= (--effort), "
+            f"the largest torque or force of each joint ({listed(model.driven_names, 8)})."
         )
     return found
 

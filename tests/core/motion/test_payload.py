@@ -159,6 +159,9 @@ def test_the_command(tmp_path: Path, monkeypatch, capsys):
     assert "at each of 200 postures" in capsys.readouterr().out
     assert run(["payload", "ur5e", "--motion", "pick.csv", "--speed", "8"]) == 1
     assert "speed limit" in capsys.readouterr().out
+    assert run(["payload", "2R", "--q", "0,0", "--effort", "500,200"]) == 0
+    by_code = fb.payload(fb.load("2R"), [0.0, 0.0], effort=[500.0, 200.0]).card
+    assert by_code in " ".join(capsys.readouterr().out.split())
     for words, *more in (
         ("give a motion or a posture", "--motion", "pick.csv", "--q", "0"),
         ("--speed: there is no motion", "--speed", "2"),
