@@ -166,6 +166,8 @@ def load_diagram(
         payload(model, motion, com=x * unit, frame=frame, wrenches=wrenches, effort=effort)
         for x in places
     ]
+    if not found[0].mass.size:
+        raise FreebodyError(f"{function}: there are no postures; give at least one.")
     by_joint = np.array([x.by_joint.reshape(-1, model.nv).min(axis=0) for x in found])
     free = np.isinf(by_joint.min(axis=-1))
     return LoadDiagram(

@@ -18,17 +18,19 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.errors import FreebodyError, PassiveJointError, listed
+from freebody.errors import FreebodyError, listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
-from freebody.motion.ranges import ranges
+from freebody.motion.planning.planning_limits import SLACK
+from freebody.motion.ranges import position_columns, ranges
 from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.reach.labelled_maps import axes_of, labelled
+from freebody.reach.payload_map import NO_SLOPE, given_efforts, refuse_passive
 from freebody.report.results import CLOSE
 from freebody.report.series import torque_parts
 from freebody.report.time_scaling import effort_limits, pace
@@ -66,7 +68,8 @@ class LargestPayload(Tabled, ByValue):
     by_joint: (..., nv), the mass at which each drive alone reaches its limit. joint: (...), index
     of the one that limits, -1 without one. time: (...), s, when it does; NaN for postures.
     overloaded: (...), whether a drive is overloaded without payload. too_fast: names of joints
-    whose speed exceeds its limit on a motion, whatever the mass. faster: how many times as fast one
+    whose speed exceeds its limit on a motion, whatever the mass. outside: names of joints that
+    leave their ranges on a motion or at a posture. faster: how many times as fast one
     motion may be run without payload; NaN for several, and for postures. joint_names: (nv,). frame:
     where the payload is. doubts: those on the robot's masses, drives and effort limits.
     """
@@ -77,6 +80,7 @@ class LargestPayload(Tabled, ByValue):
     time: Array
     overloaded: np.ndarray
     too_fast: tuple[str, ...]
+    outside: tuple[str, ...]
     faster: float
     joint_names: tuple[str, ...]
     frame: str
@@ -85,10 +89,10 @@ class LargestPayload(Tabled, ByValue):
 
     @property
     def carries(self) -> bool:
-        """Whether something is carried everywhere, no joint is too fast, and no doubt bars to say
-        so."""
+        """Whether something is carried everywhere, no joint is too fast or beyond its range, and no
+        doubt bars to say so."""
         carried = bool(self.mass.size) and bool((self.mass > 0.0).all())
-        return carried and not (self.too_fast or barring(self.doubts))
+        return carried and not (self.too_fast or self.outside or barring(self.doubts))
 
     @property
     def card(self) -> str:
@@ -98,6 +102,8 @@ class LargestPayload(Tabled, ByValue):
             return "nothing is carried anywhere: there are no postures"
         if found := barring(self.doubts):
             return f"not judged: {'; '.join(doubt.clause for doubt in found)}"
+        if self.outside:
+            return f"not {self._where()}: {listed(self.outside, 4)} would leave the position range"
         if self.too_fast:
             return f"not at this speed: {listed(self.too_fast, 4)} would exceed the speed limit"
         at = np.unravel_index(np.argmin(self.mass), self.mass.shape)
@@ -182,15 +188,16 @@ def payload(
     wrenches
         Constant ones exerted on the robot, {frame: (six,)}, world axes.
     effort
-        (nv,), the largest torques and forces of the drives, N m and N; default the joints' effort
-        limits.
+        (nv,), the largest torques and forces of the drives, N m and N, infinite where there is no
+        limit; default the joints' effort limits.
 
     Returns
     -------
     LargestPayload
         With `.card` in a line. Torques are looked at at the samples of a motion, on both sides of
         jumps of its accelerations and, of open chains, closely beside the instant that limits. What
-        gears lose is in them. Speeds limit no mass: those beyond their limits are named.
+        gears lose is in them. Speeds and positions limit no mass: joints beyond theirs
+        are named.
 
     Raises
     ------
@@ -203,10 +210,7 @@ def payload(
     function = "payload"
     model.require_values("the payload")
     if model.passive and not model.loops:
-        raise PassiveJointError(
-            f"{function}: nothing drives {listed(map(repr, model.passive_names), 4)} of "
-            f"{model.name!r}; what it carries is not decided by torques alone."
-        )
+        refuse_passive(function, model)
     name = model.frame(frame).name
     shape = {"com": com, "box": box, "cylinder": cylinder}
     for what, given in shape.items():
@@ -220,10 +224,11 @@ def payload(
         q = finite_vector(function, model, "q", motion)
         rest = np.zeros((*q.shape[:-1], model.nv))
         mass, over = case.masses((q, rest, rest))
+        beyond = _outside(model, q.reshape(-1, model.nq))
         time, fast, faster = np.full(q.shape[:-1], np.nan), (), np.nan
     else:
         mass, over, time = _along(case, motions)
-        fast = _too_fast(model, motions)
+        fast, beyond = _too_fast(model, motions), _leave(model, motions)
         faster = _faster(model, motions[0], limits, loads) if isinstance(motion, Motion) else np.nan
         if isinstance(motion, Motion):
             mass, over, time = mass[0], over[0], time[0]
@@ -239,6 +244,7 @@ def payload(
         else time,
         np.asarray(over.any(axis=-1)),
         fast,
+        tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad),
         faster,
         model.velocity_names,
         name,
@@ -285,7 +291,8 @@ class _Case:
         else:
             whole = tau
             slope = inverse_dynamics(carrying, *at, loads) - tau
-        slope[np.abs(slope) <= _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)] = 0.0
+        rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)
+        slope[np.abs(slope) <= np.maximum(rounding, NO_SLOPE)] = 0.0
         bound = np.where(np.isfinite(self.effort), self.effort, 0.0)
         most = np.sign(slope) * bound - rest
         if lossy:  # of what is transmitted at the limit, by the way of its power
@@ -309,19 +316,14 @@ def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
 def _efforts(model: Model, effort: JointVector | None) -> Array:
     """(nv,) limits of the drives, infinite where there is none."""
     if effort is not None:
-        given = finite_vector("payload", model, "effort", effort)
-        if given.ndim != 1 or not (given > 0.0).all():
-            raise FreebodyError(
-                f"payload: effort must be one positive number for each of the {model.nv} joints; "
-                f"got {given.tolist()}."
-            )
+        given = given_efforts("payload", model, effort)
         driven = np.isin(np.arange(model.nv), model.driven)
         return np.where(driven, given, np.inf)
     found = effort_limits(model, ranges(model))
     if not np.isfinite(found).any():
         raise FreebodyError(
-            f"payload: no joint of {model.name!r} has an effort limit. Give effort=, the largest "
-            f"torque or force of each joint ({listed(model.driven_names, 8)})."
+            f"payload: no joint of {model.name!r} has an effort limit. Give effort= (--effort), "
+            f"the largest torque or force of each joint ({listed(model.driven_names, 8)})."
         )
     return found
 
@@ -399,6 +401,31 @@ def _too_fast(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
         if (np.abs(one.qd).max(axis=0) + 2.0 * rise > limits).any():  # else none is near
             beyond |= one.peaks.velocity.size > limits
     return tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad)
+
+
+def _outside(model: Model, q: Array) -> np.ndarray:
+    """Whether each coordinate (nv,) leaves its range at positions (m, nq)."""
+    (iq, iv), allowed = position_columns(model), ranges(model)
+    beyond = np.zeros(model.nv, dtype=bool)
+    for sign, limit, most in (
+        (1.0, allowed.upper[iv], q[:, iq].max(axis=0, initial=-np.inf)),
+        (-1.0, allowed.lower[iv], q[:, iq].min(axis=0, initial=np.inf)),
+    ):
+        beyond[iv] |= sign * most > sign * limit + SLACK * np.maximum(1.0, np.abs(limit))
+    return beyond
+
+
+def _leave(model: Model, motions: Sequence[Motion]) -> np.ndarray:
+    """Whether each coordinate (nv,) leaves its range on some motion."""
+    (iq, iv), beyond = position_columns(model), np.zeros(model.nv, dtype=bool)
+    for one in motions:
+        ends = np.stack([one.q.min(axis=0), one.q.max(axis=0)])
+        between = np.zeros(ends.shape)
+        between[:, iq] = np.abs(one.qd).max(axis=0)[iv] * float(np.diff(one.t).max())
+        if _outside(model, ends + between * [[-1.0], [1.0]]).any():  # else none is near
+            found = one.peaks.position
+            beyond |= _outside(model, np.stack([found.low, found.high]))
+    return beyond
 
 
 def _faster(

@@ -40,6 +40,14 @@ def payload(
             help="The payload's centre of mass in the tip's axes, m. Default: the origin.",
         ),
     ] = None,
+    effort: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUES",
+            help="The largest torque or force of each joint, N m and N. Default: the joints' "
+            "effort limits.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -74,8 +82,10 @@ def payload(
     centre = None if com is None else numbers.values("--com", com)
     if out is not None and centre is not None:
         raise FreebodyError("--com: the load diagram has offsets of its own; leave one out.")
+    most = None if effort is None else numbers.values("--effort", effort)
+    case = {"wrenches": wrenches, "effort": most}
     with terminal.progress("payload"):
-        found = largest(model, at, com=centre, wrenches=wrenches)
+        found = largest(model, at, com=centre, **case)
     console = terminal.out()
     style = "bold green" if found.carries else "bold red"
     console.print(found.card, style=style)
@@ -86,7 +96,7 @@ def payload(
     for note in table.notes:
         terminal.warn(note)
     if out is not None:
-        console.print(f"written: {_drawn(model, at, wrenches, along, farthest, out)}")
+        console.print(f"written: {_drawn(model, at, case, along, farthest, out)}")
     console.print(f"again:   {options.again(context)}", soft_wrap=True)
     if not found.carries:
         raise typer.Exit(1)
@@ -118,7 +128,7 @@ def _where(
 
 
 def _drawn(
-    model: Any, at: Any, wrenches: Any, along: str | None, farthest: float, out: Path
+    model: Any, at: Any, case: dict[str, Any], along: str | None, farthest: float, out: Path
 ) -> Path:
     """The file with the load diagram."""
     from freebody.capacity.load_diagram import load_diagram
@@ -127,5 +137,5 @@ def _drawn(
         raise FreebodyError(f"--farthest is {farthest:g}, expected millimetres above 0.")
     places = [1e-3 * farthest * k / 24 for k in range(25)]
     with terminal.progress("load diagram"):
-        found = load_diagram(model, at, offsets=places, along=along, wrenches=wrenches)
+        found = load_diagram(model, at, offsets=places, along=along, **case)
         return found.save(out)

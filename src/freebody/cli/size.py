@@ -86,6 +86,8 @@ def size(
     something cannot be read or written.
     """
     from freebody.design.catalogue import catalogue as read
+    from freebody.design.pairs import used
+    from freebody.design.search import FITS
     from freebody.design.size import size as chosen
 
     with terminal.progress("reading") as tell:
@@ -107,7 +109,7 @@ def size(
     _print(found)
     if rejected is not None:
         rows = [
-            (x.motor, x.gear, x.limit, "" if x.share == float("inf") else f"{100 * x.share:.4g} %")
+            (x.motor, x.gear, x.limit, "" if x.limit == FITS else used(x.share))
             for x in found.rejected(rejected)
         ]
         terminal.table(TextTable(("motor", "gear", "limit", "used"), rows))

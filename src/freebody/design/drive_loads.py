@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
 from freebody.design.duty_cycle import Cycles, DutyCycle, duty_cycles
 from freebody.design.loads import (
@@ -20,9 +20,19 @@ from freebody.design.loads import (
     drive_joints,
     rest_loads,
 )
-from freebody.design.pairs import LIMITS, Demand, PairTable, gear_lives, motor_torque, uses
+from freebody.design.pairs import (
+    LIMITS,
+    Demand,
+    PairTable,
+    gear_lives,
+    margin_of,
+    motor_torque,
+    used,
+    used_of,
+    uses,
+)
 from freebody.design.parts import Gear, Motor
-from freebody.errors import FreebodyError, KindError
+from freebody.errors import FreebodyError, KindError, shown
 from freebody.lazy import cached_property
 from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL
 from freebody.model.doubts import doubts_used
@@ -70,7 +80,7 @@ class DriveLoads(Tabled, ByValue):
     @property
     def margin(self) -> float:
         """The smallest ratio of what is allowed to what is used, over all joints and limits."""
-        return 1.0 / float(self.uses.max())
+        return margin_of(float(self.uses.max()))
 
     @property
     def passed(self) -> bool:
@@ -79,7 +89,7 @@ class DriveLoads(Tabled, ByValue):
 
     def _title(self) -> str:
         joint, limit = _worst(self.uses)
-        words = f"{100.0 * float(self.uses.max()):.3g} % of the {limit} of {joint}"
+        words = f"{used_of(float(self.uses.max()), f'the {limit}')} of {joint}"
         kept = "every limit given is kept" if self.passed else "not every limit is kept"
         return (
             f"Drives of {self.robot.name!r}, {counted(len(self.drives), 'joint')}: {kept}; {words}"
@@ -97,9 +107,8 @@ def limit_table(found: DriveLoads) -> TextTable:
         shares = np.nan_to_num(found.uses.sel(joint=name).values)
         k = int(np.argmax(shares))
         life = float(found.summary["gear_life"].sel(joint=name).min())
-        used = f"{100 * shares[k]:.3g} %"
         lasts = "" if np.isnan(life) else f"{life:.4g} h"
-        rows.append((name, motor.name, gear.name, LIMITS[k].name, used, lasts))
+        rows.append((name, motor.name, gear.name, LIMITS[k].name, used(shares[k]), lasts))
     head = ("joint", "motor", "gear", "limit used most", "used", "life of the gear")
     return TextTable(head, rows, found.notices)
 
@@ -175,10 +184,11 @@ def _checked(drives: Any) -> dict[str, tuple[Motor, Gear]]:
 
 def checked_life(function: str, life: float) -> float:
     """The hours that gears have to last, else FreebodyError."""
-    hours = float(life)
-    if not 0.0 <= hours < np.inf:
-        raise FreebodyError(f"{function}: life is {hours:g} h, expected 0 or more.")
-    return hours
+    hours = as_floats(function, "life", life)
+    if hours.ndim or not 0.0 <= hours < np.inf:
+        said = f"{float(hours):g} h" if hours.ndim == 0 else shown(life)
+        raise FreebodyError(f"{function}: life is {said}, expected 0 or more.")
+    return float(hours)
 
 
 def refuse_misfit(joint: DriveJoint, gear: Gear) -> None:
@@ -211,12 +221,12 @@ def assembled(
     """The result, of the loads of all joints."""
     import xarray as xr
 
-    used, series, found = [], [], []
+    shares_of, series, found = [], [], []
     for joint, demand in zip(joints, demands, strict=True):
         motor, gear = drives[joint.name]
         shares = uses(demand, PairTable([motor], [gear]))[:, 0, 0]
         given = [limit.asked(demand) and limit.checks(motor, gear) for limit in LIMITS]
-        used.append(np.where(given, shares, np.nan))
+        shares_of.append(np.where(given, shares, np.nan))
         series.append(_series(demand, motor, gear))
         found.append(_summary(demand, motor, gear, series[-1], loads.periods))
     names = {"joint": [joint.name for joint in joints]}
@@ -233,7 +243,7 @@ def assembled(
     told = (*doubt_notices(model), *cycle_notices(cycles), *_lossless(model, joints))
     return DriveLoads(
         model, tuple(joints), dict(drives), data, summary,
-        xr.DataArray(np.stack(used, axis=-1), {"limit": limits, **names}, ("limit", "joint")),
+        xr.DataArray(np.stack(shares_of, axis=-1), {"limit": limits, **names}, ("limit", "joint")),
         (*told, *_unchecked(drives, demands)),
     )  # fmt: skip
 
@@ -324,12 +334,18 @@ def doubt_notices(model: Model) -> tuple[str, ...]:
 
 
 def cycle_notices(cycles: Sequence[DutyCycle]) -> tuple[str, ...]:
-    """Sentences on cycles that do not end where they begin."""
+    """Sentences on cycles that do not end where they begin, and on rates that jump."""
+    jumps = tuple(
+        words if len(cycles) == 1 else f"Cycle {k}: {words}"
+        for k, cycle in enumerate(cycles, 1)
+        for words in cycle.jumps
+    )
     open_ones = [str(k) for k, cycle in enumerate(cycles, 1) if not cycle.closes]
     if not open_ones:
-        return ()
+        return jumps
     which = "The duty cycle ends" if len(cycles) == 1 else f"Cycles {', '.join(open_ones)} end"
     return (
+        *jumps,
         f"{which} elsewhere than it begins: the way back is not in what is said of lives, RMS "
         f"values and energies.",
     )

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from freebody.arrays import Array
+from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
-from freebody.errors import FreebodyError, KindError, shown
+from freebody.errors import FreebodyError, KindError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
 from freebody.model.inertia import Inertia
@@ -26,6 +26,8 @@ from freebody.outputs.number_text import compared
 
 _MEET = 1e-6
 """rad, m: how far apart one motion may end and the next begin."""
+_JUMP = 0.01
+"""Share of the highest rate by which rates may differ there, as in measured motions."""
 
 CarriedLoad = float | Inertia | Mapping[str, Any] | None
 """A mass (kg) at the tip, an Inertia in the tip's axes, or arguments of `Model.with_payload`."""
@@ -57,11 +59,19 @@ class Segment(ByValue):
         if not 0.0 <= dwell < np.inf:
             raise FreebodyError(f"Segment: dwell is {dwell:g} s, expected 0 or more.")
         object.__setattr__(self, "dwell", float(dwell))
+        if isinstance(self.payload, Mapping):
+            for name in self.payload:
+                if name not in (*_LOAD, "name"):
+                    raise UnknownNameError("entry", name, "Segment: payload", _LOAD)
+        elif isinstance(self.payload, bool):
+            raise KindError("Segment", "payload", self.payload, "a mass (kg)")
         wrenches = self.wrenches
-        if wrenches is not None and not isinstance(wrenches, Mapping):
-            wrenches = np.asarray(wrenches, dtype=float)
+        if isinstance(wrenches, Mapping):
+            wrenches = {
+                name: as_floats("Segment", f"wrenches[{name!r}]", w) for name, w in wrenches.items()
+            }
         elif wrenches is not None:
-            wrenches = {name: np.asarray(w, dtype=float) for name, w in wrenches.items()}
+            wrenches = as_floats("Segment", "wrenches", wrenches)
         object.__setattr__(self, "wrenches", wrenches)
         super().__post_init__()
 
@@ -121,7 +131,8 @@ class DutyCycle(Tabled, ByValue):
     """Segments that a robot goes through one after another, over and over: loaded there, empty
     back.
 
-    Each begins where the one before ends, at rest where that one dwells; FreebodyError otherwise.
+    Each begins where the one before ends; FreebodyError otherwise. It should end and begin at the
+    same rates, at rest where it dwells: `jumps` tells where not.
     """
 
     segments: Sequence[Segment]
@@ -170,6 +181,27 @@ class DutyCycle(Tabled, ByValue):
         """Whether it ends where it begins."""
         first, last = self.segments[0].motion, self.segments[-1].motion
         return bool(np.abs(last.q[-1] - first.q[0]).max() <= _MEET)
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """Sentences on rates that change at once between segments, or where one dwells."""
+        behind = list(pairwise(self.segments))
+        if self.closes:
+            behind.append((self.segments[-1], self.segments[0]))
+        found = []
+        for k, (first, second) in enumerate(behind, 1):
+            ends, starts = first.motion.qd[-1], second.motion.qd[0]
+            off = np.abs(ends - starts)
+            if first.dwell > 0.0:
+                off = np.maximum(np.abs(ends), np.abs(starts))
+            most = max(float(np.abs(x.motion.qd).max()) for x in (first, second))
+            j = int(np.argmax(off))
+            if off[j] > _JUMP * most:
+                found.append(
+                    f"Behind segment {k} qd[{j}] jumps by {off[j]:.4g}: the torque that this takes "
+                    f"is not counted."
+                )
+        return tuple(found)
 
     @staticmethod
     def read(model: Model, path: str | os.PathLike[str]) -> DutyCycle:

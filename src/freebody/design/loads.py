@@ -105,7 +105,9 @@ def drive_joints(
             f"{function}: {model.name!r} has no driven joint of one coordinate to choose a motor "
             f"for."
         )
-    names = tuple(possible) if joints is None else tuple(joints)
+    names = (joints,) if isinstance(joints, str) else tuple(possible if joints is None else joints)
+    if not names:
+        raise FreebodyError(f"{function}: there is no joint to choose a drive for; name some.")
     for name in (*names, *(mounts or ())):
         if name not in possible:
             raise UnknownNameError("driven joint", name, model.name, possible)
@@ -126,7 +128,7 @@ def cycle_loads(
 ) -> CycleLoads:
     """The loads of a model's joints over duty cycles; rotors and losses of gears that
     they have do not count."""
-    bare = _bare(model, joints)
+    bare = without_drives(model, joints)
     models: dict[Any, _Loaded] = {}
     parts: dict[str, list[Array]] = {}
     for cycle in cycles:
@@ -149,7 +151,7 @@ def cycle_loads(
     return CycleLoads(tuple(joints), shares, spans, periods, per_kg=per_kg, **joined)
 
 
-def _bare(model: Model, joints: Sequence[DriveJoint]) -> Model:
+def without_drives(model: Model, joints: Sequence[DriveJoint]) -> Model:
     """The model without losses of gears, and without rotors in some joints."""
     found = without_laws(model, lambda law: law.losses is not None)
     for joint in joints:
@@ -233,7 +235,7 @@ def rest_loads(
 ) -> RestLoads:
     """The torques that hold a robot at postures of its motions and, in open chains, at those within
     its limits where gravity loads each joint most; process forces do not count."""
-    bare = _bare(model, joints)
+    bare = without_drives(model, joints)
     postures: dict[Any, tuple[_Loaded, list[Array]]] = {}
     for segment in (segment for cycle in cycles for segment in cycle.segments):
         carried = key(segment.payload)

@@ -110,12 +110,10 @@ class Demand(Keeps):
 
 
 def _ratio(used: Array, allowed: Array) -> Array:
-    """used/allowed, infinite where something is used and nothing is allowed."""
-    with np.errstate(over="ignore"):
-        return used / np.maximum(allowed, _TINY)
-
-
-_TINY = 1e-300
+    """used/allowed, infinite where something is used and nothing is allowed, 0 where nothing is
+    used."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(used > 0.0, used / allowed, 0.0)
 
 
 class PairTable:
@@ -289,6 +287,22 @@ LIMITS: tuple[DriveLimit, ...] = (
           lambda demand: demand.holding > 0.0, needed=True),
 )  # fmt: skip
 """All limits that a pair must keep; a new one is a line here."""
+
+
+def margin_of(share: float) -> float:
+    """The ratio of what is allowed to what is used, infinite where nothing is used."""
+    return 1.0 / share if share > 0.0 else np.inf
+
+
+def used(share: float) -> str:
+    """How much is used of a limit, infinite where a part gives nothing of what is needed."""
+    return "beyond it" if np.isinf(share) else f"{100.0 * share:.4g} %"
+
+
+def used_of(share: float, limit: str) -> str:
+    """How much is used of a limit that is called so, such as 'its brake'."""
+    return f"more than {limit}" if np.isinf(share) else f"{100.0 * share:.4g} % of {limit}"
+
 
 PEAK = [limit.name for limit in LIMITS].index("peak torque")
 

@@ -24,7 +24,7 @@ from freebody.design.catalogue import PartCatalogue
 from freebody.design.drive_loads import ChosenDrives, demand_of, refuse_no_gear
 from freebody.design.front import front
 from freebody.design.loads import CycleLoads, DriveJoint, RestLoads, order
-from freebody.design.pairs import LIMITS, Demand, PairTable, uses
+from freebody.design.pairs import LIMITS, Demand, PairTable, margin_of, used, used_of, uses
 from freebody.design.parts import Gear, Motor
 from freebody.outputs.display import Tabled, TextTable
 from freebody.trees.position_rates import Index
@@ -82,8 +82,7 @@ class RejectedPair:
         """The reason in a sentence."""
         if self.limit == FITS:
             return f"{self.gear} is not made for {self.motor}."
-        used = "beyond it" if np.isinf(self.share) else f"{100.0 * self.share:.4g} %"
-        return f"{self.motor} with {self.gear}: {self.limit} {used}."
+        return f"{self.motor} with {self.gear}: {self.limit} {used(self.share)}."
 
 
 FITS = "fit"
@@ -308,8 +307,8 @@ class SizingSearch:
         self.failure = (
             f"No motor with a gear of the catalogue suffices for joint "
             f"{self.loads.joints[k].name!r}{asked}: nearest comes {pairs.motors[m].name} with "
-            f"{pairs.gears[g].name}, which would use {100.0 * share:.4g} % of its "
-            f"{LIMITS[limit].name}.",
+            f"{pairs.gears[g].name}, which would use "
+            f"{used_of(share, f'its {LIMITS[limit].name}')}.",
         )
 
     def choice(self, partial: PartialChoice) -> DriveChoice:
@@ -323,7 +322,7 @@ class SizingSearch:
             drives,
             partial.mass,
             partial.price if self.priced else None,
-            1.0 / max(share, _LEAST),
+            margin_of(share),
             self.loads.joints[joint].name,
             LIMITS[limit].name,
         )

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.design.drive_loads import ChosenDrives, DriveLoads, Mounts, drive_loads
 from freebody.design.duty_cycle import Cycles, Segment, duty_cycles
-from freebody.design.loads import DriveJoint
+from freebody.design.loads import DriveJoint, without_drives
+from freebody.design.pairs import used
 from freebody.design.parts import Gear, Motor
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
@@ -58,7 +59,7 @@ class EmergencyStops(Tabled, ByValue):
             rows.append(
                 (
                     joint.name,
-                    f"{100.0 * brake:.3g} %",
+                    used(brake),
                     f"{of.time:.3g} s",
                     f"{of.way:.3g} {'rad' if joint.turns else 'm'}",
                     f"{of.gear_torque:.4g} {'N m' if joint.turns else 'N'}",
@@ -77,7 +78,8 @@ def emergency_stops(
 
     Each joint is looked at by itself, with the inertia and the load that it has at that instant,
     the others keeping their posture; friction is left out. Until the brake acts the motor is
-    without torque.
+    without torque, so that a load may stop the joint and drive it back. A joint that the brake
+    cannot hold against its load does not stop.
 
     Parameters
     ----------
@@ -86,7 +88,7 @@ def emergency_stops(
     cycles
         A DutyCycle or a Motion, or a list of those.
     drives : {joint: (Motor, Gear)}
-        A motor without a brake does not stop.
+        A motor without a brake does not stop, unless it stands and nothing loads it.
     mounts : {joint: frame}, optional
         As for `drive_loads`.
 
@@ -104,7 +106,7 @@ def emergency_stops(
     model.require_tree("emergency_stops", "drive_loads(..., hold=True) for what brakes hold")
     done = duty_cycles("emergency_stops", model, cycles)
     loads = drive_loads(model, done, drives, mounts=mounts, hold=True)
-    bare = loads.model.without("rotors", "friction")
+    bare = without_drives(loads.model, loads.joints).without("friction")
     parts = [_stopped(bare, segment, loads.joints, drives) for x in done for segment in x.segments]
     series = {
         name: np.concatenate([part[name] for part in parts])
@@ -160,34 +162,64 @@ def _stopped(
     q, qd, qdd, wrenches, _ = segment.states()
     loaded = segment.carried_by(bare)
     M, load = mass_matrix(loaded, q), inverse_dynamics(loaded, q, qd, 0.0 * qdd, wrenches)
+    rest = inverse_dynamics(loaded, q, 0.0 * qd, 0.0 * qdd, wrenches)
+    for torque in (load, rest):
+        torque[np.abs(torque) <= _NOTHING * np.abs(torque).max(initial=0.0)] = 0.0
     found: dict[str, list[Array]] = {"time": [], "way": [], "gear_torque": []}
     for joint in joints:
         k = joint.column
         against = load[:, k] * np.where(qd[:, k] < 0.0, -1.0, 1.0)
-        stop = braked(np.abs(qd[:, k]), M[:, k, k], against, *drives[joint.name])
+        stop = braked(np.abs(qd[:, k]), M[:, k, k], against, rest[:, k], *drives[joint.name])
         for name, value in zip(found, stop, strict=True):
             found[name].append(value)
     return {name: np.stack(columns, axis=-1) for name, columns in found.items()}
 
 
+_NOTHING = 1e-12
+"""Share of the largest load that is there by rounding alone."""
+
+
 def braked(
-    speed: Array, inertia: Array, load: Array, motor: Motor, gear: Gear
+    speed: Array, inertia: Array, load: Array, held: Array, motor: Motor, gear: Gear
 ) -> tuple[Array, Array, Array]:
-    """(time, way, largest torque behind the gear) of a joint that moves at `speed` (T,) with an
-    inertia behind the gear and a load that resists it (negative: that drives it), both constant."""
-    delay = motor.brake_delay or 0.0
-    free, carried = _slowed(inertia, load, 0.0, motor, gear)
-    # where the load stops it before the brake acts
+    """(time, way there and back, largest torque behind the gear) of a joint that moves at `speed`
+    (T,) with an inertia behind the gear and a load that resists it (negative: that drives it), both
+    constant; infinite where the brake cannot hold the torque `held` (T,) once the joint stands."""
+    delay, brake = motor.brake_delay or 0.0, motor.brake_torque or 0.0
+    free = _gone_on(speed, inertia, load, 0.0, np.asarray(delay), motor, gear)
+    # a load that has stopped the joint before the brake acts drives it back
+    load = np.where(free.speed > 0.0, load, -load)
+    back = _gone_on(free.speed, inertia, load, 0.0, delay - free.time, motor, gear)
+    last = _gone_on(back.speed, inertia, load, brake, np.asarray(np.inf), motor, gear)
+    parts, holds = (free, back, last), np.abs(held) <= brake * gear.factor * (1.0 + _NOTHING)
+    return (
+        np.where(holds, sum(part.time for part in parts), np.inf),
+        np.where(holds, sum(part.way for part in parts), np.inf),
+        np.max([part.torque for part in parts], axis=0),
+    )
+
+
+class _StopPart(NamedTuple):
+    """A part of a stop: its time and way, the speed at its end, and the torque behind the gear."""
+
+    time: Array
+    way: Array
+    speed: Array
+    torque: Array
+
+
+def _gone_on(
+    speed: Array, inertia: Array, load: Array, brake: float, most: Array, motor: Motor, gear: Gear
+) -> _StopPart:
+    """How a joint goes on until it stands, for at most so many seconds."""
+    a, carried = _slowed(inertia, load, brake, motor, gear)
+    stands = (speed == 0.0) & (a >= 0.0)
     with np.errstate(divide="ignore", invalid="ignore"):
-        first = np.where(free > 0.0, np.minimum(speed / free, delay), delay)
-    at_brake = speed - free * first
-    slowing, braking = _slowed(inertia, load, motor.brake_torque or 0.0, motor, gear)
-    moving = at_brake > 1e-12 * np.abs(speed)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rest = np.where(moving, np.where(slowing > 0.0, at_brake / slowing, np.inf), 0.0)
-        way = np.where(moving, 0.5 * at_brake * rest, 0.0)
-    most = np.maximum(np.abs(carried) * (first > 0.0), np.abs(braking) * moving)
-    return first + rest, speed * first - 0.5 * free * first**2 + way, most
+        stop = np.where(stands, 0.0, np.where(a > 0.0, speed / a, np.inf))
+        time = np.minimum(stop, most)
+        way = np.where(np.isinf(time), np.inf, speed * time - 0.5 * a * time**2)
+        left = np.where(stop <= most, 0.0, speed - a * time)
+    return _StopPart(time, way, left, np.abs(carried) * (time > 0.0))
 
 
 def _slowed(

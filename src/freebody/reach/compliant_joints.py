@@ -58,6 +58,8 @@ def compliant_joints(
             f'here; load it with base="fixed", or without such joints.'
         )
     given = _given(function, model, stiffness)
+    if held is None:
+        _refuse_slack(function, model, stiffness, given)
     every = tuple(range(given.ndim - 1))
     rigid = np.isinf(given).any(axis=every)
     if (rigid & ~np.isinf(given).all(axis=every)).any():
@@ -96,11 +98,25 @@ def _given(function: str, model: Model, stiffness: JointVector | None) -> Array:
     found = as_floats(function, "stiffness", told)
     check_core(function, "stiffness", found, (len(names),), f"one for each of {listed(names, 8)}")
     if not (found >= 0.0).all():
-        raise FreebodyError(
-            f"{function}: stiffness must be numbers above 0 (N m/rad, N/m; infinite where a joint "
-            f"is rigid); got {found.tolist()}."
-        )
+        raise _not_positive(function, found)
     return found
+
+
+def _refuse_slack(function: str, model: Model, stiffness: JointVector | None, given: Array) -> None:
+    """Refuse a stiffness of 0 that is given for a drive, which is neither rigid nor left out."""
+    if stiffness is None:
+        return
+    told = stiffness if isinstance(stiffness, Mapping) else model.driven_names
+    drives = np.isin(model.velocity_names, [name for name in model.driven_names if name in told])
+    if (given[..., drives] == 0.0).any():
+        raise _not_positive(function, given)
+
+
+def _not_positive(function: str, given: Array) -> FreebodyError:
+    return FreebodyError(
+        f"{function}: stiffness must be numbers above 0 (N m/rad, N/m; infinite where a joint is "
+        f"rigid); got {given.tolist()}."
+    )
 
 
 def _named(function: str, model: Model, held: Sequence[str]) -> np.ndarray:

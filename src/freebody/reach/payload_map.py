@@ -23,7 +23,7 @@ from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length
+from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length, vector
 from freebody.ways_out.kernel import formula
 
 if TYPE_CHECKING:
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 _UNLIMITED = 1e30
 """The number for no bound inside a kernel, whose numbers are finite."""
+NO_SLOPE = 1e-12
+"""N m/kg, N/kg: what a kilogram adds to a torque by rounding alone, as at an arm that hangs."""
 _ROUNDING = 1e-13
 """Change of a torque, as a part of it, that is none."""
 
@@ -105,9 +107,10 @@ def payload_map(
 
     q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`, of a family (..., *family, nq).
     frame: name, default the tip. effort: (nv,), of a family (*family, nv) too, the largest torques
-    and forces, N m and N; default the joints' effort limits. Of a closed chain, whose positions
-    must satisfy its loops, only driven joints count, and a dictionary may omit the others. point:
-    (dim,), centre of the mass in the frame's axes, m; default its origin.
+    and forces, N m and N, infinite where there is no limit; default the joints' effort limits. Of a
+    closed chain, whose positions must satisfy its loops, only driven joints count, and a dictionary
+    may omit the others. point: (dim,), centre of the mass in the frame's axes, m; default its
+    origin.
 
     The torques at rest are those of `fb.static_torque`, affine in the mass: g + springs - m Jᵀ g₀
     with the field g₀ (2.41-2.49); friction does not help to hold. Returns PayloadMap. Raises
@@ -119,14 +122,9 @@ def payload_map(
     if not model.gravity.any():
         raise FreebodyError(f"{function}: {model.name!r} is without gravity; no mass has weight.")
     if model.passive and not model.loops:
-        _refuse_passive(model)
+        refuse_passive(function, model)
     at = finite_vector(function, model, "q", q)
-    given = _efforts(model) if effort is None else _given(model, effort)
-    if given.shape[:-1] not in ((), model.family) or not (given > 0).all():
-        raise FreebodyError(
-            f"{function}: effort must be one positive number for each of the {model.nv} joints; "
-            f"got {given.tolist()}."
-        )
+    given = _efforts(model) if effort is None else given_efforts(function, model, effort)
     name = model.frame(frame).name
     centre = np.zeros(model.dim) if point is None else _point(model, point)
     refuse_without_length(function, model, at)
@@ -143,16 +141,16 @@ def payload_map(
     )
 
 
-def _refuse_passive(model: Model) -> None:
+def refuse_passive(function: str, model: Model) -> None:
     """Tell what holds the passive joints at rest: nothing, or a spring that gives way."""
     sprung = {body.joint.name for body in model.bodies if body.joint.drive.stiffness != 0.0}
     loose = next((name for name in model.passive_names if name not in sprung), None)
     if loose is not None:
         raise PassiveJointError(
-            f"payload_map: {loose!r} of {model.name!r} is passive: nothing holds it at rest."
+            f"{function}: {loose!r} of {model.name!r} is passive: nothing holds it at rest."
         )
     raise PassiveJointError(
-        f"payload_map: {model.passive_names[0]!r} of {model.name!r} is passive: a spring holds it "
+        f"{function}: {model.passive_names[0]!r} of {model.name!r} is passive: a spring holds it "
         f"and gives way to the mass, on which the posture then depends. Ask the robot with this "
         f"joint rigid, such as the model before with_flexible_joint: its motors hold as much."
     )
@@ -171,12 +169,20 @@ def _efforts(model: Model) -> Array:
     return efforts
 
 
-def _given(model: Model, effort: JointVector) -> Array:
-    """The largest efforts (..., nv) as the caller gives them."""
-    if isinstance(effort, Mapping) and model.loops:
-        others = dict.fromkeys(set(model.velocity_names) - set(_driven_names(model)), _UNLIMITED)
-        effort = others | dict(effort)
-    return finite_vector("payload_map", model, "effort", effort)
+def given_efforts(function: str, model: Model, effort: JointVector) -> Array:
+    """The largest efforts (*family, nv) as a caller gives them, infinite where there is no limit; a
+    mapping may leave out what nothing drives. Refuses what is not positive."""
+    names = model.velocity_names
+    if isinstance(effort, Mapping):
+        effort = dict.fromkeys(set(names) - set(_driven_names(model)), np.inf) | dict(effort)
+    found = vector(function, model, "effort", effort)
+    refuse_not_finite(function, "effort", np.where(np.isposinf(found), 1.0, found), 1, names)
+    if found.shape[:-1] not in ((), model.family) or not (found > 0).all():
+        raise FreebodyError(
+            f"{function}: effort must be one positive number for each of the {model.nv} joints; "
+            f"got {found.tolist()}."
+        )
+    return found
 
 
 def _driven_names(model: Model) -> list[str]:
@@ -239,7 +245,7 @@ def _held(
         over = less(effort[k], absolute(torque))
         left = effort[k] - where(less(0.0, slope), torque, -torque)
         size = absolute(slope)
-        none = less(size, 1e-12)
+        none = less(size, NO_SLOPE)
         holds = where(none, _UNLIMITED, left / where(none, 1.0, size))
         mass = where(over, 0.0, holds)
         nearer = less(mass, best[0])

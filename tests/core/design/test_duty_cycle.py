@@ -199,6 +199,23 @@ def test_a_cycle_from_a_file(tmp_path: Path):
             fb.DutyCycle.read(arm, tmp_path / "cycle.toml")
 
 
+def test_rates_that_jump_are_told():
+    """At 1 rad/s out and at 1 rad/s back: the torque of turning at once is in no sample."""
+    model = fb.planar("R").bind(l1=1.0, m1=2.0, lc1=0.5, I1=0.0)
+    t = np.linspace(0.0, 1.0, 11)
+    there, back = (
+        fb.Motion.of(model, t, x[:, None], np.full((11, 1), s), np.zeros((11, 1)))
+        for x, s in ((t, 1.0), (1.0 - t, -1.0))
+    )
+    cycle = fb.DutyCycle([fb.Segment(there), fb.Segment(back, dwell=1.0)])
+    assert [words[:35] for words in cycle.jumps] == [
+        "Behind segment 1 qd[0] jumps by 2: ", "Behind segment 2 qd[0] jumps by 1: "
+    ]  # fmt: skip
+    (joint,) = model.joint_names
+    assert set(cycle.jumps) < set(fb.drive_loads(model, cycle, {joint: (MOTOR, GEAR)}).notices)
+    assert fb.DutyCycle([swing(model)]).jumps == ()
+
+
 def test_what_is_refused():
     arm = fb.load("2R")
     motion = swing(arm)
@@ -214,5 +231,15 @@ def test_what_is_refused():
         )
     with pytest.raises(fb.FreebodyError, match="payload has arrays of numbers"):
         fb.drive_loads(arm, fb.Segment(motion, {"mass": [1.0, 2.0]}), {"joint1": (MOTOR, GEAR)})
+    with pytest.raises(fb.UnknownNameError, match="no entry 'kom' in Segment: payload"):
+        fb.Segment(motion, {"mass": 1.0, "kom": [0.1, 0]})
+    with pytest.raises(fb.KindError, match="a mass"):
+        fb.Segment(motion, True)
+    with pytest.raises(fb.FreebodyError, match="expected real numbers"):
+        fb.Segment(motion, wrenches={"tip": "up"})
+    with pytest.raises(fb.FreebodyError, match="life holds"):
+        fb.drive_loads(arm, motion, {"joint1": (MOTOR, GEAR)}, life="long")  # type: ignore[arg-type]
+    with pytest.raises(fb.FreebodyError, match="there is no joint to choose a drive for"):
+        fb.size(arm, motion, fb.catalogue("invented"), joints=[])
     with pytest.raises(fb.KindError, match="a DutyCycle, a Motion"):
         fb.drive_loads(arm, "cycle.toml", {"joint1": (MOTOR, GEAR)})  # type: ignore[arg-type]

@@ -90,7 +90,8 @@ def test_a_wrench_and_a_closed_chain():
     found = fb.payload(model, closed, effort=effort, wrenches=pull)
     tau = fb.static_torque(model.with_payload(float(found.mass), frame=model.tip), closed, pull)
     assert (np.abs(tau) / effort).max() == pytest.approx(1.0, abs=1e-10)
-    assert found.mass < fb.payload(model, closed, effort=effort).mass
+    named = fb.payload(model, closed, effort={"theta1": 40.0, "theta2": 25.0})
+    assert found.mass < named.mass == fb.payload(model, closed, effort=effort).mass
 
 
 def test_the_card(arm):
@@ -105,10 +106,23 @@ def test_the_card(arm):
     fast = fb.payload(arm, motion.faster(8.0))
     assert "would exceed the speed limit" in fast.card
     assert not fast.carries
+    t = np.linspace(0.0, 9.0, 91)
+    q, qd = np.outer(t, [0.8, 0, 0, 0, 0, 0]) + WAY[0], np.tile([0.8, 0, 0, 0, 0, 0], (91, 1))
+    far = fb.Motion.of(arm, t, q, qd, 0.0 * qd)  # 2π is passed
+    for where, words in ((far, "on this path"), (far.q[-1], "at this posture")):
+        out = fb.payload(arm, where)
+        assert out.outside == ("shoulder_pan_joint",)
+        assert out.card == f"not {words}: shoulder_pan_joint would leave the position range"
+        assert not out.carries
     weak = fb.payload(arm, motion, effort=np.full(6, 20.0))
     assert "carries nothing on this path · shoulder_lift_joint is overloaded" in weak.card
     assert weak.mass == 0.0
     assert weak.overloaded
+    most = [np.inf, 1e3, np.inf, np.inf, np.inf, np.inf]
+    assert "shoulder_lift_joint limits" in fb.payload(arm, motion, effort=most).card
+    rod = fb.planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[0.1])
+    hangs = fb.payload(rod, [-np.pi / 2], effort=[30.0])  # of which the cosine is 6e-17
+    assert hangs.card == "carries any mass at this posture: no drive limits it"
     free = fb.payload(arm.replace(gravity=[0, 0, 0]), [0.0] * 6)
     assert free.card == "carries any mass at this posture: no drive limits it"
     bare = fb.planar("R", l=[1.0], limits=[fb.Limits(effort=5.0)])
@@ -145,6 +159,9 @@ def test_the_command(tmp_path: Path, monkeypatch, capsys):
     assert "at each of 200 postures" in capsys.readouterr().out
     assert run(["payload", "ur5e", "--motion", "pick.csv", "--speed", "8"]) == 1
     assert "speed limit" in capsys.readouterr().out
+    assert run(["payload", "2R", "--q", "0,0", "--effort", "500,200"]) == 0
+    by_code = fb.payload(fb.load("2R"), [0.0, 0.0], effort=[500.0, 200.0]).card
+    assert by_code in " ".join(capsys.readouterr().out.split())
     for words, *more in (
         ("give a motion or a posture", "--motion", "pick.csv", "--q", "0"),
         ("--speed: there is no motion", "--speed", "2"),
@@ -158,11 +175,12 @@ def test_refusals(arm):
     for words, call in (
         ("no joint of 'R' has an effort limit", lambda: fb.payload(
             fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1]), [0.0])),
-        ("nothing drives 'joint1' of 'acrobot'", lambda: fb.payload(
+        ("'joint1' of 'acrobot' is passive", lambda: fb.payload(
             fb.load("acrobot"), [0.0, 0.0], effort=[1.0] * 2)),
         ("one positive number", lambda: fb.payload(arm, WAY, effort=[-1.0] * 6)),
         ("the motion has 2 positions", lambda: fb.payload(
             arm, fb.quintic(fb.load("2R"), [[0, 0], [1, 1]], [0, 1]))),
+        ("there are no postures", lambda: fb.load_diagram(arm, np.zeros((0, 6)))),
         ("offsets must increase", lambda: fb.load_diagram(arm, WAY, offsets=[0.0, 0.0])),
         ("no axis 'w'", lambda: fb.load_diagram(arm, WAY, along="w")),
         ("at least two, along an axis", lambda: fb.load_diagram(arm, WAY, offsets=[0.1])),
