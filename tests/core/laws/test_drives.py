@@ -4,7 +4,7 @@ import inspect
 
 import numpy as np
 import pytest
-from scipy.special import ellipk
+from scipy.special import ellipk, lambertw
 
 import freebody as fb
 from freebody import FreebodyError, ModelError
@@ -18,7 +18,8 @@ from support.exported import passes, require
 VALUES = {
     "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
     "stribeck": 0.5, "stribeck_speed": 0.3, "offset": 0.1, "asymmetric": 0.07, "quadratic": 0.2,
-    "cube_root": 0.6, "hardening": 3.0, "hardening_rest": -0.1,
+    "cube_root": 0.6, "saturating": 0.35, "saturating_speed": 0.4,
+    "hardening": 3.0, "hardening_rest": -0.1,
     "cogging": 0.25, "cogging_count": 6.0, "cogging_phase": 0.7,
     "load_friction": 0.15, "efficiency": 0.8, "back_efficiency": 0.7,
 }  # fmt: skip
@@ -142,7 +143,7 @@ def test_the_law_itself():
         "stribeck": 0.5 * np.exp(-((rate / v) ** 2)), "cube_root": 0.6 * rate ** (1 / 3),
         "offset": 0.1, "asymmetric": 0.07 * rate, "quadratic": 0.2 * rate**2,
         "hardening": 3.0 * 0.5**3, "viscous": 0.4 * rate, "coulomb": 0.3, "spring": 5.0 * 0.2,
-        "cogging": 0.25 * np.sin(6.0 * 0.4 - 0.7),
+        "cogging": 0.25 * np.sin(6.0 * 0.4 - 0.7), "saturating": 0.35 * rate / (1.0 + rate / 0.4),
     }  # fmt: skip
     assert {law.name: drive_of(law).torque((0.4,), (rate,)) for law in TORQUES} == pytest.approx(
         expected
@@ -373,6 +374,21 @@ def test_closed_forms_of_what_slows_down():
     run = fb.simulate(block(asymmetric=0.3, viscous=0.5), [0.0], [[1.0], [-1.0]], t)
     expected = [np.exp(-0.8 * t / m), -np.exp(-0.2 * t / m)]
     assert run.qd.values[..., 0] == pytest.approx(np.array(expected), rel=1e-7)
+
+
+def test_saturating_friction_slows_down_by_lambert_w():
+    """m v' = -c v / (1 + v/u) has the solution v + u log v = v(0) + u log v(0) - c u t / m."""
+    t, u, start = np.array([0.0, 0.5, 1.0, 3.0]), 0.4, 1.5
+    expected = u * lambertw(start / u * np.exp(start / u - 0.9 * t / 2.0)).real
+    model = block(saturating=0.9, saturating_speed=u)
+    for more, error in (
+        ({}, 1e-8),
+        ({"friction": "dry"}, 1e-8),
+        ({"method": "rk4", "step": 1e-3}, 1e-10),
+        ({"method": "implicit", "step": 1e-3}, 1e-4),
+    ):
+        run = fb.simulate(model, [0.0], [[start], [-start]], t, **more)
+        assert run.qd.values[..., 0] == pytest.approx(np.array([expected, -expected]), abs=error)
 
 
 def test_what_rests_is_held_up_to_the_whole_of_dry_friction():
