@@ -274,6 +274,85 @@ def test_what_no_drive_has():
         arm.with_drive("joint1", colomb=1.0)
 
 
+PENDULUM = """
+[[link]]
+name = "ground"
+[[link]]
+name = "bob"
+mass = 2.0
+com = [0.3, 0.1, 0]
+[[joint]]
+name = "a"
+kind = "revolute"
+parent = "ground"
+child = "bob"
+axis = "y"
+{drive}
+"""
+SLIDE = """
+[[link]]
+name = "rail"
+[[link]]
+name = "cart"
+mass = 2
+[[link]]
+name = "arm"
+mass = 1
+[[joint]]
+name = "x"
+kind = "{kind}"
+parent = "rail"
+child = "cart"
+axis = "x"
+{drive}
+[[joint]]
+name = "y"
+kind = "{kind}"
+parent = "cart"
+child = "arm"
+axis = "y"
+mimic = {{ joint = "x", offset = {offset} }}
+[home]
+x = {home}
+"""
+
+
+@pytest.mark.usefixtures("numpy_kernels")
+@pytest.mark.parametrize("law", list(LAWS.values()), ids=named)
+def test_numbers_of_files_are_refused_or_computed_with(law):
+    """Also where the policy is to ignore what no joint has."""
+    for number in law.numbers:
+        for value in (0.0, -0.5):
+            drive = [
+                f"{table}.{key} = {value if x is number else VALUES[x.name]}"
+                for x in law.numbers
+                for table, key in [x.place]
+            ]
+            text = PENDULUM.format(drive="\n".join(drive))
+            fault = number.refused(value) if number.strict and number.refused else None
+            if fault:
+                with pytest.raises(FreebodyError, match=r"joint .a.: "):
+                    fb.load(text=text, format="toml", physical="ignore")
+                continue
+            model = fb.load(text=text, format="toml", physical="ignore")
+            assert np.isfinite(fb.inverse_dynamics(model, [0.4], [0.3], [1.0])).all()
+
+
+def test_numbers_of_a_slide_are_no_angles():
+    good = {"kind": "prismatic", "drive": "", "offset": 0.1, "home": 0.2}
+    fb.load(text=SLIDE.format(**good), format="toml")
+    for wrong in (
+        {"drive": 'spring = { stiffness = 3, rest = "30 deg" }'},
+        {"drive": 'friction = { stribeck = 0.1, stribeck_speed = "30 deg/s" }'},
+        {"offset": '"30 deg"'},
+        {"home": '"30 deg"'},
+    ):
+        with pytest.raises(FreebodyError, match=r"is '30 deg(/s)?', expected a number"):
+            fb.load(text=SLIDE.format(**good | wrong), format="toml")
+        turning = fb.load(text=SLIDE.format(**good | wrong | {"kind": "revolute"}), format="toml")
+        assert turning.nv == 1
+
+
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_kernels_of_both_precisions(whole, precision):
     found = fb.kernel(whole, "inverse_dynamics", dtype=precision)(Q, QD, QDD)

@@ -32,6 +32,7 @@ LAW = DriveLaw(
             "{position}/s",
             "speed at which saturating viscous friction is half as viscous",
             refused=above_zero("saturating_speed"),
+            strict=True,
             needed=True,
         ),
     ),
