@@ -36,6 +36,7 @@ from freebody.errors import FreebodyError, KindError, shown
 from freebody.lazy import cached_property
 from freebody.model.doubt_rules.aspects import FRICTION, INERTIAL
 from freebody.model.doubts import doubts_used
+from freebody.model.drives import LAWS
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
@@ -315,11 +316,17 @@ def _fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) ->
         if joint.frame is not None and mass > 0.0:
             found = found.with_payload(mass, com=joint.at, frame=joint.frame, name=joint.load)
         forward, back = (0.0, 0.0) if _keeps_no_losses(model, joint) else gear.efficiencies
+        geared = {"efficiency": forward, "back_efficiency": back}
         found = found.with_drive(
-            joint.name, rotor=motor.inertia + gear.inertia, gear=gear.factor,
-            efficiency=forward, back_efficiency=back, load_friction=0.0,
-        )  # fmt: skip
+            joint.name, rotor=motor.inertia + gear.inertia, gear=gear.factor, **_LOSSLESS | geared
+        )
     return found
+
+
+_LOSSLESS = {
+    name: off for law in LAWS.values() if law.losses is not None for name, off in law.off.items()
+}
+"""Numbers of a drive that loses nothing of what it transmits."""
 
 
 def _keeps_no_losses(model: Model, joint: DriveJoint) -> bool:

@@ -82,7 +82,7 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
         payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         base=top.choice("base", _BASES, "fixed"),
         loop_tolerance=parts.loop_tolerance(top),
-        home=parts.home(top),
+        home=parts.home(top, described.joints),
         tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
         source=top.text("source", ""),
         about=top.text("about", ""),
@@ -141,7 +141,10 @@ def _planar(top: TomlTable) -> RobotDescription:
         parts.limits_of(t, angles=word[i : i + 1] == "R")
         for i, t in enumerate(inner.tables("limits"))
     ]
-    drives = [parts.drive(t.only(*parts.DRIVE)) for t in inner.tables("drives")]
+    drives = [
+        parts.drive(t.only(*parts.DRIVE), angles=word[i : i + 1] == "R")
+        for i, t in enumerate(inner.tables("drives"))
+    ]
     described = planar_arms.describe(
         word,
         **given,
@@ -196,7 +199,8 @@ def _dh_row(table: TomlTable) -> dict[str, Any]:
         full = isinstance(table.data["I"], list) and len(table.data["I"]) == 3
         row["I"] = table.matrix("I", 3) if full else table.quantities("I", 6)
     if "friction" in table:
-        row["friction"] = parts.drive_numbers(table.inner(table.data["friction"], "friction"))
+        inner = table.inner(table.data["friction"], "friction")
+        row["friction"] = parts.drive_numbers(inner, "friction", angles=row["joint"] == "R")
     if "limits" in table:
         row["limits"] = parts.limits(table, angles=row["joint"] == "R")
     row["passive"] = table.flag("passive")

@@ -7,7 +7,7 @@ Each function reads one table, as docs/formats.md describes it.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -139,13 +139,16 @@ def loop_tolerance(top: TomlTable) -> tuple[float, float] | None:
         top.refuse(str(error), key)
 
 
-def home(top: TomlTable) -> tuple[tuple[str, float], ...]:
+def home(top: TomlTable, joints: Sequence[Joint]) -> tuple[tuple[str, float], ...]:
     """Positions by name, from [home]."""
     inner = top.table("home")
     if inner is None:
         return ()
     inner = inner.called("[home]")
-    return tuple((name, inner.number(name, "angle")) for name in inner.data)
+    lengths = {joint.name for joint in joints if KINDS[joint.kind].slides}
+    return tuple(
+        (name, inner.number(name, "number" if name in lengths else "angle")) for name in inner.data
+    )
 
 
 def gravity(top: TomlTable, dim: int) -> tuple[Quantity, tuple[float, ...]]:
@@ -176,7 +179,7 @@ def joint(table: TomlTable, dim: int) -> Joint:
         *("limits", *DRIVE, "flexible", "mimic", "passive"),
     )
     kind = table.choice("kind", KINDS)
-    one = KINDS[kind].nv == 1
+    one, angles = KINDS[kind].nv == 1, not KINDS[kind].slides
     own = [number.name for number in KINDS[kind].numbers]
     taken = {
         "axis": KINDS[kind].needs_axis,
@@ -201,9 +204,9 @@ def joint(table: TomlTable, dim: int) -> Joint:
         table.text("child"),
         _placement(table, dim),
         _axis(table, kind, dim) if KINDS[kind].needs_axis else (),
-        limits(table, angles=not KINDS[kind].slides),
-        drive(table),
-        _mimic(table),
+        limits(table, angles),
+        drive(table, angles),
+        _mimic(table, angles),
         table.line,
         table.flag("passive"),
         tuple(map(table.quantity, own)),
@@ -253,19 +256,21 @@ def limits_of(table: TomlTable, angles: bool) -> Limits:
     )
 
 
-def drive(table: TomlTable) -> Drive:
-    """The drive that a table's friction, rotor, spring and transmission describe."""
+def drive(table: TomlTable, angles: bool) -> Drive:
+    """The drive that a table's friction, rotor, spring and transmission describe; angles: whether
+    its joint's position is an angle rather than a length."""
     found: dict[str, Quantity] = {}
     for key in DRIVE:
         inner = table.table(key)
         if inner is not None:
-            found |= drive_numbers(inner.called(f"{table.where}, {key}"), key)
+            found |= drive_numbers(inner.called(f"{table.where}, {key}"), key, angles)
     return Drive(**found)
 
 
-def drive_numbers(table: TomlTable, name: str = "friction") -> dict[str, Quantity]:
+def drive_numbers(table: TomlTable, name: str, angles: bool) -> dict[str, Quantity]:
     """The numbers of drive laws from the table of that name; a law that is mentioned needs all its
-    numbers, and an empty table those of the usual laws."""
+    numbers, and an empty table those of the usual laws. angles: whether the joint's position is an
+    angle rather than a length."""
     groups = [
         (law, {n.place[1]: n for n in law.numbers if n.place[0] == name}) for law in LAWS.values()
     ]
@@ -275,11 +280,11 @@ def drive_numbers(table: TomlTable, name: str = "friction") -> dict[str, Quantit
         asked = any(key in table for key in numbers) or (law.usual and not table.data)
         for key, number in numbers.items():
             default = {} if asked and number.needed else {"default": number.default}
-            found[number.name] = table.quantity(key, number.kind, **default)
+            found[number.name] = table.quantity(key, number.kind_of(angles), **default)
     return found
 
 
-def _mimic(table: TomlTable) -> Mimic | None:
+def _mimic(table: TomlTable, angles: bool) -> Mimic | None:
     inner = table.table("mimic")
     if inner is None:
         return None
@@ -295,7 +300,7 @@ def _mimic(table: TomlTable) -> Mimic | None:
         terms = [(name, _coefficients(several, name)) for name in several.data]
         if not terms:
             inner.refuse("joints is empty; give each leader its ratio.", "joints")
-    return Mimic.of_terms(terms, inner.number("offset", "angle", 0.0))
+    return Mimic.of_terms(terms, inner.number("offset", "angle" if angles else "number", 0.0))
 
 
 def _coefficients(table: TomlTable, key: str) -> tuple[float, ...]:

@@ -258,7 +258,9 @@ class TomlTable:
             if is_name(value):
                 return Parameter(value)
             hint = "; angles also as text such as '30 deg'" if kind == "angle" else ""
-            if re.search(r"[-+*/^]", value):
+            if any(in_units(value, other) is not None for other in UNITS):
+                hint = ", in SI units"
+            elif re.search(r"[-+*/^]", value):
                 hint += "; write a formula below [parameters], and its name here"
             self.refuse(
                 f"{_label(at)} is {shown(value)}, expected a number or a name such as 'l1'{hint}.",

@@ -391,7 +391,7 @@ class _DescriptionChecks:
     def check_drive(self, joint: Joint) -> None:
         """Warn about negative friction and impossible rotors, or refuse them, by the policy on
         inertias."""
-        if problem := joint.drive.fault(bounded=True):
+        if problem := joint.drive.fault(strict=True):
             self.refuse(f"joint {joint.name!r}: {problem}.", joint.line)
         if self.physical != "ignore":
             self._doubt("drive", f"joint {joint.name!r}", joint.drive.fault(), joint.line)

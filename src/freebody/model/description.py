@@ -130,17 +130,17 @@ class Drive(_LawNumbers, Keeps):
         """The numbers of the laws by which a joint is described."""
         return tuple([number for law in self.listed_laws for number in law.numbers])
 
-    def fault(self, bounded: bool = False) -> str | None:
+    def fault(self, strict: bool = False) -> str | None:
         """The reason why no joint has this drive, or None; for a family, that of the first member
         with one.
 
-        bounded: look at numbers within bounds alone, without which no motion follows.
+        strict: look at those numbers alone without which a law says nothing.
         """
         for strength, name in _TOGETHER:
             if _is_given(getattr(self, name)) and not _is_given(getattr(self, strength)):
                 return f"{name} is given without {strength} above 0; give both"
         for number in self.listed:
-            if number.refused is not None and (not bounded or number.below < math.inf):
+            if number.refused is not None and (number.strict or not strict):
                 for x in _values(getattr(self, number.name)):
                     if fault := number.refused(x):
                         return fault

@@ -6,6 +6,7 @@ their sum. The rotor has its inertia about that axis alone, as everywhere in fre
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -36,7 +37,7 @@ def split(joint: Joint, stiffness: Quantity, damping: Quantity) -> tuple[Joint, 
     """(the joint of the rotor, the link behind its gear, which has no mass, the joint that is the
     shaft). Raises ModelError for a joint that cannot be flexible."""
     shaft = Drive(stiffness=stiffness, viscous=damping)
-    if fault := _fault(joint, stiffness) or shaft.fault():
+    if fault := _fault(joint, shaft):
         raise ModelError(f"{fault}.")
     link = Link(f"{joint.name}_rotor", line=joint.line)
     twist = replace(
@@ -51,12 +52,12 @@ def split(joint: Joint, stiffness: Quantity, damping: Quantity) -> tuple[Joint, 
     return replace(joint, child=link.name), link, twist
 
 
-def _fault(joint: Joint, stiffness: Quantity) -> str | None:
+def _fault(joint: Joint, shaft: Drive) -> str | None:
     """Why a joint cannot be flexible, or None."""
-    known = stiffness.value if isinstance(stiffness, Parameter) else stiffness
-    least = float(known.array.min()) if isinstance(known, Members) else known
-    if least is not None and least <= 0.0:
+    if (least := _least(shaft.stiffness)) <= 0.0:
         return f"the stiffness of its shaft is {least:g}; give a number above 0"
+    if (least := _least(shaft.viscous)) < 0.0:
+        return f"the damping of its shaft is {least:g}; give it as 0 or more"
     if joint.mimic is not None:
         return f"it follows {joint.mimic.joint!r}; give a joint that has a motor of its own"
     acting = [x for x in joint.drive.listed_laws if getattr(joint.drive, x.strength) != 0.0]
@@ -72,6 +73,14 @@ def _fault(joint: Joint, stiffness: Quantity) -> str | None:
                 f"coordinate; leave it out, {law.strength} = 0"
             )
     return None
+
+
+def _least(number: Quantity) -> float:
+    """The least value of a quantity among the members of a family; infinite where it has none."""
+    known = number.value if isinstance(number, Parameter) else number
+    if known is None:
+        return math.inf
+    return float(known.array.min()) if isinstance(known, Members) else known
 
 
 def with_flexible_joint(model: Model, name: str, given: Mapping[str, Any]) -> Model:
@@ -173,8 +182,11 @@ def _goes_on(rotor: Body, body: Body, dim: int) -> bool:
     R, p = _pose(body.joint.placement, dim)
     if not body.joint.axis:
         return not p.any()
-    one, two = np.array(rotor.joint.axis), R @ np.array(body.joint.axis)
-    aside = np.zeros(dim) if body.kind.slides else p - one * (one @ p)
+    one, two, aside = np.array(rotor.joint.axis), np.array(body.joint.axis), p
+    if len(two) == dim:  # else it is normal to the plane
+        two, aside = R @ two, p - one * (one @ p)
+    if body.kind.slides:
+        aside = np.zeros(dim)
     return max(abs(one - two).max(), abs(aside).max()) <= _NEAR
 
 

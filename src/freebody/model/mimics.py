@@ -61,7 +61,7 @@ class Mimic:
 
     @property
     def coefficients(self) -> RatioCoefficients:
-        """RatioCoefficients of the first leader's position, or of the only one's."""
+        """Coefficients of the first leader's position, or of the only one's."""
         return (self.ratio, *self.powers)
 
     def seen_at(self, scale: float, shift: float) -> Mimic:
@@ -87,7 +87,7 @@ _POWERS = {1: "", 2: "²", 3: "³"}
 
 
 def _coefficients(given: Sequence[float]) -> RatioCoefficients:
-    """RatioCoefficients without those of the highest powers that are 0."""
+    """Coefficients without those of the highest powers that are 0."""
     found = [finite(x, "Mimic: ratio") for x in given]
     while len(found) > 1 and found[-1] == 0.0:
         found.pop()

@@ -128,6 +128,35 @@ def friction_torque(model: Model, q: Array, qd: Array) -> Array:
     return found + strut_damping(model, q, qd) if model.struts else found
 
 
+class ChangingFriction:
+    """The friction that is neither constant nor proportional to the rate, along a motion."""
+
+    def __init__(self, model: Model, q: Array, qd: Array):
+        self.drives = _only(model, lambda law: law.torque is not None and _changes(law))
+        self.q, self.qd = q, qd
+
+    @property
+    def acts(self) -> bool:
+        """Whether the model has such friction."""
+        return len(self.drives) > 0
+
+    def at_pace(self, k: float) -> Array:
+        """Its torque (..., nv) where the motion is run k times as fast; for 0 the limit of slow
+        motion."""
+        signs = np.sign(self.qd)
+        found = np.zeros(self.qd.shape)
+        for drive in self.drives:
+            at = _columns(self.q, k * self.qd)
+            (sense,) = drive.at.rates(at[0], _columns(self.q, signs)[1])
+            moving = replace(drive, sign=lambda law, rate, sense=sense: np.sign(sense))
+            found[..., drive.at.v[0]] += drive.at.felt(at[0], moving.torque(*at))
+        return found
+
+
+def _changes(law: DriveLaw) -> bool:
+    return law.feature == "friction" and law.power not in (0, 1)
+
+
 def motor_springs(model: Model, q: Array, qd: Array) -> Array:
     """The torque (..., nv) of laws that store energy on the motors' side of the gears, such as
     cogging, at q (..., nq) and qd (..., nv); joints do not transmit it."""
@@ -217,7 +246,7 @@ def simple_friction(function: str, model: Model) -> tuple[Array, Array]:
     refuse_bent(function, model, lambda law: law.feature == "friction", "model.without('friction')")
     for body in model.tree.bodies:
         for x in () if body.drive is None else body.drive.laws:
-            if x.law.feature == "friction" and x.law.power not in (0, 1) and np.any(x.p[0]):
+            if _changes(x.law) and np.any(x.p[0]):
                 raise FreebodyError(
                     f"{function}: the {x.law.numbers[0].what} of body {body.name!r} is neither "
                     f"constant nor proportional to the rate; plan without it, "

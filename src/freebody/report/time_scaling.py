@@ -11,12 +11,14 @@ with friction added). Of closed chains too: what the drives feel of each part de
 position alone. What gears lose is a part of the torque t(k) = (M q̈ + C q̇) k² + gravity + springs
 that they transmit, one where its power flows to the joint, another where it flows back, so that τ
 is one of two such polynomials, by the sign of t(k). Friction at rest (k = 0) is not asked about.
-Speeds are looked at between the samples of the motion too, torques at them.
+Friction that is neither constant nor proportional to the rate is evaluated at each pace, and the
+pace then found by a search in small steps, between which a limit that is exceeded and kept again is
+not seen. Speeds are looked at between the samples of the motion too, torques at them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import TYPE_CHECKING
@@ -29,6 +31,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, with_drive
 from freebody.motion.smooth_friction import (
+    ChangingFriction,
     lost_parts,
     lost_torque,
     motor_springs,
@@ -67,17 +70,38 @@ def pace(model: Model, motion: Motion, data: xr.Dataset, velocity: Array, effort
     quickest = float(each.min(initial=np.inf))
     limited = np.isfinite(effort)
     bound = np.where(limited, effort * (1 + CLOSE), 0.0)
-    ends = [
-        _broken([x[:, limited] for x in torque], bound[limited], [x[:, limited] for x in sent])
-        for torque, sent in _ways(model, data)
-    ]
-    low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
-    _, _, c = parts(model, data)
-    c = c + lost_torque(model, data["qd"].values, _transmitted(model, data)[2])
+    torque_at = _torque_at(model, data)
+    if ChangingFriction(model, data["q"].values, data["qd"].values).acts:
+        factor = _searched(
+            lambda k: bool((np.abs(torque_at(k))[:, limited] <= bound[limited]).all()), quickest
+        )
+    else:
+        ends = [
+            _broken([x[:, limited] for x in torque], bound[limited], [x[:, limited] for x in sent])
+            for torque, sent in _ways(model, data)
+        ]
+        low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
+        factor = _within(low, high, quickest)
+    c = torque_at(0.0)
     share = np.where(limited, np.abs(c) / np.where(limited, effort, 1.0), np.nan)
     k = np.argmax(np.nan_to_num(share), axis=0)
     t = data["time"].values
-    return Pace(_within(low, high, quickest), np.take_along_axis(share, k[None], axis=0)[0], t[k])
+    return Pace(factor, np.take_along_axis(share, k[None], axis=0)[0], t[k])
+
+
+def _torque_at(model: Model, data: xr.Dataset) -> Callable[[float], Array]:
+    """k -> the torques (T, nv) at a pace; at 0 those of slow motion."""
+    (a, b, c), sent = parts(model, data), _transmitted(model, data)
+    q, qd = data["q"].values, data["qd"].values
+    changing = ChangingFriction(model, q, qd)
+    constant = c - changing.at_pace(1.0)
+
+    def torque(k: float) -> Array:
+        square, linear, held = sent
+        lost = lost_torque(model, qd, (square * k + linear) * k + held)
+        return (a * k + b) * k + constant + changing.at_pace(k) + lost
+
+    return torque
 
 
 def parts(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
@@ -181,6 +205,43 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
     second_low = np.where(up & real, roots[1], np.inf)
     second_high = np.where(up & real, np.inf, -np.inf)
     return [(first_low, first_high), (second_low, second_high)]
+
+
+def _searched(keeps: Callable[[float], bool], quickest: float) -> float:
+    """The pace as of `_within`, by steps: `keeps` tells whether a pace is within all limits of
+    torque."""
+    start = min(1.0, quickest)
+    if start == 1.0 and keeps(start):
+        good = start
+        while good < quickest:
+            k = min(good * _STEP, quickest)
+            if not keeps(k):
+                return _edge(keeps, good, k)
+            if k > _FASTEST:
+                return np.inf
+            good = k
+        return quickest
+    if keeps(start):
+        return start
+    bad = start
+    while bad > 1.0 / _FASTEST:
+        if keeps(bad / _STEP):
+            return _edge(keeps, bad / _STEP, bad)
+        bad /= _STEP
+    return 0.0
+
+
+_STEP = 1.005
+_FASTEST = 1e4
+"""A pace beyond which no motion is looked at; its inverse is one below which none is."""
+
+
+def _edge(keeps: Callable[[float], bool], good: float, bad: float) -> float:
+    """The largest pace found that is within all limits, between one that is and one that is not."""
+    while bad - good > 1e-9 * good:
+        k = 0.5 * (good + bad)
+        good, bad = (k, bad) if keeps(k) else (good, k)
+    return good
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:

@@ -245,6 +245,20 @@ def test_a_flexible_joint_is_a_joint_with_a_shaft(tmp_path):
     assert {x.place[0] for x in found.differences} == {"joint2_twist"}  # it has no motor
 
 
+def test_a_flexible_joint_in_the_plane():
+    rotor = fb.Drive(rotor=1e-3, gear=20.0)
+    rigid = fb.planar(
+        "RPR", m=[1, 2, 1], lc=[0.2] * 3, l=[0.5] * 3, I=[0.1] * 3, drives=[rotor] * 3
+    )
+    for joint in rigid.joint_names:
+        stiff, soft = (rigid.with_flexible_joint(joint, stiffness=k) for k in (2e4, 1e4))
+        assert fb.same_robot(stiff, stiff.to_space())
+        (only,) = fb.same_robot(stiff, soft).differences
+        assert only.place == (f"{joint}_twist", f"{joint}_twist")
+        (only,) = fb.same_robot(rigid, stiff).differences
+        assert only.place == (joint, joint)
+
+
 @pytest.mark.parametrize("name", ["five_bar", "3RRR"])
 def test_closed_chains_are_recognised_in_mjcf(name, tmp_path):
     """Two connects are a pin there, and a planar joint is three."""

@@ -4,7 +4,7 @@ import inspect
 
 import numpy as np
 import pytest
-from scipy.special import ellipk
+from scipy.special import ellipk, lambertw
 
 import freebody as fb
 from freebody import FreebodyError, ModelError
@@ -18,7 +18,8 @@ from support.exported import passes, require
 VALUES = {
     "viscous": 0.4, "coulomb": 0.3, "rotor": 1e-3, "gear": 20.0, "stiffness": 5.0, "rest": 0.2,
     "stribeck": 0.5, "stribeck_speed": 0.3, "offset": 0.1, "asymmetric": 0.07, "quadratic": 0.2,
-    "cube_root": 0.6, "hardening": 3.0, "hardening_rest": -0.1,
+    "cube_root": 0.6, "saturating": 0.35, "saturating_speed": 0.4,
+    "hardening": 3.0, "hardening_rest": -0.1,
     "cogging": 0.25, "cogging_count": 6.0, "cogging_phase": 0.7,
     "load_friction": 0.15, "efficiency": 0.8, "back_efficiency": 0.7,
 }  # fmt: skip
@@ -142,7 +143,7 @@ def test_the_law_itself():
         "stribeck": 0.5 * np.exp(-((rate / v) ** 2)), "cube_root": 0.6 * rate ** (1 / 3),
         "offset": 0.1, "asymmetric": 0.07 * rate, "quadratic": 0.2 * rate**2,
         "hardening": 3.0 * 0.5**3, "viscous": 0.4 * rate, "coulomb": 0.3, "spring": 5.0 * 0.2,
-        "cogging": 0.25 * np.sin(6.0 * 0.4 - 0.7),
+        "cogging": 0.25 * np.sin(6.0 * 0.4 - 0.7), "saturating": 0.35 * rate / (1.0 + rate / 0.4),
     }  # fmt: skip
     assert {law.name: drive_of(law).torque((0.4,), (rate,)) for law in TORQUES} == pytest.approx(
         expected
@@ -273,6 +274,85 @@ def test_what_no_drive_has():
         arm.with_drive("joint1", colomb=1.0)
 
 
+PENDULUM = """
+[[link]]
+name = "ground"
+[[link]]
+name = "bob"
+mass = 2.0
+com = [0.3, 0.1, 0]
+[[joint]]
+name = "a"
+kind = "revolute"
+parent = "ground"
+child = "bob"
+axis = "y"
+{drive}
+"""
+SLIDE = """
+[[link]]
+name = "rail"
+[[link]]
+name = "cart"
+mass = 2
+[[link]]
+name = "arm"
+mass = 1
+[[joint]]
+name = "x"
+kind = "{kind}"
+parent = "rail"
+child = "cart"
+axis = "x"
+{drive}
+[[joint]]
+name = "y"
+kind = "{kind}"
+parent = "cart"
+child = "arm"
+axis = "y"
+mimic = {{ joint = "x", offset = {offset} }}
+[home]
+x = {home}
+"""
+
+
+@pytest.mark.usefixtures("numpy_kernels")
+@pytest.mark.parametrize("law", list(LAWS.values()), ids=named)
+def test_numbers_of_files_are_refused_or_computed_with(law):
+    """Also where the policy is to ignore what no joint has."""
+    for number in law.numbers:
+        for value in (0.0, -0.5):
+            drive = [
+                f"{table}.{key} = {value if x is number else VALUES[x.name]}"
+                for x in law.numbers
+                for table, key in [x.place]
+            ]
+            text = PENDULUM.format(drive="\n".join(drive))
+            fault = number.refused(value) if number.strict and number.refused else None
+            if fault:
+                with pytest.raises(FreebodyError, match=r"joint .a.: "):
+                    fb.load(text=text, format="toml", physical="ignore")
+                continue
+            model = fb.load(text=text, format="toml", physical="ignore")
+            assert np.isfinite(fb.inverse_dynamics(model, [0.4], [0.3], [1.0])).all()
+
+
+def test_numbers_of_a_slide_are_no_angles():
+    good = {"kind": "prismatic", "drive": "", "offset": 0.1, "home": 0.2}
+    fb.load(text=SLIDE.format(**good), format="toml")
+    for wrong in (
+        {"drive": 'spring = { stiffness = 3, rest = "30 deg" }'},
+        {"drive": 'friction = { stribeck = 0.1, stribeck_speed = "30 deg/s" }'},
+        {"offset": '"30 deg"'},
+        {"home": '"30 deg"'},
+    ):
+        with pytest.raises(FreebodyError, match=r"is '30 deg(/s)?', expected a number"):
+            fb.load(text=SLIDE.format(**good | wrong), format="toml")
+        turning = fb.load(text=SLIDE.format(**good | wrong | {"kind": "revolute"}), format="toml")
+        assert turning.nv == 1
+
+
 @pytest.mark.parametrize("precision", ["float32", "float64"])
 def test_kernels_of_both_precisions(whole, precision):
     found = fb.kernel(whole, "inverse_dynamics", dtype=precision)(Q, QD, QDD)
@@ -373,6 +453,21 @@ def test_closed_forms_of_what_slows_down():
     run = fb.simulate(block(asymmetric=0.3, viscous=0.5), [0.0], [[1.0], [-1.0]], t)
     expected = [np.exp(-0.8 * t / m), -np.exp(-0.2 * t / m)]
     assert run.qd.values[..., 0] == pytest.approx(np.array(expected), rel=1e-7)
+
+
+def test_saturating_friction_slows_down_by_lambert_w():
+    """m v' = -c v / (1 + v/u) has the solution v + u log v = v(0) + u log v(0) - c u t / m."""
+    t, u, start = np.array([0.0, 0.5, 1.0, 3.0]), 0.4, 1.5
+    expected = u * lambertw(start / u * np.exp(start / u - 0.9 * t / 2.0)).real
+    model = block(saturating=0.9, saturating_speed=u)
+    for more, error in (
+        ({}, 1e-8),
+        ({"friction": "dry"}, 1e-8),
+        ({"method": "rk4", "step": 1e-3}, 1e-10),
+        ({"method": "implicit", "step": 1e-3}, 1e-4),
+    ):
+        run = fb.simulate(model, [0.0], [[start], [-start]], t, **more)
+        assert run.qd.values[..., 0] == pytest.approx(np.array([expected, -expected]), abs=error)
 
 
 def test_what_rests_is_held_up_to_the_whole_of_dry_friction():

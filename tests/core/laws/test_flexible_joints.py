@@ -214,7 +214,7 @@ def test_joints_that_cannot_be_flexible():
         (fb.planar("R"), {"stiffness": 1.0}, r"joint 'joint1': its rotor has no inertia"),
         (arm(), {"stiffness": 0.0}, r"the stiffness of its shaft is 0; give a number above 0"),
         (arm(), {"stiffness": np.array([1.0, -2.0])}, r"stiffness of its shaft is -2"),
-        (arm(), {"stiffness": 1.0, "damping": -1.0}, r"viscous friction -1 is negative"),
+        (arm(), {"stiffness": 1.0, "damping": -1.0}, r"the damping of its shaft is -1; give it as"),
         (arm(stiffness=3.0), {"stiffness": 1.0}, r"its spring acts on the link's angle"),
         (slide(1.0), {"stiffness": 1.0}, r"already has a joint 'joint1_twist'; is 'joint1' fl"),
     ):

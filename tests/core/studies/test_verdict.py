@@ -161,6 +161,31 @@ def test_at_the_stated_pace_the_first_limit_is_just_reached(effort, velocity):
         assert study.verdict.outcome == "not feasible"
 
 
+FRICTION = {
+    "quadratic": 3.0, "asymmetric": -1.0, "cube_root": 2.0, "stribeck": 3.0, "stribeck_speed": 1.0,
+    "saturating": 20.0, "saturating_speed": 0.3,
+}  # fmt: skip
+GEAR = {"efficiency": 0.9, "back_efficiency": 0.8}
+
+
+@pytest.mark.parametrize(("effort", "more"), [(34.0, {}), (60.0, GEAR)])
+def test_the_pace_sees_friction_grow_by_its_own_law(effort, more):
+    model = full(effort=effort, velocity=99.0)
+    for joint in model.joint_names:
+        model = model.with_drive(joint, **FRICTION, **more)
+    motion = swing(model, seconds=1.5)
+    factor = fb.study(model, motion).verdict.factor
+
+    def used(k: float) -> float:
+        run = motion.faster(k)
+        return np.abs(fb.inverse_dynamics(model, run.q, run.qd, run.qdd)).max() / effort
+
+    assert used(factor) == pytest.approx(1.0, abs=1e-7)
+    between = np.linspace(min(1.0, factor), factor, 20) if factor >= 1 else [factor]
+    assert max(used(k) for k in between) <= 1 + 1e-7
+    assert (factor >= 1) == (used(1.0) <= 1)
+
+
 def test_no_pace_holds_what_gravity_springs_and_friction_ask():
     model = full(effort=10.0)
     study = fb.study(model, swing(model))

@@ -47,6 +47,7 @@ LAW = DriveLaw(
             "{waves}",
             "number of cogs in a turn",
             refused=above_zero("cogging_count"),
+            strict=True,
             needed=True,
         ),
         LawNumber(

@@ -36,9 +36,10 @@ class LawNumber:
     name: as an attribute of `Drive`. label: behind the joint's name, "friction.viscous"; in files
     the table and its key. unit: with {effort}, {position}, {inertia} and {waves}, angle over
     position, of the joint. what: in words. short: in tables of symbols, where that differs.
-    refused: why no joint has such a number, or None. needed: whether a file that has its table
-    gives it too. below: of a number within bounds the upper one; where it is refused no motion
-    follows from torques, so no policy accepts it. period: after which it means the same again.
+    refused: why no joint has such a number, or None. strict: whether without such a number the law
+    says nothing, so that no policy accepts what is refused. needed: whether a file that has its
+    table gives it too. below: of a number within bounds the upper one. period: after which it means
+    the same again.
     """
 
     name: str
@@ -48,6 +49,7 @@ class LawNumber:
     short: str = ""
     default: float = 0.0
     refused: Callable[[float], str | None] | None = None
+    strict: bool = False
     needed: bool = False
     below: float = math.inf
     period: float = math.inf
@@ -63,11 +65,9 @@ class LawNumber:
         table, key = self.label.split(".")
         return table, key
 
-    @property
-    def kind(self) -> str:
-        """The kind of the number's unit, by which files may give others."""
-        kinds = {"{position}": "angle", "rad": "angle", "{position}/s": "rate"}
-        return kinds.get(self.unit, "number")
+    def kind_of(self, turns: bool) -> str:
+        """The kind of the number's unit, by which files may give others, such as degrees."""
+        return {"rad": "angle", "rad/s": "rate"}.get(self.unit_of(turns), "number")
 
     def unit_of(self, turns: bool) -> str:
         """The number's unit at a joint that turns, or at one that slides."""

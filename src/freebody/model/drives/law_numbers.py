@@ -21,6 +21,8 @@ class LawNumbers:
     asymmetric: Quantity = 0.0
     quadratic: Quantity = 0.0
     cube_root: Quantity = 0.0
+    saturating: Quantity = 0.0
+    saturating_speed: Quantity = 0.0
     hardening: Quantity = 0.0
     hardening_rest: Quantity = 0.0
     cogging: Quantity = 0.0
@@ -44,6 +46,8 @@ class LawNumbers:
         asymmetric: Quantity | str = 0.0,
         quadratic: Quantity | str = 0.0,
         cube_root: Quantity | str = 0.0,
+        saturating: Quantity | str = 0.0,
+        saturating_speed: Quantity | str = 0.0,
         hardening: Quantity | str = 0.0,
         hardening_rest: Quantity | str = 0.0,
         cogging: Quantity | str = 0.0,

@@ -31,6 +31,7 @@ LAW = DriveLaw(
             "friction by the torque that the joint transmits",
             "load-dependent friction",
             refused=_refused,
+            strict=True,
             below=1.0,
         ),
     ),

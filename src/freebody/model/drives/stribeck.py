@@ -34,6 +34,7 @@ LAW = DriveLaw(
             "{position}/s",
             "speed by which Stribeck friction falls",
             refused=above_zero("stribeck_speed"),
+            strict=True,
             needed=True,
         ),
     ),
