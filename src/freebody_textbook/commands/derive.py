@@ -123,7 +123,8 @@ def derive(
         options.LabelsOption | None,
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
-    gravity: Annotated[str | None, typer.Option(hidden=True)] = None,
+    # named apart from the option of methods, whose value is kept by its own name
+    gravity_field: Annotated[str | None, typer.Option("--gravity", hidden=True)] = None,
     notation: options.NotationOption = None,
     parameters: options.ParametersOption = None,
 ) -> None:
@@ -132,7 +133,7 @@ def derive(
     from freebody_textbook.derive import default_method, method_named
     from freebody_textbook.derive import derive as derivation_of
 
-    _read_old_spelling(context, gravity)
+    _read_old_spelling(context, gravity_field)
     model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
