@@ -3,26 +3,20 @@ formulas of its parameters. docs/formats.md is its reference."""
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any, Literal, NoReturn
+from typing import Any, Literal
 
-from freebody.errors import ModelError, UnknownNameError, listed, shown
+from freebody.errors import ModelError
+from freebody.formats import read_file
 from freebody.formats import toml_parts as parts
 from freebody.formats.toml_table import TomlTable, table_of
+from freebody.formats.toml_values import Beneath, with_values
 from freebody.model import dh, planar_arms
-from freebody.model.description import Link, Mount, RobotDescription
+from freebody.model.description import Joint, Link, Mount, RobotDescription
 from freebody.model.doubts import DOUBT_KINDS, Doubt
-from freebody.model.parameter_formulas import (
-    ParameterFormula,
-    ParameterFormulaError,
-    formulas_of,
-    of_link,
-    refuse_negative,
-)
-from freebody.model.parameters import Parameter, Quantity, each_parameter, with_parameters
-from freebody.outputs.number_text import compared
+from freebody.model.joints import KINDS
+from freebody.model.parameters import Parameter, each_parameter, with_parameters
 
 _TOLD_KINDS = [kind for kind in DOUBT_KINDS.values() if kind.key]
 _GENERAL = (
@@ -43,6 +37,7 @@ _GENERAL = (
     *(kind.key for kind in _TOLD_KINDS),
 )
 _TREE = ("link", "joint")
+_ALONE = ("template", "planar", "dh")
 _BASES: tuple[Literal["fixed", "free"], ...] = ("fixed", "free")
 
 _DH_NUMBERS = {
@@ -61,37 +56,67 @@ def describe(file: str, text: str, *, name: str) -> RobotDescription:
     """The description in a TOML text. `name` stands in where the file gives none. Raises FileError
     with the line."""
     top = table_of(file, text)
-    top.only(*_GENERAL, *_TREE, "planar", "dh")
-    forms = [key for key in ("planar", "dh") if key in top]
+    form = _form(top)
+    if form == "template":
+        described, beneath = _template(top)
+    else:
+        described, beneath = _formed(top, form), Beneath()
+    return with_values(top, _with_the_rest(top, described, name), beneath)
+
+
+def _form(top: TomlTable) -> str:
+    """The form in which a file gives links and joints."""
+    top.only(*_GENERAL, *_TREE, *_ALONE)
+    forms = [key for key in _ALONE if key in top]
     if len(forms) > 1 or (forms and any(key in top for key in _TREE)):
+        whole = "robot" if forms[0] == "template" else "arm"
         top.refuse(
-            f"[{forms[0]}] describes the whole arm; remove the other links and joints.", forms[0]
+            f"[{forms[0]}] describes the whole {whole}; remove the other links and joints.",
+            forms[0],
         )
+    return forms[0] if forms else "tree"
+
+
+def _formed(top: TomlTable, form: str) -> RobotDescription:
+    """The description of the links and joints that a file gives itself."""
     try:
-        described = _FORMS[forms[0] if forms else "tree"](top)
+        return _FORMS[form](top)
     except ModelError as error:
-        top.refuse(str(error), *forms)
+        top.refuse(str(error), *([form] if form in top else []))
+
+
+def _with_the_rest(top: TomlTable, described: RobotDescription, name: str) -> RobotDescription:
+    """The description with all that stands beside links and joints, in addition to what it has."""
     mounts = _mounts(top, described)
     names = [part.name for part in (*described.links, *mounts)]
-    extra = replace(
+    told = [kind for kind in _TOLD_KINDS if kind.key in top]
+    home = {**dict(described.home), **dict(parts.home(top, described.joints))}
+    return replace(
         described,
         name=top.text("name", name),
         mounts=mounts,
-        loops=tuple(parts.loop(t, described.dim) for t in top.tables("loop")),
-        struts=tuple(map(parts.strut, top.tables("strut"))),
-        payloads=tuple(parts.payload(t, described.dim, names) for t in top.tables("payload")),
-        base=top.choice("base", _BASES, "fixed"),
-        loop_tolerance=parts.loop_tolerance(top),
-        home=parts.home(top, described.joints),
-        tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
-        source=top.text("source", ""),
-        about=top.text("about", ""),
-        notices=tuple(
-            Doubt(kind.name, text, file) for kind in _TOLD_KINDS for text in _texts(top, kind.key)
+        loops=(*described.loops, *(parts.loop(t, described.dim) for t in top.tables("loop"))),
+        struts=(*described.struts, *map(parts.strut, top.tables("strut"))),
+        payloads=(
+            *described.payloads,
+            *(parts.payload(t, described.dim, names) for t in top.tables("payload")),
         ),
-        file=file,
+        base=top.choice("base", _BASES, described.base),
+        loop_tolerance=parts.loop_tolerance(top) or described.loop_tolerance,
+        home=tuple(home.items()),
+        tip=top.choice("tip", names, described.tip) if "tip" in top else described.tip,
+        source=top.text("source", described.source),
+        about=top.text("about", described.about),
+        notices=(
+            *(
+                x
+                for x in described.notices
+                if not any(isinstance(x, Doubt) and x.kind == kind.name for kind in told)
+            ),
+            *(Doubt(kind.name, text, top.file) for kind in told for text in _texts(top, kind.key)),
+        ),
+        file=top.file,
     )
-    return _with_values(top, extra)
 
 
 def _mounts(top: TomlTable, described: RobotDescription) -> tuple[Mount, ...]:
@@ -210,135 +235,73 @@ def _dh_row(table: TomlTable) -> dict[str, Any]:
 _FORMS = {"tree": _tree, "planar": _planar, "dh": _dh}
 
 
-def _on_line(link: Link, line: int | None) -> Link:
-    return replace(link, line=line)
+def _template(top: TomlTable) -> tuple[RobotDescription, Beneath]:
+    """A template's robot with numbers in the place of some of its names, and the values that the
+    others have in the template."""
+    inner = top.inner(top.data["template"], "template").called("[template]")
+    inner.only("name", "numbers", "joints")
+    name, names = inner.text("name"), read_file.template_names()
+    if name not in names:
+        inner.unknown("template", name, names, "name")
+    text = table_of(top.file, read_file.template_text(name))
+    # whatever is wrong with its robot, the file's own numbers are: errors are told at its table
+    own = TomlTable(top.file, {(): top.lines["template",]}, (), text.data)
+    described = _with_the_rest(own, _formed(own, _form(own)), name)
+    if "dim" in top and top.data["dim"] != described.dim:
+        top.refuse(f"the template {name!r} has dim = {described.dim}; remove dim.", "dim")
+    if "gravity" in top:
+        described = replace(described, gravity=parts.gravity(top, described.dim))
+    described = replace(described, joints=_changed(inner, described.joints))
+    numbers, texts = parts.parameter_table(own)
+    numbers |= {x.name: x.value for x in each_parameter(described) if isinstance(x.value, float)}
+    bound = _bound(top, inner, [*numbers, *texts])
+    nameless = with_parameters(described, lambda x: Parameter(x.name))
+    return nameless, Beneath(numbers | bound, texts, tuple(bound))
 
 
-def _with_values(top: TomlTable, described: RobotDescription) -> RobotDescription:
-    """Values and formulas from [parameters] given to the names; every one must be used, and no name
-    may have two values."""
-    table = _ParameterTable(top, described)
-    known = {name: Parameter(name, value) for name, value in table.values.items()}
-    formulas = []
-    for formula in table.in_order():
-        given = tuple(known[name] for name in formula.names)
-        formulas.append(replace(formula, arguments=given))
-        try:
-            known[formula.name] = formulas[-1].quantity()
-        except ModelError as error:
-            table.refuse(formula.name, str(error))
+def _bound(top: TomlTable, template: TomlTable, known: Sequence[str]) -> dict[str, float]:
+    """The numbers by the names of a template's parameters in whose place they stand."""
+    given = template.table("numbers")
+    if given is None:
+        return {}
+    given = given.called("[template.numbers]")
+    named = top.table("parameters")
+    for name in given.data:
+        if name not in known:
+            given.unknown("parameter", name, known, name)
+        if named is not None and name in named:
+            given.refuse(f"{name} has another value below [parameters]; keep one.", name)
+    return {name: given.number(name, "angle") for name in given.data}
 
-    def valued(parameter: Parameter) -> Quantity:
-        return known[parameter.name]
 
-    found = replace(with_parameters(described, valued), formulas=tuple(formulas))
-    try:
-        refuse_negative(found, {name: x.value for name, x in known.items()})
-    except ParameterFormulaError as error:
-        table.refuse(error.name, error.problem)
+def _changed(template: TomlTable, joints: tuple[Joint, ...]) -> tuple[Joint, ...]:
+    """The joints of a template, some with limits and drives of a file's own."""
+    given = template.table("joints")
+    if given is None:
+        return joints
+    names = [joint.name for joint in joints if KINDS[joint.kind].nv == 1]
+    for name in given.data:
+        if name not in names:
+            given.called("[template.joints]").unknown("joint", name, names, name)
+    return tuple(
+        _with_drive(given.inner(given.data[joint.name], joint.name), joint)
+        if joint.name in given
+        else joint
+        for joint in joints
+    )
+
+
+def _with_drive(table: TomlTable, joint: Joint) -> Joint:
+    """A joint with the limits and the drive of a table, where it gives them."""
+    table = table.called(f"[template.joints], {joint.name!r}").only("limits", *parts.DRIVE)
+    angles = not KINDS[joint.kind].slides
+    found = replace(joint, line=table.line)
+    if "limits" in table:
+        found = replace(found, limits=parts.limits(table, angles))
+    if any(key in table for key in parts.DRIVE):
+        found = replace(found, drive=parts.drive(table, angles))
     return found
 
 
-class _ParameterTable:
-    """The [parameters] table of a robot, each name in it standing for one parameter, for a
-    parameter of all links, or for a number that only formulas use."""
-
-    def __init__(self, top: TomlTable, described: RobotDescription):
-        self.top = top
-        self.own = dict.fromkeys(p.name for p in each_parameter(described))
-        self.numbers, self.texts = parts.parameter_table(top)
-        self.formulas: dict[str, ParameterFormula] = {}
-        self.values: dict[str, float | None] = {}
-        """Values of all parameters; None of those without value, and of those with formulas."""
-        self._keys: dict[str, str] = {}
-        self._take(self.own)
-        self._take_those_of_all_links()
-        for parameter in each_parameter(described):
-            self._add_value(parameter)
-        unused = {*self.numbers, *self.texts} - set(self._keys.values())
-        for name in (x for x in (*self.numbers, *self.texts) if x in unused):
-            given = [x for x in self.own if _stem(x) == name]
-            problem = UnknownNameError("parameter", name, "the model", sorted(self.own))
-            told = f"[parameters]: {name} is that of no link, as {listed(given)} have their own."
-            top.refuse(told if given else str(problem), "parameters", name)
-
-    def in_order(self) -> tuple[ParameterFormula, ...]:
-        """The formulas of parameters in an order in which each follows those that it refers to."""
-        try:
-            return formulas_of(self.formulas, dict(sorted(self.values.items())))
-        except ParameterFormulaError as error:
-            self.refuse(error.name, error.problem)
-
-    def refuse(self, name: str, problem: str) -> NoReturn:
-        """Raise an error at the formula of a parameter."""
-        self._refuse(name, self.formulas[name].text, problem, self._keys[name])
-
-    def _refuse(self, name: str, text: str, problem: str, key: str) -> NoReturn:
-        told = f"[parameters]: {name} = {shown(text)}: {problem.rstrip('.')}."
-        self.top.refuse(told, "parameters", key)
-
-    def _take(self, names: Iterable[str]) -> None:
-        """Take the values and formulas of the given names from the table, and those of the names
-        that their formulas use."""
-        left = [*names]
-        while left:
-            name = left.pop()
-            if name in self._keys:
-                continue
-            if name in self.numbers:
-                self._keys[name], self.values[name] = name, self.numbers[name]
-            elif name in self.texts:
-                left += self._take_formula(name, name, self.texts[name])
-
-    def _take_formula(self, name: str, key: str, text: str) -> tuple[str, ...]:
-        """Enter a parameter's formula; returns the names that it uses."""
-        formula = self._read(name, text, key)
-        self._keys[name] = key
-        if formula.names:
-            self.formulas[name], self.values[name] = formula, None
-        else:
-            self.values[name] = formula.quantity().value
-        return formula.names
-
-    def _read(self, name: str, text: str, key: str = "") -> ParameterFormula:
-        try:
-            return ParameterFormula.of(name, text)
-        except ParameterFormulaError as error:
-            self._refuse(name, text, error.problem, key or name)
-
-    def _take_those_of_all_links(self) -> None:
-        """Take entries for all links, such as lc = "l/2" and m = 2, for the links without an entry
-        of their own."""
-        families: dict[str, list[str]] = defaultdict(list)
-        for name in self.own:
-            if name not in self._keys:
-                families[_stem(name)].append(name)
-        for key, names in families.items():
-            if key in self._keys or key not in (self.numbers | self.texts):
-                continue
-            if key in self.numbers:
-                self._keys |= dict.fromkeys(names, key)
-                self.values |= dict.fromkeys(names, self.numbers[key])
-                continue
-            formula = self._read(key, self.texts[key])
-            for name in names:
-                text = of_link(name.removeprefix(key), formula.text, formula.names, self.own)
-                self._take(self._take_formula(name, key, text))
-
-    def _add_value(self, parameter: Parameter) -> None:
-        name, own = parameter.name, parameter.value
-        if own is not None and name in self.formulas:
-            self.refuse(name, f"it has the value {own:g} elsewhere in the file; keep one")
-        value = self.values.get(name)
-        if value is None:
-            self.values[name] = own
-        if own is None or value is None or own == value:
-            return
-        at = ("parameters", self._keys[name]) if name in self._keys else ()
-        one, other = compared(value, own, digits=6)
-        self.top.refuse(f"{name!r} has two values, {one} and {other}; keep one.", *at)
-
-
-def _stem(name: str) -> str:
-    """A parameter's name without its number: lc of lc1."""
-    return name.rstrip("0123456789")
+def _on_line(link: Link, line: int | None) -> Link:
+    return replace(link, line=line)

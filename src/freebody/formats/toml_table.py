@@ -400,7 +400,8 @@ class _Scanner:
         """Read one line key = value of a table and note where each key stands."""
         start = self.at
         path = (*table, *self.key())
-        self.note(path, start)
+        for size in range(len(table) + 1, len(path) + 1):
+            self.note(path[:size], start)
         self.at += 1  # the equals sign
         self.skip(_INLINE_BLANK)
         self.value(path)

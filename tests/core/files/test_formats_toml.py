@@ -244,7 +244,7 @@ def test_loops():
          "name, dim, source, about, "
          "gravity, tip, base, parameters, frame, payload, loop, loop_tolerance, strut, home, "
          "masses_missing, masses_doubtful, masses_estimated, limits_estimated, link, joint, "
-         "planar, dh."),
+         "template, planar, dh."),
         ("name = 'a'\n",
          "arm.toml: there are no links; write a [[link]] for each body, the base included."),
         ("dim = 4\n" + LINKS, "arm.toml:1: dim is 4, expected 2 (the plane) or 3 (space)."),
@@ -472,6 +472,7 @@ def test_examples_of_the_reference():
         ("flap", 1),
         ("2R", 2),
         ("arm", 2),
+        ("small scara", 4),
     ]
     (table,) = re.findall(r"^```text\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
     Path("arm.csv").write_text(table, encoding="utf-8")

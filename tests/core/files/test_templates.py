@@ -20,10 +20,92 @@ def at(model: fb.Model, frame: str, q) -> np.ndarray:
 
 def test_a_bundled_robot_is_its_template():
     assert fb.template("five_bar") == fb.load("five_bar")
+    assert fb.load("scara").parameters == {"g": 9.81}  # its numbers stand in the place of names
     one, two = fb.load("scara"), fb.template("scara")
     q, qd, _ = fb.random_state(one, 1, 3)
     for name, arrays in (("mass_matrix", (q,)), ("bias", (q, qd)), ("forward_kinematics", (q,))):
         np.testing.assert_array_equal(numbers(two, name, *arrays), numbers(one, name, *arrays))
+
+
+SMALL = """
+[template]
+name = "scara"
+
+[template.numbers]
+h = 0.5
+l1 = 0.2
+
+[template.joints]
+joint1.limits = { lower = "-90 deg", upper = 1 }
+joint3.friction = { viscous = 2, coulomb = 3 }
+
+[parameters]
+m1 = 3
+I2 = "m2*l2^2/12"
+
+[[payload]]
+name = "load"
+frame = "hand"
+mass = 1
+"""
+
+
+def loaded(text: str) -> fb.Model:
+    return fb.load(text=text, format="toml", physical="ignore")
+
+
+def test_a_file_names_a_template(tmp_path):
+    """It is the template with numbers bound: numbers in the place of names, in what follows from
+    them too; values for other names; limits, drives, loads."""
+    model = loaded(SMALL)
+    twin = fb.template("scara", h=0.5, l1=0.2, m1=3, I2="m2*l2^2/12")
+    assert model.parameters == {
+        name: x for name, x in twin.parameters.items() if name not in ("h", "l1", "x1")
+    }
+    assert [x.name for x in model.formulas] == ["I2", "x2"]
+    assert model.tip == twin.tip
+    q, _, _ = fb.random_state(twin, 1, 3)
+    loaded_twin = twin.with_payload(1.0, frame="hand")
+    close(numbers(model, "mass_matrix", q), numbers(loaded_twin, "mass_matrix", q), 1e-14)
+    given = {x.name: x.value for x in fb.parameters(model)}
+    assert given["joint1.limits.lower"] == pytest.approx(-np.pi / 2, abs=1e-15)
+    assert (given["joint1.limits.upper"], given["joint3.limits.upper"]) == (1.0, 0.195)
+    assert (given["joint3.friction.coulomb"], given["joint1.friction.coulomb"]) == (3.0, 0.0)
+    fb.save(model, tmp_path / "small.toml")
+    assert fb.load(tmp_path / "small.toml", physical="ignore") == model
+    assert loaded(SMALL.replace("m1 = 3", "m1 = 4")).parameters["m1"] == 4.0
+
+
+def test_a_number_stays_in_formulas_that_others_follow():
+    """Of a formula over a number and a name the name remains: it can still be another."""
+    model = loaded('[template]\nname = "delta"\n[template.numbers]\nl1 = 0.5\n')
+    twin = fb.template("delta", l1=0.5)
+    assert "l1" not in model.parameters
+    for mass in (0.4, 0.7):
+        one, two = model.bind(m1=mass).parameters, twin.bind(m1=mass).parameters
+        assert one == {name: pytest.approx(two[name], rel=1e-15) for name in one}
+        assert one["I1"] == pytest.approx(mass * 0.5**2 / 12, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ('"scara"', '"skara"', "text:3: no template 'skara' in .template.. Did you mean 'scara'"),
+        ("l1 = 0.2", "l9 = 0.2", "text:7: no parameter 'l9' in .template.numbers."),
+        ("l1 = 0.2", 'l1 = "m1"', "text:7: .template.numbers.: l1 is 'm1', expected a number"),
+        ("l1 = 0.2", "m1 = 2", "text:7: .* m1 has another value below .parameters.; keep one"),
+        ("joint1.l", "joint9.l", "text:10: no joint 'joint9' in .template.joints."),
+        ("viscous", "viscose", "text:11: no key 'viscose' in .template.joints., 'joint3', frict"),
+        ("m1 = 3", "m1 = 3\nl7 = 1", "text:15: no parameter 'l7'"),
+        ('"hand"', '"hant"', "text:19: no frame 'hant'"),
+        ("[template]", "dim = 2\n[template]", "text:2: the template 'scara' has dim = 3; remove"),
+        ("[template]", "[planar]\nword='R'\n[template]", "describes the whole robot"),
+        ("h = 0.5", "I1 = -1", "text:2: .*link 'arm'"),
+    ],
+)
+def test_what_is_wrong_in_such_a_file(old, new, told):
+    with pytest.raises((fb.FileError, fb.ModelError), match=told):
+        fb.load(text=SMALL.replace(old, new, 1), format="toml", physical="refuse")
 
 
 def test_numbers_take_the_place_of_formulas():
