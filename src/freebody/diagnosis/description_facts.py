@@ -34,7 +34,9 @@ def _known(quantity: object) -> bool:
 def _link(link: Link) -> LinkFacts:
     known = link.inertia is not None and _known((link.inertia, link.placement))
     inertial = InertiaFacts(link.inertia, link.placement, link.line) if known else None
-    return LinkFacts(link.name, link.line, inertial, link.shapes)
+    return LinkFacts(
+        link.name, link.line, inertial, link.shapes, filled=link.filled, stated=link.stated
+    )
 
 
 def _joint(joint: Joint, dim: int) -> JointFacts:

@@ -67,6 +67,10 @@ class LinkFacts(Keeps):
     inertial: InertiaFacts | None = None
     shapes: tuple[Shape, ...] = ()
     element: XmlElement | None = None
+    filled: bool = False
+    """Whether its inertia is the reader's, of its shapes filled evenly, and not the file's."""
+    stated: bool = False
+    """Whether a file in freebody's own form gives its moments, if only zeros."""
 
     @cached_property
     def inertia(self) -> Inertia | None:

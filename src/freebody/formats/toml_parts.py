@@ -74,7 +74,8 @@ def link(table: TomlTable, dim: int) -> Link:
         else Placement()
     )
     body = _inertia(table, dim) if any(key in table for key in _MASS) else None
-    return Link(table.text("name"), body, frame, table.line)
+    stated = "inertia" in table or "shape" in table
+    return Link(table.text("name"), body, frame, table.line, stated=stated)
 
 
 def mount(table: TomlTable, dim: int, parents: Collection[str]) -> Mount:

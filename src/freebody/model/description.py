@@ -197,7 +197,9 @@ class Joint(Keeps):
 @dataclass(frozen=True)
 class Link:
     """A rigid part with a frame; `inertia` is given in a frame placed in the link's. filled:
-    whether it is that of shapes that the reader of the file has filled evenly."""
+    whether it is that of shapes that the reader of the file has filled evenly; stated: whether a
+    file in freebody's own form gives its moments, so that a mass without any is meant as a point.
+    """
 
     name: str
     inertia: Inertia | None = None
@@ -205,6 +207,7 @@ class Link:
     line: int | IncludedLine | None = field(default=None, compare=False)
     shapes: tuple[Shape, ...] = ()
     filled: bool = False
+    stated: bool = False
 
 
 @dataclass(frozen=True)

@@ -157,7 +157,8 @@ def _row(
         placement, frame = behind.then(about_z), along_z.then(link_shape)
     else:
         placement, frame = behind.then(about_z).then(along_z), link_shape
-    link = Link(str(row.get("name", f"link{i + 1}")), _inertia(row, where), frame, line)
+    called = str(row.get("name", f"link{i + 1}"))
+    link = Link(called, _inertia(row, where), frame, line, stated="I" in row)
     joint = Joint(
         name,
         BY_LETTER[letter],

@@ -136,9 +136,11 @@ def _no_mass(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _no_inertia(facts: RobotFacts) -> Iterator[FoundFault]:
+    """Findings of masses without moments of inertia, unless it is a person who wrote that: tools
+    that export a robot write zeros for what they do not know."""
     whole = sum(max(x.numbers()[0], 0.0) for _, x in _written(facts))
     for link in facts.moving:
-        if link.inertia is None or link.inertia.dim != 3:
+        if link.inertia is None or link.inertia.dim != 3 or link.stated:
             continue
         mass, com, tensor = link.inertia.numbers()
         lumped = facts.above[link.name].kind == "fixed" and not com.any()
@@ -200,7 +202,9 @@ def _units(facts: RobotFacts) -> Iterator[FoundFault]:
 
 def _about_origin(facts: RobotFacts) -> Iterator[FoundFault]:
     bodies = [
-        body for body in _weighed(facts) if norm(body.com) > 0.3 * body.gyration and body.size
+        body
+        for body in _weighed(facts)
+        if norm(body.com) > 0.3 * body.gyration and body.size and not body.link.filled
     ]
     shares = []
     for body in bodies:
@@ -219,8 +223,10 @@ def _about_origin(facts: RobotFacts) -> Iterator[FoundFault]:
 
 
 def _turned(facts: RobotFacts) -> Iterator[FoundFault]:
-    """Long links whose mass lies across the way to the next joint."""
+    """Long links whose mass, by the file's own numbers, lies across the way to the next joint."""
     for body in _weighed(facts):
+        if body.link.filled:
+            continue
         ends = [
             joint.pose[1]
             for joint in facts.joints

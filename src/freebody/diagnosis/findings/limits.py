@@ -99,9 +99,15 @@ def _no_range(facts: RobotFacts) -> Iterator[FoundFault]:
 
 def _degrees(facts: RobotFacts) -> Iterator[FoundFault]:
     """Findings of turning joints whose limits are written in degrees: those too large for radians;
-    all of the file's, where most are and none is too large for degrees."""
-    turning = {x.name: max(map(abs, _bounds(x))) for x in _ranged(facts) if _bounds(x)}
-    turning = {name: x for name, x in turning.items() if facts.joint[name].turns}
+    all of the file's, where most are and none is too large for degrees. Numbers that slides have
+    too, in metres, are no angles but stand for no limit."""
+    ranges = {x.name: _bounds(x) for x in _ranged(facts) if _bounds(x)}
+    lengths = [x for name, x in ranges.items() if not facts.joint[name].turns]
+    turning = {
+        name: max(map(abs, x))
+        for name, x in ranges.items()
+        if facts.joint[name].turns and x not in lengths
+    }
     large = [name for name, x in turning.items() if _MANY_TURNS < x <= _MOST_DEGREES]
     most = len(large) > 1 and 2 * len(large) > len(turning)
     for name in turning if most and max(turning.values()) <= _MOST_DEGREES else large:
