@@ -15,6 +15,7 @@ import numpy as np
 from freebody.errors import UnknownNameError, listed, shown
 from freebody.formats import read_file
 from freebody.formats.packages import Packages
+from freebody.formats.sdf_gears import GEARBOX, SCREW, SCREW_TAGS, couple, pitch
 from freebody.formats.sdf_nested import AXES_IN_JOINTS, MODEL, WORLD, NestedModels, read_version
 from freebody.formats.urdf_elements import UNLIMITED, Elements, XmlElement
 from freebody.model.description import (
@@ -49,11 +50,20 @@ _TYPES: dict[str, tuple[str, str | None]] = {
     "fixed": ("fixed", "fixed"),
     "universal": ("revolute", None),
     "revolute2": ("revolute", None),
+    SCREW: ("helical", None),
 }
 """The kind of joint, and of loop, of each type; those with two axes are two joints."""
 _ROTOR = {"rotor": "drake:rotor_inertia", "gear": "drake:gear_ratio"}
 """Drake's elements of joints with one axis, by the number of a drive that they are."""
-_AXES = {"revolute": 1, "continuous": 1, "prismatic": 1, "universal": 2, "revolute2": 2}
+_AXES = {
+    "revolute": 1,
+    "continuous": 1,
+    "prismatic": 1,
+    SCREW: 1,
+    "universal": 2,
+    "revolute2": 2,
+    GEARBOX: 2,
+}
 
 
 def describe(
@@ -61,10 +71,10 @@ def describe(
 ) -> RobotDescription:
     """The description in an SDF's root element, of that file, which may include others of those
     packages. `name` stands in where the model has none; snap_angles in rad."""
-    return _SdfReader(file, packages, snap_angles).description(root, name)
+    return SdfReader(file, packages, snap_angles).description(root, name)
 
 
-class _SdfReader(Elements):
+class SdfReader(Elements):
     """The reader of one SDF file, with the frames, links and joints found so far."""
 
     def __init__(self, file: str, packages: Packages, snap: float):
@@ -283,6 +293,8 @@ class _SdfReader(Elements):
         """The tree of joints, and a loop for each joint to a link that has one."""
         placed: set[str] = set()
         held, own = False, tuple(self.links)
+        gearboxes = [element for element in joints if _type(element) == GEARBOX]
+        joints = [element for element in joints if _type(element) != GEARBOX]
         for element in joints:
             where = f"joint {element.name()!r}"
             parent, child = (self.end(element, tag, where) for tag in ("parent", "child"))
@@ -308,6 +320,8 @@ class _SdfReader(Elements):
                     "floating", model, f"link {name!r} is joined to nothing and floats freely."
                 )
                 self.joints.append(Joint(f"{name}_floats", "free", self.world, name))
+        for element in gearboxes:
+            couple(self, element, joints)
         if self.root == self.world:
             self.links = {self.world: Link(self.world), **self.links}
 
@@ -353,6 +367,7 @@ class _SdfReader(Elements):
             for k, (axis, tag) in enumerate(axes)
         ] or [(name, kind, (), None)]
         direct = not _placement(inside).steps
+        own = (pitch(self, element, where),) if kind == "helical" else ()
         rotor = {
             number: value
             for number, tag in _ROTOR.items()
@@ -375,6 +390,7 @@ class _SdfReader(Elements):
                     self.drive(tag, where, rotor if k == 0 else {}),
                     self.mimic(tag, where),
                     element.line,
+                    numbers=own,
                 )
             )
             parent, placement = to, Placement()
@@ -387,7 +403,11 @@ class _SdfReader(Elements):
         on both links."""
         kind, axes = self.kind(element, where)[1], self.axes(element, where)
         if kind is None:
-            self.refuse(element, f"{where}: a joint with two axes that closes a loop is not known.")
+            self.refuse(
+                element,
+                f"{where}: a {_type(element)} joint that closes a loop is not known; "
+                f"write another joint of the loop behind it, so that that one closes it.",
+            )
         ends = [self.loop_end(element, "a", parent), self.loop_end(element, "b", child)]
         axis, tag = axes[0] if axes else ((), None)
         lost = [
@@ -419,10 +439,12 @@ class _SdfReader(Elements):
     def kind(self, element: XmlElement, where: str) -> tuple[str, str | None]:
         given = self.text(element, "type", where)
         if given not in _TYPES:
-            self.refuse(element, str(UnknownNameError("type", given, where, _TYPES)))
+            known = (*_TYPES, GEARBOX)
+            self.refuse(element, str(UnknownNameError("type", given, where, known)))
         self.only(element, "name", "type")
         rotor = _ROTOR.values() if _AXES.get(given) == 1 else ()
-        self.sort_out(element, "parent", "child", "pose", *self.axis_tags(given), *rotor)
+        own = SCREW_TAGS if given == SCREW else ()
+        self.sort_out(element, "parent", "child", "pose", *self.axis_tags(given), *own, *rotor)
         return _TYPES[given]
 
     def axis_tags(self, given: str) -> tuple[str, ...]:
@@ -433,7 +455,7 @@ class _SdfReader(Elements):
     ) -> list[tuple[tuple[float, ...], XmlElement | None]]:
         """Each axis in the joint's frame, with its element."""
         found = []
-        for tag in self.axis_tags(element.attributes.get("type", "").strip()):
+        for tag in self.axis_tags(_type(element)):
             axis = self.one(element, tag, where)
             xyz = self.one(axis, "xyz", where) if axis is not None else None
             direction = np.array(self.numbers(xyz, 3, where) if xyz is not None else (0, 0, 1.0))
@@ -522,6 +544,10 @@ class _SdfReader(Elements):
 
     def truth(self, element: XmlElement, tag: str) -> bool:
         return any(found.content in ("1", "true") for found in element.all(tag))
+
+
+def _type(joint: XmlElement) -> str:
+    return joint.attributes.get("type", "").strip()
 
 
 def _composed(outer: FramePose, inner: FramePose) -> FramePose:

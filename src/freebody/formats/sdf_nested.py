@@ -265,7 +265,7 @@ def _frame(element: XmlElement, scope: ModelScope) -> XmlElement:
 def _joint(element: XmlElement, scope: ModelScope) -> XmlElement:
     children = []
     for child in element.children:
-        if child.tag in ("parent", "child"):
+        if child.tag in ("parent", "child", "gearbox_reference_body"):
             content = scope.named(child.content) if child.content else ""
             child = replace(child, content=content)
         elif child.tag in ("axis", "axis2"):

@@ -78,6 +78,16 @@ ROBOTS = {
         ),
         "1.6",
     ),
+    "a screw": sdf(
+        link("a", "<pose>0 0 1 0.5 0.2 0</pose>")
+        + joint("j", "world", "a", f"{Y}<screw_thread_pitch>0.3</screw_thread_pitch>", "screw"),
+        "1.10",
+    ),
+    "a screw of old": sdf(
+        link("a", "<pose>0 0 1 0.5 0.2 0</pose>")
+        + joint("j", "world", "a", f"{Y}<thread_pitch>-20</thread_pitch>", "screw"),
+        "1.6",
+    ),
     "two axes": sdf(
         link("a", "<pose>0 0 1 0.5 0.2 0</pose>")
         + joint("j", "world", "a", "<axis><xyz>1 0 0</xyz></axis><axis2><xyz>0 1 0</xyz></axis2>",
@@ -109,6 +119,65 @@ ROBOTS = {
         "<pose>1 2 3 0.3 0.2 0.1</pose>" + ARM, "1.9"
     ).replace('name="arm"', 'name="arm" placement_frame="a"'),
 }  # fmt: skip
+
+
+def gear(name, pose, mass):
+    return link(name, f"<pose>{pose}</pose>", mass)
+
+
+GEARED = sdf(
+    gear("a", "0 0 1 0 0 0", 1.5)
+    + gear("b", "1 0 1 0 0 0.7", 0.4)
+    + joint("j", "world", "a", "<axis><xyz>0 0 1</xyz></axis>")
+    + joint("k", "world", "b", "<axis><xyz>0 0 1</xyz></axis>")
+    + joint("gears", "a", "b", "<gearbox_ratio>3</gearbox_ratio>"
+            "<gearbox_reference_body>world</gearbox_reference_body>"
+            "<axis><xyz>0 0 1</xyz></axis><axis2><xyz>0 0 -1</xyz></axis2>", "gearbox")
+)  # fmt: skip
+
+
+def followed(model: fb.Model) -> tuple[str, float]:
+    """The joint that joint k follows, and its ratio."""
+    mimic = next(x for x in model.bodies if x.joint.name == "k").joint.mimic
+    assert mimic is not None
+    return mimic.joint, mimic.ratio
+
+
+def test_a_gearbox_is_a_mimic():
+    """theta2 = -ratio theta1, the angles of child and parent about its two axes as seen from the
+    reference body, whichever way the joints count."""
+    found = fb.load(text=GEARED, format="sdf")
+    assert found.joint_names == ("j", "k")
+    assert followed(found) == ("j", 3.0)  # its second axis is against the joint's
+    mimics = GEARED.partition('<joint name="gears"')[0] + "</model></sdf>"
+    at = mimics.rindex("</axis>")
+    told = "<mimic joint='j'><multiplier>3</multiplier></mimic>"
+    twin = fb.load(text=mimics[:at] + told + mimics[at:], format="sdf")
+    assert found == twin
+    turned = GEARED.replace(
+        "<parent>world</parent><child>a</child><axis><xyz>0 0 1",
+        "<parent>world</parent><child>a</child><axis><xyz>0 0 -1",
+    )
+    alike = GEARED.replace("<axis2><xyz>0 0 -1", "<axis2><xyz>0 0 1")
+    for text in (turned, alike):
+        assert followed(fb.load(text=text, format="sdf")) == ("j", -3.0)
+
+
+def test_a_screw_is_written_and_read_again(tmp_path):
+    model = fb.load(text=ROBOTS["a screw of old"], format="sdf")
+    assert fb.losses(model, "sdf") == []
+    fb.save(model, tmp_path / "screw.sdf")
+    again = fb.load(tmp_path / "screw.sdf")
+    assert again.bodies[0].joint.numbers == pytest.approx((1 / 20,), rel=1e-15)
+    assert fb.same_robot(model, again)
+
+
+def test_a_screw_without_pitch_is_told():
+    screw = sdf(link("a") + joint("j", "world", "a", Y, "screw"))
+    model = fb.load(text=screw, format="sdf")
+    assert model.bodies[0].joint.numbers == (1 / (2 * np.pi),)
+    (told,) = [x for x in model.notices if x.kind == "pitch"]
+    assert "assumes 1 m for each turn; give <screw_thread_pitch>" in told.text
 
 
 @pytest.mark.parametrize("robot", ROBOTS)
@@ -238,7 +307,35 @@ def test_what_is_not_said_is_told():
             "no frame 'b' in joint 'j'",
         ),
         (sdf(link("a") + joint("j", "a", "world", Y)), "swap parent and child"),
-        (sdf(link("a") + joint("j", "world", "a", "", "gearbox")), "no type 'gearbox'"),
+        (sdf(link("a") + joint("j", "world", "a", "", "gears")), "no type 'gears'"),
+        (
+            sdf(
+                link("a")
+                + joint("j", "world", "a", Y, "screw").replace(
+                    "</joint>", "<thread_pitch>0</thread_pitch></joint>"
+                )
+            ),
+            "<thread_pitch> is 0; a screw advances",
+        ),
+        (
+            GEARED.replace("<gearbox_reference_body>world", "<gearbox_reference_body>wall"),
+            "no link 'wall' in joint 'gears'",
+        ),
+        (
+            GEARED.replace("<gearbox_reference_body>world</gearbox_reference_body>", ""),
+            "a gearbox needs its <gearbox_reference_body>",
+        ),
+        (
+            GEARED.replace("<axis2><xyz>0 0 -1", "<axis2><xyz>0 1 0"),
+            "'b' has no revolute joint with 'world' about the gearbox's <axis2>; give it one, or",
+        ),
+        (GEARED.replace("<gearbox_ratio>3", "<gearbox_ratio>0"), "that of no gears"),
+        (
+            GEARED.replace(
+                "</xyz></axis></joint>", "</xyz><mimic joint='j'/></axis></joint>", 1
+            ).replace("</xyz></axis></joint>", "</xyz><mimic joint='j'/></axis></joint>", 1),
+            "joint 'k' follows 'j' already; keep one",
+        ),
         (
             sdf(link("a") + joint("j", "world", "a", "<axis><xyz>0 0 0</xyz></axis>")),
             "the axis is zero",

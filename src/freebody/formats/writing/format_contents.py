@@ -82,6 +82,7 @@ class WrittenJoint:
     name: str
     kind: str
     axis: tuple[float, ...]
+    numbers: tuple[float, ...]
     limits: Limits
     drive: Mapping[str, float]
     mimic: Mimic | None
@@ -286,6 +287,7 @@ class _Collection:
             joint.name,
             joint.kind,
             tuple(map(float, joint.axis)),
+            tuple(float(VALUES.quantity(x)) for x in joint.numbers),
             limits,
             self.drive(joint.name, joint.drive),
             self.mimic(joint),

@@ -3,6 +3,7 @@ child's, need no pose; rotors as Drake reads them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -42,6 +43,7 @@ HOLDS = Holds(
         "revolute": "revolute",
         "continuous": "continuous",
         "prismatic": "prismatic",
+        "helical": "screw",
         "spherical": "ball",
         "free": "",
     },
@@ -205,6 +207,9 @@ def _joint(robot: Element, link: WrittenLink, taken: set[str]) -> None:
     SubElement(element, "child").text = link.name
     if joint and KINDS[joint.kind].needs_axis:
         _axis(element, joint)
+    if joint and joint.kind == "helical":
+        (pitch,) = joint.numbers
+        SubElement(element, "screw_thread_pitch").text = repr(2.0 * math.pi * pitch)
 
 
 def _axis(element: Element, joint: WrittenJoint) -> None:
