@@ -93,6 +93,8 @@ def test_friction_limits_and_actuators():
     j, k = (body.joint for body in model.bodies)
     assert (j.limits.lower, j.limits.upper) == pytest.approx((-np.pi / 6, np.pi / 3))
     assert (j.limits.effort, k.limits.effort) == (100.0, 3.0)
+    idle = fb.load(text=text.replace('gear="50" ctrllimited="true"', 'gear="0"'), format="mjcf")
+    assert idle.limits.effort.tolist() == [0.0, 3.0]  # no force reaches the joint
     at_rest = fb.inverse_dynamics(model, [0.2, 0.1], [1e-3, 0.0], [0.0, 0.0])
     back = fb.inverse_dynamics(model, [0.2, 0.1], [-1e-3, 0.0], [0.0, 0.0])
     assert (at_rest - back)[0] == pytest.approx(0.8, abs=1e-9)

@@ -1,6 +1,7 @@
 """Models written as URDF, SDF, MJCF and DH tables: read again they move as before, and what a
 format cannot hold is told before anything is written."""
 
+import re
 from functools import cache
 from pathlib import Path
 
@@ -79,15 +80,22 @@ def left(model: fb.Model, lost: list[str]) -> fb.Model:
     return model
 
 
-def renamed(name: str, one: fb.Model, two: fb.Model) -> str:
-    """A coordinate's name after a file: SDF names no free joints, and none as a link."""
+_RENAMED = re.compile(r"the name of joint '(.*)', which a link has: '(.*)' is written")
+
+
+def renamed(name: str, one: fb.Model, two: fb.Model, lost: list[str]) -> str:
+    """A coordinate's name after a file: SDF names no free joints, and none as a link; a base that
+    floats is told by `base`."""
     joint, dot, rest = name.partition(".")
-    kind = next((body.joint.kind for body in one.bodies if body.joint.name == joint), "")
     if name in (*two.position_names, *two.velocity_names):
         return name
-    if kind != "free":
-        return f"{joint}_joint{dot}{rest}"
-    return f"{two.joint_names[-1]}.{rest}"
+    body = next(body for body in one.bodies if body.joint.name == joint)
+    if body.joint.kind != "free":
+        others = dict(found.groups() for x in lost if (found := _RENAMED.fullmatch(x)))
+        return f"{others[joint]}{dot}{rest}"
+    floating = {x.name: x.joint.name for x in two.bodies if x.joint.kind == "free"}
+    found = floating.get(body.name) or next(iter(floating.values()))
+    return f"{found}.{rest}"
 
 
 def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
@@ -102,8 +110,8 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
         if said(lost, "order of its coordinates"):
             return
     else:
-        place = [two.position_names.index(renamed(x, one, two)) for x in one.position_names]
-        at = [two.velocity_names.index(renamed(x, one, two)) for x in one.velocity_names]
+        place = [two.position_names.index(renamed(x, one, two, lost)) for x in one.position_names]
+        at = [two.velocity_names.index(renamed(x, one, two, lost)) for x in one.velocity_names]
         assert at == sorted(at) or said(lost, "order of its coordinates") or said(lost, "the last")
     there, rates = np.empty_like(q), np.empty_like(qd)
     there[:, place], rates[:, at] = q, qd
@@ -111,7 +119,7 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
         close(two.mass, one.mass, 1e-12, what="mass")
         return
     if not said(lost, "which does not move") and not said(lost, "which is the ground"):
-        close(two.mass, one.mass, 1e-12, what="mass")
+        close(two.mass, one.mass, 1e-12, 1.0, what="mass")
     rise, own_rise = (
         np.diff(numbers(m, "potential_energy", x)) for m, x in ((two, there), (one, q))
     )
@@ -127,6 +135,9 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
             kept = np.full(one.nv, True)
             if said(lost, "which is a point"):
                 kept = one.limits.lower < one.limits.upper
+            if said(lost, "takes for none"):
+                kept = kept & (np.abs(own_limits) < 1e16)
+                kept &= (own_limits != 0.0) | (name in ("lower", "upper"))
             assert found[kept].tolist() == own_limits[kept].tolist(), name
     if said(lost, "which the last joint does not move"):
         return
@@ -226,6 +237,44 @@ def test_loops_hold_the_same_motions(name, kind, tmp_path):
     rest = np.zeros(model.nv)
     found = fb.forward_dynamics(read, there, rest, force)[at]
     close(found, fb.forward_dynamics(model, q, rest, tau), 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("kind", "limits", "lost"),
+    [
+        ("urdf", "effort = 0", ["the effort limit 0 of j, which URDF takes for none"]),
+        ("urdf", "velocity = 0", ["the speed limit 0 of j, which URDF takes for none"]),
+        ("urdf", "effort = 1e17", ["the effort limit 1e+17 of j, which URDF takes for none"]),
+        ("urdf", "lower = 0, upper = 0", []),
+        ("sdf", "lower = 0, upper = 0, velocity = 0, effort = 0", []),
+        ("sdf", "lower = -1e16", ["the lower limit -1e+16 of j, which SDF takes for none"]),
+        ("mjcf", "effort = 0", ["the effort limit 0 of j, which MJCF takes for none"]),
+        ("mjcf", "velocity = 0", ["the speed limit of j"]),
+        ("mjcf", "lower = 0, upper = 0",
+         ["the range of 'j', which is a point: MuJoCo takes it for none"]),
+        ("csv", "lower = 0, upper = 0, velocity = 0, effort = 0", []),
+    ],
+)  # fmt: skip
+def test_limits_of_0_are_kept_or_told(kind, limits, lost, tmp_path):
+    """Readers take some limits of 0, and very large ones, for none: a loss by name, else they are
+    read again."""
+    if kind == "mjcf":
+        extra("mujoco", name="mjcf")
+    text = (
+        "[dh]\nconvention = 'standard'\n"
+        f"rows = [{{ a = 1, m = 2, joint_name = 'j', limits = {{ {limits} }} }}]\n"
+    )
+    one = fb.load(text=text, format="toml")
+    told = [x for x in fb.losses(one, kind) if "limit" in x or "range" in x]
+    assert told == lost
+    fb.save(one, tmp_path / f"one.{kind}", lossy=True)
+    two = fb.load(tmp_path / f"one.{kind}")
+    for name in RANGES:
+        found = getattr(two.limits, name)[0]
+        if lost:
+            assert found in (getattr(one.limits, name)[0], np.inf, -np.inf)
+        else:
+            assert found == getattr(one.limits, name)[0], name
 
 
 def test_a_loop_that_is_open_where_sdf_draws_it_is_lost():

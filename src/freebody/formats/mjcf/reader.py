@@ -259,8 +259,9 @@ class _MjcfReader:
                 most = max(map(abs, actuator["force"]))
             elif actuator["input_limited"] and actuator["direct"]:
                 most = abs(actuator["gain"]) * max(map(abs, actuator["input"]))
-            joint = actuator["joint"]
-            found[joint] = found.get(joint, 0.0) + abs(actuator["gear"]) * most
+            joint, gear = actuator["joint"], abs(actuator["gear"])
+            # without a gear not even an unlimited force reaches the joint
+            found[joint] = found.get(joint, 0.0) + (gear * most if gear else 0.0)
         for index, joint in enumerate(self.given["joints"]):
             if joint["effort_limited"]:
                 most = max(map(abs, joint["effort"]))

@@ -32,6 +32,12 @@ STANDARD_GRAVITY = 9.81
 """m/s² along -z, which readers of formats without gravity take."""
 GROUND = "world"
 """The ground's name in SDF and MJCF."""
+_LIMITS = {
+    "lower": "lower limit",
+    "upper": "upper limit",
+    "velocity": "speed limit",
+    "effort": "effort limit",
+}
 _SHOWN = 6
 """Names that a sentence holds."""
 _OUTSIDE_XML = re.compile(r"[\x00-\x1f\x7f\ud800-\udfff\ufffe\uffff]")
@@ -45,7 +51,8 @@ class Holds:
     struts, gravity, velocity (its limits): whether there is a place for it. base: how a floating
     base is told, where it is not written. passive: whether joints without motor are told, of closed
     chains. keeps_tip: whether the tip is written; else readers choose it. degree: the highest of a
-    polynomial by which a joint follows another.
+    polynomial by which a joint follows another. no_zero: limits of which readers take 0 for none.
+    unlimited: the size from which they take any limit for none.
     """
 
     name: str
@@ -59,6 +66,8 @@ class Holds:
     passive: bool = False
     keeps_tip: bool = False
     degree: int = 1
+    no_zero: frozenset[str] = frozenset()
+    unlimited: float = INFINITE
 
 
 @dataclass(frozen=True)
@@ -167,6 +176,8 @@ class _Collection:
     losses: list[str] = field(default_factory=list)
     of_joints: dict[str, list[str]] = field(default_factory=dict)
     """Names of joints by a property that all of them lose."""
+    no_limits: dict[str, list[str]] = field(default_factory=dict)
+    """Names of joints by a limit that the format's readers take for none."""
 
     def contents(self) -> Contents:
         self.given.require_values(f"save: {self.holds.name}")
@@ -181,6 +192,10 @@ class _Collection:
         loops, struts = tuple(self.loops()), self.struts()
         self.losses += [
             f"the {what} of {listed(names, _SHOWN)}" for what, names in self.of_joints.items()
+        ]
+        self.losses += [
+            f"the {what} of {listed(names, _SHOWN)}, which {self.holds.name} takes for none"
+            for what, names in self.no_limits.items()
         ]
         return Contents(
             self.model.name,
@@ -283,6 +298,10 @@ class _Collection:
         if not self.holds.velocity and limits.velocity != INFINITE:
             self.of_joints.setdefault("speed limit", []).append(joint.name)
             limits = replace(limits, velocity=INFINITE)
+        for name, value in vars(limits).items():
+            none = value == 0.0 and name in self.holds.no_zero
+            if none or INFINITE > abs(value) >= self.holds.unlimited:
+                self.no_limits.setdefault(f"{_LIMITS[name]} {value:g}", []).append(joint.name)
         return WrittenJoint(
             joint.name,
             joint.kind,

@@ -46,6 +46,7 @@ HOLDS = Holds(
     velocity=False,
     passive=True,
     degree=4,
+    no_zero=frozenset(("effort",)),
 )
 _LEAST = 2e-15
 """kg and kg m²: what MuJoCo moves is heavier than 1e-15."""
@@ -215,7 +216,7 @@ class _Writer:
             )
         elif limits.lower > -INFINITE or limits.upper < INFINITE:
             given["range"] = f"{limits.lower!r} {limits.upper!r}"
-        if limits.effort < INFINITE:
+        if 0.0 < limits.effort < INFINITE:
             given["actuatorfrcrange"] = f"{-limits.effort!r} {limits.effort!r}"
         armature = drive["rotor"] * drive["gear"] * drive["gear"]
         if drive["gear"] != 1.0:

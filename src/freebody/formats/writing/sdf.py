@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from freebody.errors import FreebodyError
+from freebody.formats.urdf_elements import UNLIMITED
 from freebody.formats.writing.format_contents import (
     GROUND,
     STANDARD_GRAVITY,
@@ -51,6 +52,7 @@ HOLDS = Holds(
     loops=frozenset(("revolute", "prismatic", "spherical", "fixed")),
     gravity=True,
     base="load it with base='free'",
+    unlimited=UNLIMITED,
 )
 _CLOSED = 1e-12
 """Gap, m or as a sine, up to which a loop is closed where the file draws it."""

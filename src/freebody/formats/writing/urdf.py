@@ -5,6 +5,7 @@ transmissions as Drake reads them, loops as URDF+ proposes them (Chignoli, Sloti
 from __future__ import annotations
 
 from freebody.formats.urdf import TYPES
+from freebody.formats.urdf_elements import UNLIMITED
 from freebody.formats.urdf_motors import LOOPS
 from freebody.formats.writing.format_contents import (
     Contents,
@@ -37,6 +38,8 @@ HOLDS = Holds(
     loops=frozenset(LOOPS.values()),
     base="load it with base='free'",
     passive=True,
+    no_zero=frozenset(("velocity", "effort")),
+    unlimited=UNLIMITED,
 )
 
 
