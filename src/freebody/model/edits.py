@@ -18,7 +18,7 @@ from operator import add as plus
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from freebody.arrays import Array
-from freebody.errors import FreebodyError, UnknownNameError
+from freebody.errors import FreebodyError, ModelError, UnknownNameError
 from freebody.model import changes, named_numbers
 from freebody.model.drives import NUMBERS
 from freebody.model.families import copied, fields_of
@@ -28,6 +28,7 @@ from freebody.model.number_editors import NewPayloadEditor
 from freebody.model.number_rows import NumberRows, RowEntries, RowPart, SlotValues
 from freebody.model.parameters import LARGEST
 from freebody.model.piece_paths import PiecePath, put
+from freebody.model.strut_ends import strut_fault
 from freebody.model.tree import Attached
 
 if TYPE_CHECKING:
@@ -39,6 +40,13 @@ Edits = dict[int, float]
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
     """The model with other numbers; see `Model.bind`."""
+    found = _bound(model, values)
+    if problem := strut_fault(found):
+        raise ModelError(f"bind: {problem}.")
+    return found
+
+
+def _bound(model: Model, values: Mapping[Any, Any]) -> Model:
     if "_layout" in model.__dict__ or _are_plain(model, values):
         found = _edited(model, values)
         return _asked(model, named_numbers.bind(model, values)) if found is None else found

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from freebody.model.families import of_member
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import parents_first
 from freebody.spatial import Matrix, Vector, compose, identity, of_dimension, sub
@@ -18,9 +22,9 @@ _ONE_POINT = 1e-9
 
 def strut_fault(model: Model) -> str | None:
     """Why a strut of the model does nothing wherever its joints are, or None: its ends are at one
-    point. Whether they are is asked of positions that no mechanism singles out, and of a model with
-    numbers without value or of several values not at all."""
-    if not model.struts or model.missing or model.family:
+    point, in a family in one member's. Whether they are is asked of positions that no mechanism
+    singles out, and of a model with numbers without value not at all."""
+    if not model.struts or model.missing:
         return None
     space, poses = of_dimension(model.dim), _poses(model)
     at = {
@@ -29,10 +33,13 @@ def strut_fault(model: Model) -> str | None:
     }
     for strut in model.struts:
         first, second = strut.frames
-        if max(abs(x) for x in sub(at[first], at[second])) <= _ONE_POINT:
+        apart = [np.abs(x) for x in sub(at[first], at[second])]
+        none = np.argwhere(reduce(np.maximum, apart) <= _ONE_POINT)
+        if len(none):
+            member = of_member(tuple(map(int, none[0])))
             return (
-                f"strut {strut.name!r}: frames {first!r} and {second!r} are always at one point, "
-                f"where a strut has no direction; name frames that move apart"
+                f"strut {strut.name!r}: frames {first!r} and {second!r} are always at one point"
+                f"{member}, where a strut has no direction; name frames that move apart"
             )
     return None
 

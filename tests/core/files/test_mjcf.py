@@ -259,6 +259,20 @@ def test_equalities_of_fixed_tendons():
         fb.load(text=mjcf(FINGERS + "</body>" * 3, FIXED.format(twice)), format="mjcf")
 
 
+def test_a_tendon_whose_ends_are_at_one_point_is_left_out():
+    """A point on a hinge's axis stays where it is; what else the file holds is read."""
+    text = mjcf(
+        f'<site name="s" pos="0 0 1"/><site name="w" pos="1 0 1"/><body name="a" pos="0 0 1">'
+        f'<joint name="j" axis="0 1 0"/>{BOX}<site name="t" pos="0 0 0"/></body>',
+        '<tendon><spatial name="none" stiffness="5"><site site="s"/><site site="t"/></spatial>'
+        '<spatial name="some" stiffness="5"><site site="w"/><site site="t"/></spatial></tendon>',
+    )
+    model = fb.load(text=text, format="mjcf")
+    assert (model.joint_names, model.strut_names) == (("j",), ("some",))
+    told = "warning: the tendon 'none' is between two sites that are always at one point, and is"
+    assert any(told in str(x) for x in model.notices)
+
+
 def test_what_is_left_out_of_many_parts_is_told_once():
     joints = "".join(f'<joint joint="j{k}" coef="1"/>' for k in (1, 2, 3))
     tendons = "".join(

@@ -363,6 +363,14 @@ def test_what_is_refused():
     with pytest.raises(fb.ModelError, match=r"'g': frames .* are always at one point"):
         model.with_strut("g", hinged, stiffness=1.0)
     assert model.with_strut("g", (hinged[0], "head")).strut_names == ("g",)  # of constant length
+    single = model.with_strut("g", (hinged[0], "head"), stiffness=1.0)
+    size = next(x.name for x in fb.parameters(single) if x.name == "head.placement.x")
+    for given, where in (
+        (0.0, ""),
+        ([0.4, 0.0], r" \(member 1\)"),
+    ):
+        with pytest.raises(fb.ModelError, match=f"always at one point{where}, where"):
+            single.bind({size: given})
     for part in (model.with_strut, lambda name, frames: model.with_loop(name, "fixed", frames)):
         for name, frames, text in (
             (3, ends, "the name must be text"),

@@ -7,11 +7,14 @@ freebody.
 """
 
 import json
+import math
 import sys
 from typing import Any
 
 KINDS = ("free", "ball", "slide", "hinge")
 _BYTES = 16 << 30
+ONE_POINT = 1e-9
+"""m between points that are one."""
 EQUALITIES = ("connect", "weld", "joint", "tendon", "flex", "distance")
 
 
@@ -171,8 +174,8 @@ def actuators(m, mujoco):
 
 def tendons(m, mujoco):
     """Each tendon's spring and damper; the two sites between which it runs, none of one that runs
-    otherwise; the joints that a fixed one adds up, with their factors; and whether it has limits of
-    its length, and anything more."""
+    otherwise, and whether these are at one point; the joints that a fixed one adds up, with their
+    factors; and whether it has limits of its length, and anything more."""
     found = rows(
         m,
         mujoco,
@@ -198,7 +201,21 @@ def tendons(m, mujoco):
             [int(m.wrap_objid[k]), float(m.wrap_prm[k])] for k in through if m.wrap_type[k] == joint
         ]
         tendon["more"] = any(bool(x[i].any()) for x in more)
+    points = sites_anywhere(m, mujoco) if any(tendon["ends"] for tendon in found) else None
+    for tendon in found:
+        ends = tendon["ends"]
+        apart = 1.0 if points is None or not ends else abs(points[ends[0]] - points[ends[1]]).max()
+        tendon["is_point"] = bool(apart <= ONE_POINT)
     return found
+
+
+def sites_anywhere(m, mujoco):
+    """The positions of all sites where all coordinates are some irrational numbers, which no
+    mechanism singles out."""
+    data = mujoco.MjData(m)
+    data.qpos[:] = [math.sqrt(2.0 + 3.0 * k) for k in range(m.nq)]
+    mujoco.mj_kinematics(m, data)
+    return data.site_xpos
 
 
 def answer(path, text):

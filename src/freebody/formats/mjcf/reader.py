@@ -327,6 +327,12 @@ class _MjcfReader:
         if len(bodies) == 1 and not given["more"]:
             self.note(f"the tendon {name!r} is between parts of one body, and is left out.")
             return
+        if given["is_point"] and not given["more"]:
+            self.note(
+                f"warning: the tendon {name!r} is between two sites that are always at one point, "
+                f"and is left out."
+            )
+            return
         if not bodies or given["more"] or lower != upper:
             self.left_out.append((_TENDON, name))
             return
