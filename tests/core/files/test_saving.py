@@ -113,22 +113,25 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
         place = [two.position_names.index(renamed(x, one, two, lost)) for x in one.position_names]
         at = [two.velocity_names.index(renamed(x, one, two, lost)) for x in one.velocity_names]
         assert at == sorted(at) or said(lost, "order of its coordinates") or said(lost, "the last")
+    # what has no mass is a speck of dust in MuJoCo
+    dust = 1.0 if said(lost, "no mass, or no moment") else 0.0
     there, rates = np.empty_like(q), np.empty_like(qd)
     there[:, place], rates[:, at] = q, qd
     if one.nv == 0:
         close(two.mass, one.mass, 1e-12, what="mass")
         return
     if not said(lost, "which does not move") and not said(lost, "which is the ground"):
-        close(two.mass, one.mass, 1e-12, 1.0, what="mass")
+        close(two.mass, one.mass, 1e-12, max(1e-3, dust), what="mass")
     rise, own_rise = (
         np.diff(numbers(m, "potential_energy", x)) for m, x in ((two, there), (one, q))
     )
-    close(rise, own_rise, 1e-12, 1e-3 * one.mass, what="potential energy")
+    close(rise, own_rise, 1e-12, max(1e-3 * one.mass, dust), what="potential energy")
     if not said(lost, "no rigid body has") and not said(lost, "joints of one coordinate"):
         M = numbers(two, "mass_matrix", there)[:, at][:, :, at]
         bias = numbers(two, "bias", there, rates)[:, at]
-        close(M, numbers(one, "mass_matrix", q), 1e-12, 1e-3, what="mass matrix")
-        close(bias, numbers(one, "bias", q, qd), 1e-12, 1e-3, what="bias")
+        least = max(1e-3, dust)
+        close(M, numbers(one, "mass_matrix", q), 1e-12, least, what="mass matrix")
+        close(bias, numbers(one, "bias", q, qd), 1e-12, least, what="bias")
     for name in RANGES:
         if name != "velocity" or not said(lost, "speed limit"):
             found, own_limits = getattr(two.limits, name)[at], getattr(one.limits, name)
