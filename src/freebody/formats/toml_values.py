@@ -45,9 +45,10 @@ def with_values(top: TomlTable, described: RobotDescription, beneath: Beneath) -
     formulas = []
     for formula in table.in_order():
         given = {name: known[name] for name in formula.names}
-        found = replace(formula, arguments=tuple(given.values()))
+        whole = replace(formula, arguments=tuple(given.values()))
         try:
-            value, found = found.quantity(), _among_numbers(found, given)
+            found = _among_numbers(whole, given)
+            value = (found if found.names else whole).quantity()
         except ModelError as error:
             table.refuse(formula.name, str(error))
         if found.names:
