@@ -280,6 +280,29 @@ def test_limits_of_0_are_kept_or_told(kind, limits, lost, tmp_path):
             assert found == getattr(one.limits, name)[0], name
 
 
+def test_several_bodies_that_float_in_sdf(tmp_path):
+    """SDF names no free joints: each floats whom nothing holds."""
+    bodies = "".join(
+        f"[[link]]\nname = '{name}'\nmass = {mass}\ncom = [0.1, 0.2, 0.3]\n"
+        f"inertia = [0.4, 0, 0, 0.5, 0, 0.6]\n"
+        for name, mass in (("one", 1.0), ("arm", 2.0), ("two", 3.0))
+    )
+    joints = "".join(
+        f"[[joint]]\nname = '{name}'\nkind = '{kind}'\nparent = '{parent}'\n"
+        f"child = '{child}'\n{rest}"
+        for name, kind, parent, child, rest in (
+            ("second", "free", "ground", "two", ""),
+            ("first", "free", "ground", "one", ""),
+            ("elbow", "revolute", "one", "arm", "axis = 'y'\n"),
+        )
+    )
+    text = f"[[link]]\nname = 'ground'\n{bodies}{joints}"
+    model = fb.load(text=text, format="toml")
+    read, lost = after(model, "sdf", tmp_path)
+    assert sum("floats" in x for x in lost) == 2
+    same_motion(model, read, lost)
+
+
 def test_a_loop_that_is_open_where_sdf_draws_it_is_lost():
     assert said(fb.losses(valued("five_bar"), "sdf"), "'tip_pin', which is left open")
 
