@@ -20,7 +20,7 @@ from support.robots import KINDS
 ROOT = Path(__file__).parents[2]
 PAGES = (
     sorted(ROOT.glob("*.md"))
-    + sorted(ROOT.glob("docs/**/*.md"))
+    + sorted(set(ROOT.glob("docs/**/*.md")) - {ROOT / "docs/gallery/index.md"})  # made by the site
     + sorted(ROOT.glob("benchmarks/*.md"))
 )
 BLOCK = re.compile(r"^(<!-- no-run: .+ -->\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
