@@ -13,7 +13,7 @@ from sphinx.application import Sphinx
 
 
 def write_page(app: Sphinx) -> None:
-    """Run the scripts in docs/gallery/made, and list on docs/gallery/index what they leave there."""
+    """Run the scripts in docs/gallery/made, and list on docs/gallery/index what they leave."""
     folder = Path(app.srcdir, "docs", "gallery")
     made, pages = folder / "made", folder / "made" / "pages"
     lines = ["# Gallery", "", "Each picture with the whole program that makes it.", ""]
