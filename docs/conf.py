@@ -19,6 +19,7 @@ root_doc = "docs/index"
 include_patterns = [
     "docs/**",
     "benchmarks/README.md",
+    "proof/README.md",
     "README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
