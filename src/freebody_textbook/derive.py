@@ -73,7 +73,9 @@ def derive(
     UnknownNameError
         A name of a method, option or notation that there is not.
 
-    Source: S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where
+    References
+    ----------
+    S. Bai, Dynamics of robotic manipulators, lecture notes, Aalborg University, 2019, where
     the method's line names no other.
     """
     record = default_method(model) if method is None else method_named(method)
@@ -241,7 +243,7 @@ def compare(first: Derivation, second: Derivation) -> Comparison:
 
 
 def _listed() -> str:
-    """The methods with their options, a line each, for a docstring."""
+    """The methods with their options, a line each of a list, for a docstring."""
     lines = []
     for method in METHODS.values():
         serves = "open chains" + (" and closed ones" if method.closed else "")
@@ -251,8 +253,8 @@ def _listed() -> str:
         ]
         also = f" Also called {', '.join(map(repr, method.aliases))}." if method.aliases else ""
         own = f" Options: {'; '.join(options)}." if options else ""
-        lines.append(f"    {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}")
+        lines.append(f"    - {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}")
     return "\n".join(lines)
 
 
-derive.__doc__ = f"{derive.__doc__ or ''}\n    Methods:\n{_listed()}\n"
+derive.__doc__ = f"{derive.__doc__ or ''}\n    Notes\n    -----\n{_listed()}\n"

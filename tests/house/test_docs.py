@@ -20,8 +20,9 @@ from support.robots import KINDS
 ROOT = Path(__file__).parents[2]
 PAGES = (
     sorted(ROOT.glob("*.md"))
-    + sorted(ROOT.glob("docs/**/*.md"))
+    + sorted(set(ROOT.glob("docs/**/*.md")) - {ROOT / "docs/gallery/index.md"})  # made by the site
     + sorted(ROOT.glob("benchmarks/*.md"))
+    + sorted(ROOT.glob("proof/*.md"))
 )
 BLOCK = re.compile(r"^(<!-- no-run: .+ -->\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS | doctest.REPORT_NDIFF

@@ -138,7 +138,9 @@ def inverse_dynamics(
     SingularError
         The drives do not determine the motion.
 
-    Source: Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
+    References
+    ----------
+    Luh, Walker, Paul 1980; notes 4.6-4.15, 6.16-6.29.
     """
     if actuated is None and forces is None:
         return evaluate("inverse_dynamics", model, (q, qd, qdd), None, wrenches, _INVERSE)

@@ -142,7 +142,9 @@ def reactions(
     PassiveJointError
         A torque at a passive joint.
 
-    Source: (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
+    References
+    ----------
+    (5.23), (5.29); Newton and Euler body by body (3.1, 3.2, 6.1, 6.2).
     """
     if actuated is not None and not model.loops:
         raise FreebodyError(

@@ -159,7 +159,9 @@ def drive_loads(
     ------
     FreebodyError, KindError, UnknownNameError
 
-    Source: Harmonic Drive AG, Engineering Data, 1019659 11/2014, section 4.1; ISO 281.
+    References
+    ----------
+    Harmonic Drive AG, Engineering Data, 1019659 11/2014, section 4.1; ISO 281.
     """
     chosen, life = _checked(drives), checked_life("drive_loads", life)
     done = duty_cycles("drive_loads", model, cycles)

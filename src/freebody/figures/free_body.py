@@ -107,7 +107,9 @@ def free_body_diagram(
     ------
     ShapeError, NotFiniteError, UnknownNameError, MissingValueError, FileError
 
-    Source: figures 1.4, 2.3, 3.2, 6.4.
+    References
+    ----------
+    Figures 1.4, 2.3, 3.2, 6.4.
     """
     caller = "free_body_diagram"
     how, parts = labels_of(caller, model, labels), _parts(model.dim, show)

@@ -86,7 +86,9 @@ def kinematic_diagram(
     ------
     ShapeError, NotFiniteError, UnknownNameError, MissingValueError
 
-    Source: figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
+    References
+    ----------
+    Figures 1.2, 2.1, 3.2, 4.3, 5.3, 6.4, 6.5.
     """
     caller, known = "kinematic_diagram", VIEWS[model.dim]
     asked = _DEFAULT[model.dim] if show is None else show

@@ -68,10 +68,8 @@ def compile(  # noqa: A001  the name that users look for
 
     Raises
     ------
-    GraphError
-        A function that cannot be traced.
-    ProgramError
-        Results whose shapes do not fit.
+    FreebodyError
+        A function that cannot be traced, or results whose shapes do not fit.
     """
     if not callable(function):
         raise KindError("fb.compile", "function", function, "a function of scalars")

@@ -109,7 +109,9 @@ def input_output(
     FreebodyError
         The numbers of rows, drives and degrees of freedom do not match.
 
-    Source: Gosselin, Angeles 1990.
+    References
+    ----------
+    Gosselin, Angeles 1990.
     """
     require_loops(model, "input_output")
     at = finite_vector("input_output", model, "q", q)

@@ -68,7 +68,9 @@ def pd_gravity(
     FreebodyError
         A negative gain.
 
-    Source: Takegaki and Arimoto 1981.
+    References
+    ----------
+    Takegaki and Arimoto 1981.
     """
     _require_drives("pd_gravity", model)
     gains = [_gain("pd_gravity", model, name, x) for name, x in (("kp", kp), ("kd", kd))]
@@ -111,7 +113,9 @@ def computed_torque(
     PassiveJointError, ShapeError, NotFiniteError, FreebodyError
         As `pd_gravity` does.
 
-    Source: Luh, Walker, Paul 1980.
+    References
+    ----------
+    Luh, Walker, Paul 1980.
     """
     _require_drives("computed_torque", model)
     gains = [_gain("computed_torque", model, name, x) for name, x in (("kp", kp), ("kd", kd))]
@@ -167,7 +171,9 @@ def operational_space_control(
     PassiveJointError, ShapeError, NotFiniteError, FreebodyError
         As `pd_gravity` does.
 
-    Source: Khatib 1987.
+    References
+    ----------
+    Khatib 1987.
     """
     function = "operational_space_control"
     _require_drives(function, model)

@@ -66,7 +66,9 @@ def velocity(
         Linear (m/s) of the origin or point, then angular (rad/s), world axes. In the plane (...,
         3): ẋ, ẏ, ω.
 
-    Source: (2.16-2.18), (4.3), (6.16-6.19).
+    References
+    ----------
+    (2.16-2.18), (4.3), (6.16-6.19).
     """
     if point is None:
         return evaluate(("velocity", frame), model, (q, qd), _of_frame)
@@ -97,7 +99,9 @@ def acceleration(
     (..., 6)
         Linear (m/s²), then angular (rad/s²), world axes; in the plane (..., 3).
 
-    Source: (2.24), (4.5), (6.20-6.22).
+    References
+    ----------
+    (2.24), (4.5), (6.20-6.22).
     """
     if point is None:
         return evaluate(("acceleration", frame), model, (q, qd, qdd), _of_frame)

@@ -175,7 +175,7 @@ def vector_function(rows: Sequence[str], names: Sequence[str]) -> VectorFunction
 
     Raises
     ------
-    FormulaError
+    FreebodyError
         A formula that cannot be read.
     UnknownNameError
         A name that is not a variable.

@@ -109,7 +109,7 @@ def relation(values: Mapping[str, Any], formula: str, *, link: int | None = None
 
     Raises
     ------
-    FormulaError
+    FreebodyError
         A text that cannot be read.
     UnknownNameError
         A name without value.

@@ -99,7 +99,9 @@ def time_optimal(
     LoopError, SingularError
         The loops block the path, or the drives do not hold it.
 
-    Source: Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
+    References
+    ----------
+    Bobrow, Dubowsky and Gibson 1985; Pham and Pham 2018 ("TOPP-RA").
     """
     limits = planning_limits(_NAME, model, velocity, acceleration, torque=torque)
     loads = wrenches_by_frame(_NAME, model, wrenches, single=True)

@@ -1,0 +1,115 @@
+"""A Sphinx extension: a page for each public name, from its docstring, in the groups of
+docs/functions.md; and a link to it wherever a page names it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from docutils import nodes
+from docutils.parsers.rst.states import Inliner
+from sphinx import addnodes
+from sphinx.application import Sphinx
+from sphinx.ext.napoleon import Config, NumpyDocstring
+
+import freebody as fb
+
+ROW = re.compile(r"^\| `fb\.(\w+)` \| (.*) \|$")
+CODE = re.compile(r"(``[^`]+``|`[^`\n]+`)")
+SECTIONS = Config(napoleon_use_param=False, napoleon_use_rtype=False)
+PUBLIC = re.compile(r"fb\.(\w+)(\(\))?")
+
+
+def write_pages(app: Sphinx) -> None:
+    """One page for each public name and an index of them by group, below docs/reference."""
+    folder = Path(app.srcdir, "docs", "reference")
+    folder.mkdir(exist_ok=True)
+    index = ["Reference", "=========", "", "Every public name, from its docstring.", ""]
+    for heading, names in _groups(Path(app.srcdir, "docs", "functions.md")):
+        index += [heading, "-" * len(heading), "", ".. toctree::", "   :maxdepth: 1", ""]
+        index += [*(f"   {name}" for name in names), ""]
+        for name in names:
+            _write(folder / f"{name}.rst", _page(name))
+    _write(folder / "index.rst", "\n".join(index))
+
+
+def _groups(page: Path) -> list[tuple[str, list[str]]]:
+    groups: list[tuple[str, list[str]]] = []
+    for line in page.read_text(encoding="utf-8").splitlines():
+        if line.startswith("## "):
+            groups.append((line.removeprefix("## "), []))
+        elif (row := ROW.match(line)) and row[1] in fb.__all__:
+            groups[-1][1].append(row[1])
+    return [(heading, names) for heading, names in groups if names]
+
+
+def _page(name: str) -> str:
+    title = f"fb.{name}"
+    what = getattr(fb, name)
+    if isinstance(what, type):
+        kind = "autoexception" if issubclass(what, BaseException) else "autoclass"
+    else:
+        kind = "autofunction" if callable(what) else "automodule"
+    members = "" if kind == "autofunction" else "   :members:\n"
+    return f"{title}\n{'=' * len(title)}\n\n.. {kind}:: freebody.{name}\n{members}"
+
+
+def _write(path: Path, text: str) -> None:
+    """Leave a page alone that has not changed, so that Sphinx need not read it again."""
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
+
+
+def as_markup(
+    app: Sphinx, what: str, name: str, obj: object, options: object, lines: list[str]
+) -> None:
+    """Make reStructuredText of a docstring, in place: its sections become lists, and what would be
+    read as markup outside of code (products, norms, trailing underscores) is escaped."""
+    for k, line in enumerate(lines):
+        parts = CODE.split(line)
+        parts[::2] = (re.sub(r"([*|]|(?<=\w)_\b)", r"\\\1", part) for part in parts[::2])
+        lines[k] = "".join(parts)
+    if what not in ("attribute", "property"):  # of these napoleon takes "words:" for a type
+        lines[:] = NumpyDocstring(lines, SECTIONS, app, what, name, obj, options).lines()
+
+
+def public_or_code(
+    name: str,
+    rawtext: str,
+    text: str,
+    lineno: int,
+    inliner: Inliner,
+    options: dict[str, Any] | None = None,
+    content: list[str] | None = None,
+) -> tuple[list[nodes.Node], list[nodes.system_message]]:
+    """The role of single backquotes in docstrings: code, and a link if it is a public name."""
+    public = text.removeprefix("fb.")
+    code = nodes.literal(text, text)
+    return [_link(code, public) if public in fb.__all__ else code], []
+
+
+def link_names(app: Sphinx, doctree: nodes.document) -> None:
+    """Make links of public names in running text."""
+    for code in list(doctree.findall(nodes.literal)):
+        named = PUBLIC.fullmatch(code.astext())
+        if named and named[1] in fb.__all__ and not isinstance(code.parent, addnodes.pending_xref):
+            code.replace_self(_link(code.deepcopy(), named[1]))
+
+
+def _link(code: nodes.Node, name: str) -> addnodes.pending_xref:
+    link = addnodes.pending_xref(
+        "", refdomain="py", reftype="obj", reftarget=f"freebody.{name}", refexplicit=False
+    )
+    link += code
+    return link
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register with Sphinx, which calls this."""
+    app.connect("builder-inited", write_pages)
+    app.connect("autodoc-process-docstring", as_markup)
+    app.connect("doctree-read", link_names)
+    app.add_role("public_or_code", public_or_code)
+    app.config.default_role = "public_or_code"
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

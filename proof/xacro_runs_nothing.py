@@ -1,0 +1,17 @@
+"""A xacro file whose expression would run a shell command under ROS's own tool is refused, and the
+command does not run."""
+
+from pathlib import Path
+
+import freebody as fb
+
+TEXT = """<robot xmlns:xacro="http://ros.org/wiki/xacro" name="r"><link name="a"/>
+<xacro:property name="x" value="${(lambda: __import__('os').system('touch ran'))()}"/>
+<link name="b${x}"/></robot>"""
+try:
+    fb.load(text=TEXT, format="xacro")
+except fb.FileError as error:
+    print(error)
+else:
+    raise AssertionError("the file was read")
+assert not Path("ran").exists()
