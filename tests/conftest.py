@@ -1,6 +1,7 @@
 """What every test file shares."""
 
 import atexit
+import gc
 import os
 import shutil
 import tempfile
@@ -28,6 +29,9 @@ for threads in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     # workers inherit it: threads of theirs that wait for each other on the same cores cost minutes
     os.environ.setdefault(threads, "1")
 
+# by Python's own thresholds a tenth of the time goes into looking for rubbish and finding none
+gc.set_threshold(20_000, 20, 20)
+
 if "FREEBODY_OPTIMISE" not in os.environ:
     # most of the suite's time is LLVM's, most of which is its work on the speed of code that is
     # called once; the compiler's own tests have it do all (tests/core/compiler/conftest.py)
@@ -38,6 +42,13 @@ if "FREEBODY_CACHE" not in os.environ:
     # nor filled
     os.environ["FREEBODY_CACHE"] = tempfile.mkdtemp(prefix="freebody-tests-")
     atexit.register(shutil.rmtree, os.environ["FREEBODY_CACHE"], ignore_errors=True)
+
+
+def pytest_collection_finish() -> None:
+    """What is known before the first test, all tests and modules, stays: to look through it for
+    rubbish again and again takes longer than some tests."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -8,7 +8,7 @@ import re
 import reprlib
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,6 +29,17 @@ def likely(name: str, known: Iterable[str], most: int = 1) -> list[str]:
     spelt = [x for x in close if min(len(x), len(name)) >= 3 and _is_misspelt(name, x)]
     rest = sorted((*numbered, *spelt), key=lambda x: _apart(x, name))
     return list(dict.fromkeys((*same, *rest)))[:most]
+
+
+def did_you_mean(near: Sequence[str]) -> str:
+    """The question, in the middle of a sentence, whether the likeliest of some names was meant;
+    nothing of none."""
+    return f"did you mean {near[0]!r}?" if near else ""
+
+
+def capitalised(text: str) -> str:
+    """A text that begins a sentence: its first letter is a capital, the others are as they were."""
+    return f"{text[:1].upper()}{text[1:]}"
 
 
 _LONG, _MOST = 80, 2000
@@ -141,19 +152,15 @@ class UnknownNameError(FreebodyError, KeyError):
 
     def __init__(self, what: str, name: object, owner: str, names: Iterable[str]):
         known = list(names)
-        near = likely(str(name), known)
-        hint = f" Did you mean {near[0]!r}?" if near else ""
+        hint = capitalised(did_you_mean(likely(str(name), known)))
         plural = what if what.endswith("s") else f"{what}s"
         if what.endswith("y") and what[-2:-1] not in "aeou":
             plural = f"{what[:-1]}ies"
         elif what.endswith("is"):  # axis
             plural = f"{what[:-2]}es"
-        listed = (
-            f" {plural[0].upper()}{plural[1:]}: {_listing(known)}."
-            if known
-            else f" It has no {plural}."
-        )
-        super().__init__(f"no {what} {shown(name)} in {owner}.{hint}{listed}")
+        listed = f"{capitalised(plural)}: {_listing(known)}." if known else f"It has no {plural}."
+        said = f"no {what} {shown(name)} in {owner}."
+        super().__init__(" ".join(part for part in (said, hint, listed) if part))
 
     def __str__(self) -> str:  # KeyError would print the repr
         return self.args[0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -48,8 +49,10 @@ def base(seed: int) -> str:
     return "free" if seed % 5 == 4 else "fixed"
 
 
+@cache
 def tree(seed: int, dim: int = 3) -> Robot:
-    """Links and joints of a random tree with 1 to 12 movable joints."""
+    """Links and joints of a random tree with 1 to 12 movable joints, made once: laws ask it for
+    kinds of joints before there is a model."""
     return _Tree(seed, dim).description()
 
 

@@ -6,7 +6,7 @@ quaternions as xyzw.
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 import pytest
@@ -96,9 +96,10 @@ def span(joint) -> tuple[int, int]:
     return joint.idx_v, joint.idx_v + joint.nv
 
 
-@lru_cache(maxsize=8)
+@cache
 def pair(name: str, base: str) -> tuple[fb.Model, Theirs]:
-    """The file as read by freebody, to the letter, and by Pinocchio."""
+    """The file as read by freebody, to the letter, and by Pinocchio; read once by a process, for
+    every test goes through all files."""
     model = fb.load(str(ROBOTS / name), base=base, mimic="free", snap_angles=0, physical="ignore")
     return model, Theirs(name, base, model)
 

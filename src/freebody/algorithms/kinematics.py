@@ -10,7 +10,7 @@ from freebody.dual import Dual
 from freebody.elementary import Scalar
 from freebody.errors import SingularError
 from freebody.model.joints.kind import Column
-from freebody.model.tree import Pose, Tree
+from freebody.model.tree import Pose, Tree, TreeBody
 from freebody.spatial import (
     Matrix,
     Vector,
@@ -29,10 +29,12 @@ from freebody.spatial import (
 
 def joint_poses(tree: Tree, q: Vector) -> list[Pose]:
     """Pose of each body in its parent."""
-    return [
-        compose((body.R, body.p), body.primitive.pose(tree.space, body.axis, body.position(q)))
-        for body in tree.bodies
-    ]
+    return [_joint_pose(tree, body, q) for body in tree.bodies]
+
+
+def _joint_pose(tree: Tree, body: TreeBody, q: Vector) -> Pose:
+    """Pose of a body in its parent."""
+    return compose((body.R, body.p), body.primitive.pose(tree.space, body.axis, body.position(q)))
 
 
 def position_rates(tree: Tree, q: Vector, qd: Vector) -> Vector:
@@ -149,6 +151,16 @@ def frame_pose(tree: Tree, world: list[Pose], frame: str) -> Pose:
     """Pose of a named frame in the world."""
     body, R, p = tree.frames[frame]
     return (R, p) if body < 0 else compose(world[body], (R, p))
+
+
+def frame_pose_at(tree: Tree, q: Vector, frame: str) -> Pose:
+    """Pose of a named frame in the world, by the joints on the way to it alone."""
+    body, R, p = tree.frames[frame]
+    pose = None
+    for i in reversed(ancestors(tree, body)):
+        joint = _joint_pose(tree, tree.bodies[i], q)
+        pose = joint if pose is None else compose(pose, joint)
+    return (R, p) if pose is None else compose(pose, (R, p))
 
 
 def weighted(columns: tuple[Column, ...], rates: Vector) -> Column:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import cache
 from typing import Annotated, Any
 
 import typer
@@ -116,7 +117,7 @@ def run(arguments: list[str]) -> int:
 
 def _run(arguments: list[str]) -> int:
     try:
-        code = typer.main.get_command(app).main(
+        code = _program().main(
             arguments, prog_name="freebody", standalone_mode=False, obj=tuple(arguments)
         )
     except FreebodyError as problem:
@@ -130,6 +131,12 @@ def _run(arguments: list[str]) -> int:
     if code == INTERRUPTED:
         terminal.error("interrupted.")
     return code if isinstance(code, int) else 0
+
+
+@cache
+def _program() -> Any:
+    """The program of all commands, which is made once a process."""
+    return typer.main.get_command(app)
 
 
 def _unforeseen(problem: Exception) -> int:

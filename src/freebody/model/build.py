@@ -21,7 +21,7 @@ from freebody.errors import (
     listed,
     warn,
 )
-from freebody.model import changes
+from freebody.model import changes, name_rules
 from freebody.model.bodies import Body, Frame
 from freebody.model.description import (
     MOST_LINKS,
@@ -302,14 +302,11 @@ class _DescriptionChecks:
 
     def unique(self, what: str, parts: Sequence[_LinkOrJoint]) -> dict[str, _LinkOrJoint]:
         """The links or joints by name; refuses parts without a name and two of one name."""
-        named: dict[str, _LinkOrJoint] = {}
-        for part in parts:
-            if not part.name:
-                self.refuse(f"a {what} has no name; give it one.", part.line)
-            if part.name in named:
-                self.refuse(f"two {what}s are called {part.name!r}; rename one.", part.line)
-            named[part.name] = part
-        return named
+        names = [part.name for part in parts]
+        for rule in name_rules.EVERY_NAME:
+            for i in rule.broken(names):
+                self.refuse(f"{rule.said(what, names[i])}; {rule.remedy}.", parts[i].line)
+        return dict(zip(names, parts, strict=True))
 
     def joint(self, joint: Joint) -> Joint:
         """The joint with a unit axis; refuses unknown kinds, links, axes, limits."""
@@ -323,12 +320,9 @@ class _DescriptionChecks:
                 f"{where}: a {kind.name} joint needs a model in space, this one is planar.",
                 joint.line,
             )
-        for role, name in (("parent", joint.parent), ("child", joint.child)):
-            if name not in self.links:
-                self.refuse(
-                    f"{where}: {UnknownNameError(f'{role} link', name, 'the file', self.links)}",
-                    joint.line,
-                )
+        for end, name in name_rules.unknown_ends(joint, self.links):
+            unknown = UnknownNameError(f"{end} link", name, "the file", self.links)
+            self.refuse(f"{where}: {unknown}", joint.line)
         if joint.parent == joint.child:
             self.refuse(
                 f"{where}: link {joint.child!r} cannot be its own parent; name another parent.",

@@ -50,8 +50,11 @@ def states(model: fb.Model) -> dict[str, dict[str, Any]]:
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of overflows, which are meant
+@pytest.mark.parametrize("optimised", [0, pytest.param(2, marks=pytest.mark.long)], indirect=True)
 @pytest.mark.parametrize("name", ["2R", "quadrotor", "four_bar"])
 def test_no_answer_depends_on_what_was_called_before(name):
+    """What is kept between calls is the same whatever LLVM's effort, which takes most of the time
+    of some hundred kernels."""
     model = fb.load(name)
     calls = {k: call for k, call in public_calls().items() if k not in LONG | DRAWINGS}
     given = states(model)

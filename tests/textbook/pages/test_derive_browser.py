@@ -7,7 +7,9 @@ import base64
 import re
 import shutil
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -40,9 +42,21 @@ DOTS = """const find = x => [...document.querySelectorAll(x)].map(e => e.getBoun
   return [find('mover > mi'), find('mover > mo')]"""
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method):
-    for k, model in enumerate(MODELS):
+def robots_of(methods: Iterable[str]) -> list[Any]:
+    """Every method with every robot: of each method two soon, so that all robots come, the others
+    where there is time."""
+    found, parts = [], range(3)
+    for i, method in enumerate(methods):
+        for part in parts:
+            marks = () if (i + part) % len(parts) == 0 else pytest.mark.long
+            robots = MODELS[part :: len(parts)]
+            found.append(pytest.param(method, robots, marks=marks, id=f"{method}-{part}"))
+    return found
+
+
+@pytest.mark.parametrize(("method", "robots"), robots_of(METHODS))
+def test_derivations_are_drawn_and_fit(driver, tmp_path: Path, method, robots):
+    for k, model in enumerate(robots):
         derivation = fb.derive(model, method)
         page = tmp_path / f"derivation{k}.html"  # under one name the page before may still be there
         page.write_text(text := derivation.html())

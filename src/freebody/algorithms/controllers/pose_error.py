@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from freebody.algorithms.kinematics import frame_pose, joint_poses, world_poses
+from freebody.algorithms.kinematics import frame_pose_at
 from freebody.elementary import atan2, sqrt
 from freebody.model.tree import Tree
 from freebody.spatial import AnySpace, Matrix, Vector, product, scale, sub, transposed
@@ -13,7 +13,7 @@ _TINY = 1e-30
 def pose_error(tree: Tree, q: Vector, frame: str, wanted: Matrix) -> Vector:
     """The error of a frame's pose against the wanted one (a homogeneous matrix): what the origin
     lacks, then the rotation vector, world axes."""
-    R, p = frame_pose(tree, world_poses(tree, joint_poses(tree, q)), frame)
+    R, p = frame_pose_at(tree, q, frame)
     rotation, origin = parted(tree.space, wanted)
     return (*sub(origin, p), *rotation_vector(tree.space, product(rotation, transposed(R))))
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from freebody.diagnosis.facts import JointFacts, LinkFacts, RobotFacts, elements_in
 from freebody.diagnosis.finding import AttributeChange, FindingKind, FoundFault
-from freebody.errors import likely, listed
+from freebody.errors import did_you_mean, likely, listed
+from freebody.model.name_rules import DUPLICATE, UNNAMED, NameRule, unknown_ends
 
 _ODD = re.compile(r"[^\w.:/+-]+")
 """Characters that names of ROS, of simulators and of generated code do not take."""
@@ -17,20 +18,16 @@ def _parts(facts: RobotFacts) -> tuple[tuple[str, Sequence[LinkFacts | JointFact
     return ("link", facts.links), ("joint", facts.joints)
 
 
-def _unnamed(facts: RobotFacts) -> Iterator[FoundFault]:
-    for what, parts in _parts(facts):
-        for part in parts:
-            if not part.name:
-                yield FoundFault(f"a {what} has no name", part.line)
+def _breaking(rule: NameRule) -> Callable[[RobotFacts], Iterator[FoundFault]]:
+    """A finder of the links and joints whose names break a rule."""
 
+    def find(facts: RobotFacts) -> Iterator[FoundFault]:
+        for what, parts in _parts(facts):
+            names = [part.name for part in parts]
+            for i in rule.broken(names):
+                yield FoundFault(rule.said(what, names[i]), parts[i].line)
 
-def _duplicate(facts: RobotFacts) -> Iterator[FoundFault]:
-    for what, parts in _parts(facts):
-        seen: set[str] = set()
-        for part in parts:
-            if part.name in seen and part.name:
-                yield FoundFault(f"two {what}s are called {part.name!r}", part.line)
-            seen.add(part.name)
+    return find
 
 
 def _odd(facts: RobotFacts) -> Iterator[FoundFault]:
@@ -61,22 +58,20 @@ def _renamed(facts: RobotFacts, what: str, name: str, new: str) -> Iterator[Attr
 
 def _unknown_link(facts: RobotFacts) -> Iterator[FoundFault]:
     for joint in facts.joints:
-        for role, name in (("parent", joint.parent), ("child", joint.child)):
+        for end, name in unknown_ends(joint, facts.link):
             if not name:
-                yield FoundFault(f"joint {joint.name!r} has no {role}", joint.line)
-            elif name not in facts.link:
-                near = likely(name, facts.link)
-                yield FoundFault(
-                    f"the {role} of joint {joint.name!r} is {name!r}, and no link is called so",
-                    joint.line,
-                    remedy=f"did you mean {near[0]!r}?" if near else "",
-                )
+                yield FoundFault(f"joint {joint.name!r} has no {end}", joint.line)
+                continue
+            yield FoundFault(
+                f"the {end} of joint {joint.name!r} is {name!r}, and no link is called so",
+                joint.line,
+                remedy=did_you_mean(likely(name, facts.link)),
+            )
         if joint.mimics and (joint.mimics not in facts.joint or joint.mimics == joint.name):
-            near = likely(joint.mimics, facts.joint)
             yield FoundFault(
                 f"joint {joint.name!r} follows {joint.mimics!r}, which is no other joint",
                 joint.line,
-                remedy=f"did you mean {near[0]!r}?" if near else "name another joint",
+                remedy=did_you_mean(likely(joint.mimics, facts.joint)) or "name another joint",
             )
 
 
@@ -127,8 +122,8 @@ def _no_tip(facts: RobotFacts) -> Iterator[FoundFault]:
         yield FoundFault(f"no frame is the only tip: {listed(model.leaves, 6)} are ends")
 
 
-UNNAMED = FindingKind("no name", "error", "give it one", _unnamed)
-DUPLICATE = FindingKind("duplicate name", "error", "rename one of them", _duplicate)
+NO_NAME = FindingKind("no name", "error", UNNAMED.remedy, _breaking(UNNAMED))
+SAME_NAME = FindingKind("duplicate name", "error", DUPLICATE.remedy, _breaking(DUPLICATE))
 ODD = FindingKind("odd name", "warning", "rename it", _odd)
 UNKNOWN_LINK = FindingKind("unknown name", "error", "name one that exists", _unknown_link)
 TWO_JOINTS = FindingKind("two joints", "error", "remove one, or make it a loop", _two_joints)

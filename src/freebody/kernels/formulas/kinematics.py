@@ -20,9 +20,7 @@ from freebody.spatial import Vector
 
 
 def _pose(tree: Tree, o: Option, q: Vector) -> tuple[Any, ...]:
-    R, p = kinematics.frame_pose(
-        tree, kinematics.world_poses(tree, kinematics.joint_poses(tree, q)), frame_of(o)
-    )
+    R, p = kinematics.frame_pose_at(tree, q, frame_of(o))
     last = (0.0,) * tree.space.dim + (1.0,)
     return ((*((*row, x) for row, x in zip(R, p, strict=True)), last),)
 

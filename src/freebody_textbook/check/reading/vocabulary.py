@@ -9,7 +9,7 @@ from copy import copy
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NoReturn
 
-from freebody.errors import likely
+from freebody.errors import capitalised, did_you_mean, likely
 from freebody.expressions.grammar import words
 from freebody.expressions.grammar.atoms import atom, spellings
 from freebody.expressions.grammar.lexemes import Lexeme
@@ -219,7 +219,7 @@ class Vocabulary:
             source.fail(f"no symbol {word!r} in {model.name!r}", span, instead)
         names = self.listed
         near = likely(plain, names) or likely(spelt.plain, names)
-        hint = f"Did you mean {near[0]!r}? " if near else ""
+        hint = f"{capitalised(did_you_mean(near))} " if near else ""
         if (wave := plain.lower()) in self.waves:
             function = {"sin": "sine", "cos": "cosine"}[self.waves[wave][0]]
             hint = f"The {function} of the angle is written {wave}. "
