@@ -166,8 +166,8 @@ def grid_of(t: Array, rate: float | None, where: Place) -> LogGrid:
     own = even is not None and (rate is None or abs(rate * even - 1.0) < 1e-9)
     if even is not None and own:
         places = np.rint(t / even)
-        samples: Array = places * even
-        times: Array = np.arange(int(places[-1]) + 1) * even
+        samples = places * even
+        times: Array = np.arange(int(places[-1]) + 1, dtype=np.float64) * even
     else:
         mean = float(steps[whole].mean())
         chosen = rate or (_round(1.0 / mean) if even is None else 1.0 / even)

@@ -79,7 +79,13 @@ class _Reading:
         self.table, self.layout, self.model = table, layout, model
         self.cells = [named_unit(name, {}) for name in table.names or ()]
         self.joints = () if model is None else joint_names(model)
-        self.words = {name: _words_of(name) for name in self.joints}
+        heads = [name for name, _ in self.cells]
+        known = (
+            self.joints
+            or layout.joints
+            or [x for x in heads if any(y.startswith(f"{x}.") for y in heads)]
+        )
+        self.words = {name: _words_of(name) for name in known}
         self.named = [
             x for k, (name, unit) in enumerate(self.cells) for x in self.read(k, name, unit)
         ]

@@ -56,8 +56,9 @@ def spikes(samples: dict[str, Array]) -> NDArray[np.bool_]:
         most = np.maximum(_SPIKE[0] * usual, _SPIKE[1] * (high - low))
         if not (off > most).any():
             continue
-        peak = off >= np.maximum(np.roll(off, 1, axis=0), np.roll(off, -1, axis=0))
-        found |= ((off > most) & peak).any(axis=1)
+        agree = np.zeros_like(off, dtype=bool)
+        agree[1:-1] = np.abs(x[2:] - x[:-2]) < _SPIKE[1] * off[1:-1]
+        found |= ((off > most) & agree).any(axis=1)
     return found
 
 
