@@ -151,6 +151,8 @@ _PLACES = {
     "freebody.motion.planning.planning_limits": ("exceeded_limits",),
     "freebody.motion.simulation.simulate": ("simulate",),
     "freebody.motion.optimal.time_optimal": ("time_optimal",),
+    "freebody.identification.logs.read_log": ("read_log",),
+    "freebody.identification.logs.log": ("Log",),
     "freebody.design.data_sheets": ("mean_load",),
     "freebody.design.parts": ("Motor", "Gear", "Bearing"),
     "freebody.design.catalogue": ("PartCatalogue", "catalogue"),

@@ -65,7 +65,7 @@ class Log(Tabled, ByValue):
     def settled(self, margin: float = SETTLES) -> NDArray[np.bool_]:
         """Flags (n,): whether a time is `margin` (s) from both ends of the log and from every time
         that was not measured, so that no filter's transient reaches it."""
-        reach = int(np.ceil(margin * self.rate))
+        reach = int(np.ceil(margin * self.rate - 1e-6))
         bad = np.concatenate([[True], ~self.measured, [True]])
         places = np.arange(len(bad))
         before = np.maximum.accumulate(np.where(bad, places, -len(bad)))
