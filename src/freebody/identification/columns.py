@@ -26,7 +26,7 @@ SMOOTH = 0.01
 """Rate (rad/s, m/s) within which the sign of a rate goes from -1 to 1, as tanh(rate / SMOOTH): a
 measured rate has no sign that could be trusted below. Half of it cost 1.1 % of a real robot's
 torque, where dry friction changed its sense in noise."""
-USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "load")
+USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point)."""
 _TORQUES_AT_ONCE = 256
@@ -37,7 +37,9 @@ class FrictionLaw(NamedTuple):
     """A law of friction with the numbers of its shape, in which torques are not linear."""
 
     law: DriveLaw
+    numbers: Mapping[str, float]
     shape: tuple[float, ...]
+    """The law's further scalars, made of these numbers."""
 
     @property
     def by_load(self) -> bool:
@@ -147,7 +149,8 @@ def _with_shape(law: DriveLaw, numbers: Mapping[str, float]) -> FrictionLaw:
             f'friction={{"{law.name}": {{{example}}}}}.'
         )
     values = {law.strength: 1.0} | {name: float(x) for name, x in numbers.items()}
-    return FrictionLaw(law, tuple(law.scalars_of(values.__getitem__))[1:])
+    own = {name: values[name] for name in needed}
+    return FrictionLaw(law, own, tuple(law.scalars_of(values.__getitem__))[1:])
 
 
 def regression_columns(

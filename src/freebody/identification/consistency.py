@@ -10,20 +10,24 @@ is infinite where a body ceases to exist, so that no constraint is left to a sol
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from freebody.arrays import Array
+from freebody.lazy import Keeps, cached_property
 
 _STEPS = 60
 """Most steps of Newton's method; it takes some ten."""
 _SETTLED = 1e-10
 """Newton's decrement, in units of half a squared standard deviation, at which it ends."""
-_WEAKEST, _STRONGEST = 1e-7, 1e2
-"""Bounds of the prior's weight: with the least it is no more than the constraint that bodies exist."""
-_HALVINGS = 24
-"""Trials by which the prior's weight is found, to a fifth of its size."""
+_WEAKEST, _STRONGEST, _FALL = 1e-2, 1e2, 10.0
+"""Bounds of the prior's weight, and the factor from one that is tried to the next, which starts
+where the last has ended; with the least weight little more is asked than that bodies exist."""
+_HALVINGS = 4
+"""Further trials by which the prior's weight is found, to a sixth of its size."""
+_BARRIER = 0.1
+"""Weight of the barriers that keep friction and rotors positive."""
 
 
 def pseudo_inertia_basis(dim: int) -> Array:
@@ -52,7 +56,7 @@ def pseudo_inertia_basis(dim: int) -> Array:
 
 
 @dataclass(frozen=True)
-class Physical:
+class Physical(Keeps):
     """What is physical about unknowns x: bodies, one after the other, then scalars.
 
     basis: see `pseudo_inertia_basis`. bodies: (nb, k) their prior parameters. scalars: (ns,) prior
@@ -74,10 +78,11 @@ class Physical:
         """The pseudo-inertias (nb, d, d) of the bodies."""
         return np.einsum("bk,kij->bij", x[: self.bodies.size].reshape(self.bodies.shape), self.basis)
 
-    def divergence(self, x: Array) -> float:
-        """The prior's divergence, infinite where something is not physical."""
+    def penalty(self, x: Array, weight: float) -> float:
+        """The weighted divergence of the bodies and the barriers of the scalars; infinite where
+        something is not physical."""
         P, s = self.pseudo_inertias(x), x[self.bodies.size :]
-        positive = ~np.isnan(self.scalars)
+        positive, bounded = ~np.isnan(self.scalars), np.isfinite(self.below)
         if np.any(s[positive] <= 0.0) or np.any(s >= self.below):
             return np.inf
         try:
@@ -88,37 +93,36 @@ class Physical:
         of_bodies += np.einsum("bij,bji->", self._prior, P)
         m = P[:, -1, -1] / self.bodies[:, 0]
         of_bodies += self.of_masses * (m - np.log(m)).sum()
-        bounded = np.isfinite(self.below)
-        of_scalars = (s[positive] / self.scalars[positive] - np.log(s[positive])).sum()
-        of_scalars -= np.log(1.0 - s[bounded] / self.below[bounded]).sum()
-        return float(of_bodies + of_scalars)
+        barriers = (s[positive] / self.scalars[positive] - np.log(s[positive])).sum()
+        barriers -= np.log(1.0 - s[bounded] / self.below[bounded]).sum()
+        return float(weight * of_bodies + _BARRIER * barriers)
 
-    @property
+    @cached_property
     def _prior(self) -> Array:
         return np.linalg.inv(self.pseudo_inertias(self.start()))
 
-    def slopes(self, x: Array) -> tuple[Array, Array]:
-        """Gradient and second derivatives of the divergence."""
+    def slopes(self, x: Array, weight: float) -> tuple[Array, Array]:
+        """Gradient and second derivatives of the penalty."""
         (nb, k), P = self.bodies.shape, self.pseudo_inertias(x)
         inverse = np.linalg.inv(P)
         gradient, second = np.zeros(len(x)), np.zeros((len(x), len(x)))
-        gradient[: nb * k] = np.einsum("bij,kji->bk", self._prior - inverse, self.basis).ravel()
+        by_body = np.einsum("bij,kji->bk", self._prior - inverse, self.basis)
         half = np.einsum("bij,kjl->bkil", inverse, self.basis)
         blocks = np.einsum("bkil,bmli->bkm", half, half)
+        m = P[:, -1, -1]
+        by_body[:, 0] += self.of_masses * (1.0 / self.bodies[:, 0] - 1.0 / m)
+        blocks[:, 0, 0] += self.of_masses / m**2
+        gradient[: nb * k] = weight * by_body.ravel()
         for b in range(nb):
-            second[b * k : (b + 1) * k, b * k : (b + 1) * k] = blocks[b]
-        masses, m = np.arange(0, nb * k, k), P[:, -1, -1]
-        gradient[masses] += self.of_masses * (1.0 / self.bodies[:, 0] - 1.0 / m)
-        second[masses, masses] += self.of_masses / m**2
-        s = x[nb * k :]
-        positive, places = ~np.isnan(self.scalars), np.arange(nb * k, len(x))
-        at = places[positive]
-        gradient[at] = 1.0 / self.scalars[positive] - 1.0 / s[positive]
-        second[at, at] = s[positive] ** -2.0
-        bounded = np.isfinite(self.below)
+            second[b * k : (b + 1) * k, b * k : (b + 1) * k] = weight * blocks[b]
+        s, places = x[nb * k :], np.arange(nb * k, len(x))
+        positive, bounded = ~np.isnan(self.scalars), np.isfinite(self.below)
+        at, value = places[positive], s[positive]
+        gradient[at] = _BARRIER * (1.0 / self.scalars[positive] - 1.0 / value)
+        second[at, at] = _BARRIER * value**-2.0
         at, left = places[bounded], self.below[bounded] - s[bounded]
-        gradient[at] += 1.0 / left
-        second[at, at] += left**-2.0
+        gradient[at] += _BARRIER / left
+        second[at, at] += _BARRIER * left**-2.0
         return gradient, second
 
 
@@ -141,20 +145,32 @@ def nearest_physical(
     (b, x), of which physical unknowns the estimated are made. allowed: chi2 that fits the data as
     well as the estimate does, within its noise; it is added to what physics alone cost.
     """
-    least = _newton(estimate, information, combine, physical, _WEAKEST, physical.start())
-    allowed = allowed + least.chi2
-    low, high, best = np.log(_WEAKEST), np.log(_STRONGEST), least
-    strongest = _newton(estimate, information, combine, physical, _STRONGEST, physical.start())
-    if strongest.chi2 <= allowed:
-        return strongest
-    while high - low > 0.2:
+    weight, found = _STRONGEST, []
+    x = physical.start()
+    while weight >= _WEAKEST:
+        found.append(_newton(estimate, information, combine, physical, weight, x))
+        x, weight = found[-1].x, weight / _FALL
+    most = found[-1].chi2 + allowed
+    best = next(k for k, fitted in enumerate(found) if fitted.chi2 <= most)
+    if best == 0:
+        return found[0]
+    low, high = np.log(found[best].weight), np.log(found[best - 1].weight)
+    closest = found[best]
+    for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
-        tried = _newton(estimate, information, combine, physical, np.exp(middle), best.x)
-        if tried.chi2 <= allowed:
-            low, best = middle, tried
+        tried = _newton(estimate, information, combine, physical, np.exp(middle), closest.x)
+        if tried.chi2 <= most:
+            low, closest = middle, tried
         else:
             high = middle
-    return best
+    return closest
+
+
+def closest(estimate: Array, information: Array, combine: Array, physical: Physical) -> float:
+    """The least sum of half the misfit and the penalty with a prior of weight 1."""
+    x = _newton(estimate, information, combine, physical, 1.0, physical.start()).x
+    gap = combine @ x - estimate
+    return 0.5 * float(gap @ information @ gap) + physical.penalty(x, 1.0)
 
 
 def _newton(
@@ -173,13 +189,13 @@ def _newton(
         return float(gap @ information @ gap)
 
     def value(x: Array) -> float:
-        return 0.5 * misfit(x) + weight * physical.divergence(x)
+        return 0.5 * misfit(x) + physical.penalty(x, weight)
 
     x, now = start, value(start)
     for _ in range(_STEPS):
-        by_prior, second = physical.slopes(x)
-        gradient = combine.T @ (information @ (combine @ x - estimate)) + weight * by_prior
-        H = of_data + weight * second
+        by_prior, second = physical.slopes(x, weight)
+        gradient = combine.T @ (information @ (combine @ x - estimate)) + by_prior
+        H = of_data + second
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))
         scaled = H / np.outer(size, size) + 1e-13 * np.eye(len(x))
         step = -np.linalg.solve(scaled, gradient / size) / size
