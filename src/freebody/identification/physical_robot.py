@@ -24,7 +24,7 @@ from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
 from freebody.spatial import of_dimension
 
-_PART_OF_NOISE = 0.25
+_PART_OF_NOISE = 0.05
 """Part of the number of base parameters by which chi2 may grow for the prior: where it was as great
 as the number itself, the data's own errors would have moved the estimate as far."""
 _OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
