@@ -1,0 +1,172 @@
+"""The physical robot nearest to a regression: which unknowns it has, what is held of them
+beforehand, and the model that they make."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.identification.columns import Columns
+from freebody.identification.consistency import (
+    Fitted,
+    Physical,
+    closest,
+    nearest_physical,
+    pseudo_inertia_basis,
+)
+from freebody.identification.priors import Prior
+from freebody.identification.regression import Equations, Regressed
+from freebody.model.drives import LAWS
+from freebody.model.inertial_parameters import body_parameters
+from freebody.model.model import Model
+from freebody.spatial import of_dimension
+
+_PART_OF_NOISE = 0.05
+"""Part of the number of base parameters by which chi2 may grow for the prior: where it was as great
+as the number itself, the data's own errors would have moved the estimate as far."""
+_OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
+"""Weight of what is held of masses alone: a data sheet or a drawing tells them far better than an
+estimated shape tells where they are."""
+_LEAST_FRICTION, _LEAST_LOSS = 0.01, 0.005
+"""Friction that is looked for near 0: as part of a joint's torque, and of what it transmits."""
+_SCALES = 9
+"""Trials of the common factor of gains."""
+
+
+@dataclass(frozen=True)
+class PhysicalFit:
+    """The physical robot of a regression. values: of the unknowns. inertial: (p,) its parameters π,
+    of bodies and then reflected inertias of rotors. friction: (n, laws). weight: of the prior. scale:
+    by which gains and all that they multiply grew so that masses suit the prior."""
+
+    values: Array
+    inertial: Array
+    friction: Array
+    weight: float
+    scale: float
+
+    def transmitted(self, columns: Columns) -> Array:
+        """The base parameters (b,) of the torques that joints transmit, without those of rotors."""
+        of_bodies = [not name.endswith(".rotor") for name in columns.inertial_names]
+        return columns.matrix @ (self.inertial * of_bodies)
+
+
+def fit_physical(
+    model: Model, found: Equations, regressed: Regressed, prior: Prior, scale: float | None
+) -> PhysicalFit:
+    """The physical robot nearest to a regression. scale: of the torques, or None where it is to be
+    found from the prior's masses."""
+    columns, estimate, information = found.columns, regressed.values, regressed.information
+    size, laws, n = len(columns.inertial_names), len(columns.friction), len(columns.joints)
+    combine = np.zeros((found.size, size + n * laws))
+    combine[: columns.base, :size] = columns.matrix
+    combine[columns.base :, size:] = np.eye(n * laws)
+    first = base_scale(columns, regressed, prior)
+    if prior.source == "geometry":
+        prior, first = Prior(prior.bodies / first, prior.source), 1.0
+
+    def problem(scale: float) -> tuple[Array, Array, Array, Physical]:
+        values = _scaled(columns, estimate, scale)
+        factor = values / np.where(estimate == 0.0, 1.0, estimate)
+        factor[estimate == 0.0] = 1.0
+        own = information / np.outer(factor, factor)
+        return values, own, combine, _physical(model, found, values, scale, prior)
+
+    if scale is None:
+        trials = first * np.geomspace(0.5, 2.0, _SCALES)
+        scale = float(min(trials, key=lambda x: closest(*problem(x))))
+    fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
+    return PhysicalFit(
+        combine @ fitted.x,
+        fitted.x[:size],
+        fitted.x[size:].reshape(n, laws),
+        fitted.weight,
+        scale,
+    )
+
+
+def base_scale(columns: Columns, regressed: Regressed, prior: Prior) -> float:
+    """The factor by which estimated base parameters suit the prior's best, above 0."""
+    b, bodies = columns.base, prior.bodies.ravel()
+    held = columns.matrix[:, : len(bodies)] @ bodies
+    weight = regressed.information[:b, :b]
+    along = held @ weight @ regressed.values[:b]
+    found = (held @ weight @ held) / along if along > 0.0 else 1.0
+    return float(found)
+
+
+def _scaled(columns: Columns, values: Array, scale: float) -> Array:
+    """Unknowns of torques that are `scale` times as large; losses are parts of torques, and stay."""
+    factors = np.full(len(values), scale)
+    for row in columns.rows:
+        if row.load is not None:
+            factors[row.load] = 1.0
+    return factors * values
+
+
+def _physical(
+    model: Model, found: Equations, values: Array, scale: float, prior: Prior
+) -> Physical:
+    """What is physical of bodies, rotors and friction, with what is held of each."""
+    columns, laws = found.columns, found.columns.friction
+    friction = values[columns.base :].reshape(len(columns.joints), len(laws)).copy()
+    below = np.full(friction.shape, np.inf)
+    for k, x in enumerate(laws):
+        number = x.law.numbers[0]
+        below[:, k] = number.below
+        if number.refused is None:
+            friction[:, k] = np.nan
+        elif x.by_load:
+            friction[:, k] = np.clip(friction[:, k], _LEAST_LOSS, 0.9)
+        else:
+            for j, rows in enumerate(found.rows):
+                column = rows.x[:, rows.unknowns == columns.base + j * len(laws) + k]
+                part = np.std(rows.y) * scale / max(float(np.sqrt(np.mean(column**2))), 1e-300)
+                friction[j, k] = max(friction[j, k], _LEAST_FRICTION * part)
+    rotors = _rotors(columns, values)
+    return Physical(
+        pseudo_inertia_basis(model.dim),
+        prior.bodies,
+        np.concatenate([rotors, friction.ravel()]),
+        np.concatenate([np.full(len(rotors), np.inf), below.ravel()]),
+        _OF_MASSES[prior.source],
+    )
+
+
+def _rotors(columns: Columns, values: Array) -> Array:
+    """Reflected inertias that are held of rotors: the estimates, where there are such, else the
+    largest of the others, since those first in the chain carry most."""
+    names = [name for name in columns.inertial_names if name.endswith(".rotor")]
+    at = {name: k for k, name in enumerate(columns.base_names)}
+    known = np.array([values[at[name]] if name in at else -1.0 for name in names])
+    largest = known.max(initial=0.0)
+    if largest <= 0.0:
+        largest = 1e-2 * float(np.abs(values[: columns.base]).max())
+    return np.where(known > 1e-3 * largest, known, np.where(known > -1.0, 1e-3, 1.0) * largest)
+
+
+def robot(model: Model, columns: Columns, fit: PhysicalFit) -> Model:
+    """The model with the masses, rotors and friction of a fit; gears and springs stay."""
+    k = len(body_parameters(of_dimension(model.dim)))
+    bare = model.without("friction", "rotors", "springs")
+    made = bare.with_inertial_parameters(fit.inertial[: k * len(model.bodies)])
+    names = list(columns.inertial_names)
+    joints = {body.joint.name: body.joint.drive for body in model.bodies}
+    for joint, friction in zip(columns.joints, fit.friction, strict=True):
+        drive = joints[joint]
+        springs = [law for law in LAWS.values() if law.feature == "springs"]
+        numbers: dict[str, Any] = {
+            number.name: getattr(drive, number.name) for law in springs for number in law.numbers
+        }
+        numbers["gear"] = drive.gear
+        if f"{joint}.rotor" in names:
+            reflected = float(fit.inertial[names.index(f"{joint}.rotor")])
+            numbers["rotor"] = reflected / float(drive.gear) ** 2
+        for x, strength in zip(columns.friction, friction, strict=True):
+            numbers[x.law.strength] = float(strength)
+            numbers |= x.numbers
+        made = made.with_drive(joint, **numbers)
+    return made
