@@ -18,7 +18,7 @@ NOISE = np.array([0.5, 0.2])
 
 @pytest.fixture(scope="module")
 def found() -> fb.Excitation:
-    return fb.excitation(ARM, 10.0, torque=[25.0, 9.0], noise=NOISE, **LIMITS)
+    return fb.excitation(ARM, 10.0, torque=[60.0, 20.0], noise=NOISE, **LIMITS)
 
 
 @cache
@@ -59,7 +59,7 @@ def test_limits_are_kept(found: fb.Excitation) -> None:
     tau = fb.inverse_dynamics(ARM, motion.q, motion.qd, motion.qdd)
 
     assert fb.exceeded_limits(ARM, motion, **LIMITS) == ()
-    assert (np.abs(tau) <= [25.0, 9.0]).all()
+    assert (np.abs(tau) <= [60.0, 20.0]).all()
     used = np.abs(motion.qd).max(axis=0) / 2.0, np.abs(motion.qdd).max(axis=0) / [5.0, 8.0]
     assert np.maximum(*used).max() > 0.9  # none is left unused
     assert motion.t[-1] == 10.0
