@@ -182,7 +182,7 @@ def excitation(
         A model that cannot be identified, limits that no posture keeps.
     """
     limits = planning_limits("excitation", model, velocity, acceleration, None, torque)
-    task = _Task.of(
+    task = _MotionSearch.of(
         model, duration, harmonics, rate, quasi_static, noise, friction,
         _slowed(limits) if quasi_static else limits, _walls(model, box, frames),
     )  # fmt: skip
@@ -251,8 +251,8 @@ def _walls(model: Model, box: ArrayLike | None, frames: Sequence[str] | None) ->
 
 
 @dataclass(frozen=True)
-class _Task:
-    """A search: coefficients (joints, size) of Fourier motions, flattened, to what they cost."""
+class _MotionSearch:
+    """A search: the cost of Fourier motions by their coefficients (joints, size), flattened."""
 
     model: Model
     columns: Columns
@@ -281,7 +281,7 @@ class _Task:
         friction: Sequence[str],
         limits: PlanningLimits,
         walls: _Walls | None,
-    ) -> _Task:
+    ) -> _MotionSearch:
         """The task of what `excitation` was asked for."""
         duration = above_zero("excitation", "duration", duration, "seconds")
         rate = above_zero("excitation", "rate", rate, "Hz")
@@ -309,7 +309,7 @@ class _Task:
         if slow:
             told = np.concatenate([_by_gravity(columns), told[columns.base :]])
         size, told_of_noise = _noise(model, noise, limits)
-        return _Task(
+        return _MotionSearch(
             model, columns, told, int((told < columns.base).sum()), motions, times,
             motions.functions(times), size, rate, limits, walls, slow,
             (*told_of_noise, *_words(model, limits, walls)),
