@@ -29,6 +29,10 @@ torque, where dry friction changed its sense in noise."""
 USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point)."""
+LOST_ROTOR = "load_friction*rotor"
+"""Name, behind the joint's, of the product of load-dependent friction and a rotor's inertia."""
+_LEAST_LOSS = 1e-3
+"""Part of the transmitted torque below which its loss tells nothing of what is transmitted."""
 _TORQUES_AT_ONCE = 256
 """States whose columns are in memory at once: 0.4 MB of a six-joint arm's, within the cache."""
 
@@ -49,11 +53,22 @@ class FrictionLaw(NamedTuple):
 
 class JointColumns(NamedTuple):
     """The columns of one joint: which of the kernel's results they are, and which unknowns each of
-    them multiplies; that of load-dependent friction is no result of the kernel."""
+    them multiplies; those of load-dependent friction are no results of the kernel.
+
+    load: the unknown loss, as part of the transmitted torque, or None. lost_rotor: the unknown
+    product of loss and rotor, where base parameters do not tell the rotor from the bodies, or None:
+    a rotor's torque is not transmitted, so that nothing of it is lost.
+    """
 
     results: slice
     unknowns: NDArray[np.intp]
     load: int | None
+    lost_rotor: int | None
+
+    @property
+    def by_load(self) -> list[int]:
+        """The unknowns of load-dependent friction."""
+        return [x for x in (self.load, self.lost_rotor) if x is not None]
 
 
 @dataclass(frozen=True)
@@ -86,7 +101,28 @@ class Columns:
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
         laws = [f"{joint}.{x.law.strength}" for joint in self.joints for x in self.friction]
-        return (*self.base_names, *laws)
+        rotors = [
+            f"{joint}.{LOST_ROTOR}"
+            for joint, row in zip(self.joints, self.rows, strict=True)
+            if row.lost_rotor is not None
+        ]
+        return (*self.base_names, *laws, *rotors)
+
+    @property
+    def friction_size(self) -> int:
+        """The number of friction's unknowns, n for each law, behind the base parameters."""
+        return len(self.joints) * len(self.friction)
+
+    def of_bodies(self, values: Array) -> tuple[Array, Array]:
+        """(base parameters (b,), reflected inertias (n,)) such that joints transmit the torques of
+        the first without those of the second, from unknowns."""
+        base, rotors = values[: self.base].copy(), np.zeros(len(self.joints))
+        base[[name.endswith(".rotor") for name in self.base_names]] = 0.0
+        for j, row in enumerate(self.rows):
+            if row.load is not None and row.lost_rotor is not None:
+                loss, product = values[row.load], values[row.lost_rotor]
+                rotors[j] = max(product, 0.0) / loss if loss > _LEAST_LOSS else 0.0
+        return base, rotors
 
     @property
     def by_load(self) -> bool:
@@ -99,9 +135,7 @@ class Columns:
         found, buffer = np.empty((len(q), n)), np.empty((_TORQUES_AT_ONCE, self.width))
         values = np.zeros((self.width, n))
         for j, row in enumerate(self.rows):
-            of_base = row.unknowns < self.base
-            values[row.results, j] = np.where(of_base, np.append(base, 0.0)[
-                np.where(of_base, row.unknowns, -1)], 0.0)
+            values[row.results, j] = np.append(base, 0.0)[np.minimum(row.unknowns, self.base)]
         for start in range(0, len(q), _TORQUES_AT_ONCE):
             part = slice(start, min(start + _TORQUES_AT_ONCE, len(q)))
             x = buffer[: part.stop - part.start]
@@ -188,15 +222,20 @@ def regression_columns(
     width = sum(map(len, present)) + n * len(linear)
     shapes = dict.fromkeys(("q", "qd", "qdd"), (n,))
     kernel = compiled(regression_columns, shapes, {"entries": (width,)})
-    rows, start, size = [], 0, len(friction)
+    rows, start, size, more = [], 0, len(friction), 0
+    names = [base.names[k] for k in kept]
     for j, of_base in enumerate(present):
         first = len(kept) + j * size
         unknowns = np.array([*of_base, *range(first, first + len(linear))], dtype=np.intp)
-        load = first + len(linear) if size > len(linear) else None
-        rows.append(JointColumns(slice(start, start + len(unknowns)), unknowns, load))
+        load = lost = None
+        if size > len(linear):
+            load = first + len(linear)
+            if rotors and f"{structure.velocity_names[j]}.rotor" not in names:
+                lost, more = len(kept) + n * size + more, more + 1
+        rows.append(JointColumns(slice(start, start + len(unknowns)), unknowns, load, lost))
         start += len(unknowns)
     return Columns(
-        tuple(base.names[k] for k in kept),
+        tuple(names),
         tuple(base.parameters[c] for c in inertial),
         base.matrix[np.ix_(kept, inertial)],
         tuple(friction),

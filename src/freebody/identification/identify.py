@@ -11,6 +11,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
 from freebody.identification.columns import (
+    LOST_ROTOR,
     SMOOTH,
     USUAL_LAWS,
     Columns,
@@ -201,21 +202,15 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
 def _fitted(
     model: Model, found: Equations, held: Prior, by_current: bool, scaled: bool
 ) -> tuple[Regressed, PhysicalFit]:
-    """The regression and the physical robot nearest to it.
-
-    Load-dependent friction acts on what the gear transmits, which is without the rotors' inertia;
-    how much of it is rotors' the physical robot tells, so both are found twice.
-    """
+    """The regression and the physical robot nearest to it, whose transmitted torques the equations
+    have from then on."""
     columns = found.columns
     bodies = held.bodies.ravel()
     of_prior = columns.matrix[:, : len(bodies)] @ bodies if by_current else None
     first = regressed(found, of_prior)
-    scale = None if by_current and scaled else 1.0
-    fit = fit_physical(model, found, first, held, scale)
+    fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
     if columns.by_load:
-        found.put_loads(fit.transmitted(columns) / fit.scale)
-        first = regressed(found, of_prior, settled=True)
-        fit = fit_physical(model, found, first, held, scale)
+        found.put_loads(fit.values)
     return first, fit
 
 
@@ -239,7 +234,7 @@ def _validated(
     torques = [_predicted_torques(model, log, gains) for log in logs]
     found = equations(columns, logs, torques, cutoff)
     if columns.by_load:
-        found.put_loads(fit.transmitted(columns))
+        found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
     return [float(_rms(rows.y - total) / _rms(rows.y)) for rows, total in pairs]
 
@@ -347,6 +342,8 @@ def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
             kinds.append((symbol[0], unit))
     for joint in columns.joints:
         kinds += [(x.law.name, x.law.numbers[0].unit_of(turns[joint])) for x in columns.friction]
+    lost = columns.names[columns.base + columns.friction_size :]
+    kinds += [(LOST_ROTOR, "kg m²" if turns[name.split(".")[0]] else "kg") for name in lost]
     return kinds
 
 

@@ -48,44 +48,73 @@ class PhysicalFit:
     weight: float
     scale: float
 
-    def transmitted(self, columns: Columns) -> Array:
-        """The base parameters (b,) of the torques that joints transmit, without those of rotors."""
-        of_bodies = [not name.endswith(".rotor") for name in columns.inertial_names]
-        return columns.matrix @ (self.inertial * of_bodies)
-
 
 def fit_physical(
     model: Model, found: Equations, regressed: Regressed, prior: Prior, scale: float | None
 ) -> PhysicalFit:
     """The physical robot nearest to a regression. scale: of the torques, or None where it is to be
     found from the prior's masses."""
-    columns, estimate, information = found.columns, regressed.values, regressed.information
-    size, laws, n = len(columns.inertial_names), len(columns.friction), len(columns.joints)
-    combine = np.zeros((found.size, size + n * laws))
-    combine[: columns.base, :size] = columns.matrix
-    combine[columns.base :, size:] = np.eye(n * laws)
+    columns, information = found.columns, regressed.information
+    size, n = len(columns.inertial_names), len(columns.joints)
     first = base_scale(columns, regressed, prior)
     if prior.source == "geometry":
         prior, first = Prior(prior.bodies / first, prior.source), 1.0
+    at = _first_products(columns, regressed.values)
 
     def problem(scale: float) -> tuple[Array, Array, Array, Physical]:
-        values = _scaled(columns, estimate, scale)
-        factor = values / np.where(estimate == 0.0, 1.0, estimate)
-        factor[estimate == 0.0] = 1.0
-        own = information / np.outer(factor, factor)
-        return values, own, combine, _physical(model, found, values, scale, prior)
+        factors = _scaled(columns, np.ones(found.size), scale)
+        values = factors * regressed.values
+        combine, constant = _combine(columns, at * [1.0, scale])
+        own = information / np.outer(factors, factors)
+        return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
     if scale is None:
         trials = first * np.geomspace(0.5, 2.0, _SCALES)
         scale = float(min(trials, key=lambda x: closest(*problem(x))))
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
-    return PhysicalFit(
-        combine @ fitted.x,
-        fitted.x[:size],
-        fitted.x[size:].reshape(n, laws),
-        fitted.weight,
-        scale,
-    )
+    if columns.by_load:
+        at = _products(columns, fitted.x) / [1.0, scale]
+        fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
+    combine, _ = _combine(columns, _products(columns, fitted.x))
+    values = combine @ fitted.x
+    for (loss, rotor), row in zip(_products(columns, fitted.x), columns.rows, strict=True):
+        if row.lost_rotor is not None:
+            values[row.lost_rotor] = loss * rotor
+    friction = fitted.x[size:].reshape(n, len(columns.friction))
+    return PhysicalFit(values, fitted.x[:size], friction, fitted.weight, scale)
+
+
+def _combine(columns: Columns, at: Array) -> tuple[Array, Array]:
+    """(combine, constant): of which physical unknowns x those of the regression are made, combine x
+    + constant; products of loss and rotor as they change about those given, (n, 2)."""
+    size, base = len(columns.inertial_names), columns.base
+    combine = np.zeros((len(columns.names), size + columns.friction_size))
+    constant = np.zeros(len(combine))
+    combine[:base, :size] = columns.matrix
+    combine[base : base + columns.friction_size, size:] = np.eye(columns.friction_size)
+    for joint, row, (loss, rotor) in zip(columns.joints, columns.rows, at, strict=True):
+        if row.load is not None and row.lost_rotor is not None:
+            combine[row.lost_rotor, columns.inertial_names.index(f"{joint}.rotor")] = loss
+            combine[row.lost_rotor, size + row.load - base] = rotor
+            constant[row.lost_rotor] = -loss * rotor
+    return combine, constant
+
+
+def _products(columns: Columns, x: Array) -> Array:
+    """(loss, reflected rotor inertia) of each joint (n, 2), from physical unknowns."""
+    size, names = len(columns.inertial_names), columns.inertial_names
+    found = np.zeros((len(columns.joints), 2))
+    for j, (joint, row) in enumerate(zip(columns.joints, columns.rows, strict=True)):
+        if row.load is not None and row.lost_rotor is not None:
+            found[j] = x[size + row.load - columns.base], x[names.index(f"{joint}.rotor")]
+    return found
+
+
+def _first_products(columns: Columns, values: Array) -> Array:
+    """(loss, reflected rotor inertia) of each joint (n, 2), from the regression."""
+    _, rotors = columns.of_bodies(values)
+    losses = [0.0 if row.load is None else max(values[row.load], 0.0) for row in columns.rows]
+    return np.column_stack([losses, rotors])
 
 
 def base_scale(columns: Columns, regressed: Regressed, prior: Prior) -> float:
@@ -112,7 +141,8 @@ def _physical(
 ) -> Physical:
     """What is physical of bodies, rotors and friction, with what is held of each."""
     columns, laws = found.columns, found.columns.friction
-    friction = values[columns.base :].reshape(len(columns.joints), len(laws)).copy()
+    end = columns.base + columns.friction_size
+    friction = values[columns.base : end].reshape(len(columns.joints), len(laws)).copy()
     below = np.full(friction.shape, np.inf)
     for k, x in enumerate(laws):
         number = x.law.numbers[0]

@@ -50,17 +50,17 @@ class Prepared(NamedTuple):
 
 @dataclass(frozen=True)
 class Rows:
-    """The equations of one joint. x: (m, c) filtered columns, among them, where the joint has such,
-    one for load-dependent friction, and last one for the gain of its drive. unknowns: (c,) that
-    they multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of.
-    rate: (m,) of the joint. load: the place of load-dependent friction, or None."""
+    """The equations of one joint. x: (m, c) filtered columns, last, where there are such, those of
+    load-dependent friction, and then one for the gain of the drive. unknowns: (c,) that they
+    multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of. rate:
+    (m,) of the joint. load: the places of load-dependent friction."""
 
     x: Array
     unknowns: NDArray[np.intp]
     y: Array
     places: NDArray[np.intp]
     rate: Array
-    load: int | None
+    load: slice
 
 
 @dataclass(frozen=True)
@@ -89,21 +89,22 @@ class Equations:
         """Time between kept samples, s."""
         return max(p.filter.step / p.log.rate for p in self.prepared)
 
-    def put_loads(self, base: Array) -> None:
-        """Puts into the columns of load-dependent friction what joints transmit with these base
-        parameters."""
-        n, found = len(self.rows), []
+    def put_loads(self, values: Array) -> None:
+        """Puts into the columns of load-dependent friction what joints transmit with these
+        unknowns: of T = Y base - J q̈, without rotors, a part is lost, a |T| sign(q̇)."""
+        (base, rotors), n, found = self.columns.of_bodies(values), len(self.rows), []
         for p in self.prepared:
             torque = self.columns.transmitted(base, *p.states)
-            signed = self.columns.sign(p.states.qd) * np.abs(torque)
-            filtered = np.empty((len(p.places), n))
-            for where, x in p.filter.filtered(p.places, signed.__getitem__):
+            s = self.columns.sign(p.states.qd) * np.sign(torque - rotors * p.states.qdd)
+            both = np.concatenate([s * torque, -s * p.states.qdd], axis=1)
+            filtered = np.empty((len(p.places), 2 * n))
+            for where, x in p.filter.filtered(p.places, both.__getitem__):
                 filtered[where] = x
             found.append(filtered)
         loads = np.concatenate(found)
         for j, rows in enumerate(self.rows):
-            if rows.load is not None:
-                rows.x[:, rows.load] = loads[rows.places, j]
+            both = loads[rows.places][:, [j, n + j]]
+            rows.x[:, rows.load] = both[:, : rows.load.stop - rows.load.start]
 
     def sums(self, values: Array) -> list[Array]:
         """What each joint's columns add up to."""
@@ -151,8 +152,7 @@ def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | No
     rows = []
     for j, row in enumerate(columns.rows):
         moving = np.flatnonzero(np.abs(rate[:, j]) > REST)
-        extra = [row.load] if row.load is not None else []
-        extra += [len(columns.names) + j] if currents else []
+        extra = row.by_load + ([len(columns.names) + j] if currents else [])
         unknowns = np.array([*row.unknowns, *extra], dtype=np.intp)
         if len(moving) < 2 * len(unknowns):
             raise FreebodyError(
@@ -162,7 +162,8 @@ def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | No
             )
         x = np.zeros((len(moving), len(unknowns)))
         x[:, : len(row.unknowns)] = whole[moving, row.results]
-        y, load = whole[moving, columns.width + j], None if row.load is None else len(row.unknowns)
+        y, first = whole[moving, columns.width + j], len(row.unknowns)
+        load = slice(first, first + len(row.by_load))
         rows.append(Rows(x, unknowns, y, moving, rate[moving, j], load))
     return Equations(columns, prepared, tuple(rows), currents)
 
@@ -190,12 +191,11 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         out[where] = x
 
 
-def regressed(found: Equations, held: Array | None = None, settled: bool = False) -> Regressed:
+def regressed(found: Equations, held: Array | None = None) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from round
-    to round until none does. held: base parameters that gains are found from at first. settled:
-    whether the columns of load-dependent friction stay as they are.
+    to round until none does. held: base parameters that gains are found from at first.
     """
     gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
     first = gains
@@ -203,8 +203,8 @@ def regressed(found: Equations, held: Array | None = None, settled: bool = False
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
     values, residuals = np.zeros(found.size), []
     for k in range(_ROUNDS + 2 * found.currents):
-        if k and found.columns.by_load and not settled:
-            found.put_loads(values[: found.columns.base])
+        if k and found.columns.by_load:
+            found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
         solved, _, _ = _solved(normal, moment)
         values = solved[: found.size]
@@ -226,6 +226,8 @@ def regressed(found: Equations, held: Array | None = None, settled: bool = False
             for e, rows in zip(residuals, found.rows, strict=True)
         ]
     )
+    samples = np.array([w.sum() for w in weights]) / inflation
+    spread = spread / np.sqrt(max(1.0 - found.size / samples.sum(), 0.1))
     normal, moment = _normal(found, weights, 1.0 / (inflation * spread**2), gains, first)
     _, covariance, untold = _solved(normal, moment)
     size = found.size
