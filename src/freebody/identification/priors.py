@@ -18,9 +18,9 @@ from freebody.spatial import of_dimension
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.regressors import inertial_parameters
 
-_THICK = 0.25
+_THICK = 0.5
 """Radius of an estimated link, over its length."""
-_LEAST = 0.1
+_LEAST = 0.3
 """Length of an estimated link whose joints lie on one another, over the mean length."""
 _ROUND = 0.05
 """Part of a given inertia that is added as that of a ball, so that rods and plates, which have no

@@ -22,9 +22,11 @@ REST = 0.02
 holds: such rows are left out."""
 _OUTLYING = 3.0
 """Residuals above so many standard deviations count less (Huber's weights)."""
-_ROUNDS = 6
-"""Solutions one after the other, each with the weights and the transmitted torques of the last;
-load-dependent friction settles within four."""
+_ROUNDS, _LOADED = 5, 3
+"""Solutions one after the other, each with the weights of the last, and of those how many have its
+transmitted torques; load-dependent friction settles within four."""
+_OF_CURRENTS = 4
+"""Further solutions of currents, whose gains change from one to the next."""
 _RANK = 1e-11
 """Part of the largest eigenvalue of the scaled normal equations below which a combination of
 unknowns is told by nothing."""
@@ -202,8 +204,9 @@ def regressed(found: Equations, held: Array | None = None) -> Regressed:
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
     values, residuals = np.zeros(found.size), []
-    for k in range(_ROUNDS + 2 * found.currents):
-        if k and found.columns.by_load:
+    more = _OF_CURRENTS * found.currents
+    for k in range(_ROUNDS + more):
+        if 0 < k <= _LOADED + more and found.columns.by_load:
             found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
         solved, _, _ = _solved(normal, moment)
