@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.identification.filters import low_pass  # the fit's filter, which has no public name
 from support.extras import extra
 
 ARM = fb.load("ur5e")
@@ -30,7 +29,7 @@ def lines(columns: list[Any], names: list[str], separator: str = ",", digits: in
 
 
 def joint_state() -> list[str]:
-    """What `rostopic echo -p` writes of JointState."""
+    """A log as `rostopic echo -p` writes JointState."""
     names = [NAMES[k] for k in SORTED]
     head = ["%time", "field.header.seq", "field.header.stamp", "field.header.frame_id"]
     for key in ("name", "position", "velocity", "effort"):
@@ -45,14 +44,14 @@ def joint_state() -> list[str]:
 
 
 def rtde() -> list[str]:
-    """What Universal Robots' recorder writes."""
+    """A log as Universal Robots' recorder writes it."""
     head = ["timestamp", *(f"target_q_{k}" for k in range(6))]
     head += [f"actual_{key}_{k}" for key in ("q", "qd", "current") for k in range(6)]
     return lines([T + 100.0, 0.0 * Q, Q, QD, TAU], head, " ")
 
 
 def plotted() -> list[str]:
-    """What PlotJuggler writes."""
+    """A log as PlotJuggler writes it."""
     head = ["__time"]
     for key, names in (("position", NAMES), ("velocity", NAMES), ("effort", NAMES)):
         head += [f"/joint_states/{name}/{key}" for name in names]
@@ -151,7 +150,9 @@ def test_tables_in_memory_are_logs() -> None:
 
 
 def test_parquet(tmp_path: Path) -> None:
-    arrow, parquet = extra("pyarrow"), extra("pyarrow.parquet", "pyarrow")
+    reason = "pyarrow is not installed: pip install 'freebody[parquet]'"
+    arrow = pytest.importorskip("pyarrow", reason=reason)
+    parquet = pytest.importorskip("pyarrow.parquet", reason=reason)
     table = np.column_stack([T, Q, QD, TAU])
     columns = dict(zip(named(), table.T, strict=True))
     parquet.write_table(arrow.table(columns), tmp_path / "run.parquet")
@@ -254,16 +255,21 @@ def test_the_grid_may_be_chosen(rate: float, tmp_path: Path) -> None:
 def test_the_filter_is_butterworths_forward_and_back() -> None:
     rate, cutoff = 200.0, 8.0
     t = np.arange(4000) / rate
-    for f in (0.5, 4.0, 8.0, 12.0):
-        x = np.cos(2 * np.pi * f * t)
-        found = low_pass(x, rate, cutoff)[1000:3000]
-        warped = np.tan(np.pi * f / rate) / np.tan(np.pi * cutoff / rate)
-        assert np.abs(found - x[1000:3000] / (1.0 + warped**8)).max() < 1e-6
+    f = np.array([0.5, 4.0, 8.0, 12.0])
+    x = np.cos(2 * np.pi * f * t[:, None])
+    every = np.ones(4000, dtype=bool)
+    log = fb.Log(t, x, x, x, None, ("a", "b", "c", "d"), every)
+    warped = np.tan(np.pi * f / rate) / np.tan(np.pi * cutoff / rate)
 
+    found = log.states(cutoff)
+
+    for filtered in (found.q, found.qd):
+        assert np.abs(filtered - x / (1.0 + warped**8))[1000:3000].max() < 1e-6
     with pytest.raises(fb.FreebodyError, match="half the sampling rate, 100 Hz"):
-        low_pass(x, rate, 120.0)
+        log.states(120.0)
+    short = fb.Log(t[:20], x[:20], x[:20], x[:20], None, log.names, every[:20])
     with pytest.raises(fb.FreebodyError, match=r"20 samples at 200 Hz are too few.* it needs 38"):
-        low_pass(x[:20], rate, cutoff)
+        short.states(cutoff)
 
 
 def test_states_of_a_log_and_where_they_are_settled() -> None:

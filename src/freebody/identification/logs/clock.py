@@ -190,11 +190,10 @@ def grid_of(t: Array, rate: float | None, where: Place) -> LogGrid:
 def _even(t: Array, step: float) -> float | None:
     """The step of an even grid on which all samples lie, gaps between them or not; None where they
     do not."""
-    for _ in range(3):
-        places = np.rint(t / step)
-        step = float(places @ t / (places @ places))
-    even = np.abs(t / step - np.rint(t / step)).max() <= _EVEN
-    return step if even and (np.diff(np.rint(t / step)) > 0).all() else None
+    places = np.cumsum(np.rint(np.diff(t, prepend=0.0) / step))
+    step = float(places @ t / (places @ places))
+    even = np.abs(t - places * step).max() <= _EVEN * step
+    return step if even and (np.diff(places) > 0).all() else None
 
 
 def _round(rate: float) -> float:

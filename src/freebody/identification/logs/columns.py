@@ -39,7 +39,7 @@ _NANOSECONDS = ("nsecs", "nsec", "nanosec", "nanoseconds")
 
 @dataclass(frozen=True)
 class LogPlan:
-    """What is read of a table: columns by quantity, in the order of `names`, and what turns them
+    """Columns of a table that are read, by quantity, in the order of `names`, and what turns them
     into SI units and the model's directions."""
 
     names: tuple[str, ...]
@@ -129,7 +129,7 @@ class _Reading:
         )  # fmt: skip
 
     def per_joint(self, key: str, count: int) -> tuple[float, ...]:
-        """What the layout lists for each joint, or nothing."""
+        """The numbers that the layout lists under a key, one for each joint, or none."""
         found = self.layout.lists()[key]
         if found and len(found) != count:
             raise self.table.refusal(
@@ -194,6 +194,23 @@ class _Reading:
     def by_name(self, key: str, names: Sequence[str]) -> list[_Named] | None:
         """The header's columns of a quantity in the order of the joints; None where there are
         none."""
+        found = self.by_joint(key)
+        by_name = {joint: x for joint, x in found.items() if joint in names}
+        counted = {int(j): x for j, x in found.items() if j.isdecimal() and j not in names}
+        if not by_name and counted:
+            return self.by_number(key, names, counted)
+        missing = [name for name in names if name not in by_name]
+        if not by_name or (missing and not QUANTITIES[key].needed and key != "torque"):
+            return None
+        if missing:
+            raise self.table.refusal(
+                f"there is no {key} of {listed(map(repr, missing), 8)}{self.has()}; a log has a "
+                f"column for every joint; {self.name_them(key)}."
+            )
+        return [by_name[name] for name in names]
+
+    def by_joint(self, key: str) -> dict[str, _Named]:
+        """The header's columns of a quantity by joint, which may be a number."""
         found: dict[str, _Named] = {}
         for x in self.named:
             if x.quantity != key:
@@ -206,26 +223,18 @@ class _Reading:
                     f"one, or {self.name_them(key)}."
                 )
             found[joint] = x
-        by_name = {joint: x for joint, x in found.items() if joint in names}
-        counted = {int(j): x for j, x in found.items() if j.isdecimal() and j not in names}
-        if not by_name and counted:
-            first = min(counted)
-            numbers = range(first, first + len(names))
-            if first not in (0, 1) or sorted(counted) != list(numbers):
-                raise self.table.refusal(
-                    f"the {key} is given of joints {listed(map(str, sorted(counted)), 12)}, and "
-                    f"there are {len(names)} joints: {listed(names, 8)}; {self.name_them(key)}."
-                )
-            return [counted[k] for k in numbers]
-        missing = [name for name in names if name not in by_name]
-        if not by_name or (missing and not QUANTITIES[key].needed and key != "torque"):
-            return None
-        if missing:
+        return found
+
+    def by_number(self, key: str, names: Sequence[str], counted: dict[int, _Named]) -> list[_Named]:
+        """Columns in the order of their numbers, which must count the joints from 0 or from 1."""
+        first = min(counted)
+        numbers = range(first, first + len(names))
+        if first not in (0, 1) or sorted(counted) != list(numbers):
             raise self.table.refusal(
-                f"there is no {key} of {listed(map(repr, missing), 8)}{self.has()}; a log has a "
-                f"column for every joint; {self.name_them(key)}."
+                f"the {key} is given of joints {listed(map(str, sorted(counted)), 12)}, and "
+                f"there are {len(names)} joints: {listed(names, 8)}; {self.name_them(key)}."
             )
-        return [by_name[name] for name in names]
+        return [counted[k] for k in numbers]
 
     def order(self, names: tuple[str, ...]) -> list[int]:
         """Places of the log's joints in the model's order."""
@@ -261,7 +270,7 @@ class _Reading:
 
     # ------------------------------------------------------------ names and numbers of columns
     def read(self, column: int, name: str, unit: str | None) -> Iterator[_Named]:
-        """What a column's name says, if it says one thing."""
+        """The quantity and joint that a column's name says, if it says one thing."""
         words = _words_of(name)
         owner, rest = self.joint_in(words)
         if owner and not rest:
@@ -357,7 +366,7 @@ class _Reading:
         return self.layout.file or "a TOML file beside the log, of the same name"
 
     def name_them(self, key: str) -> str:
-        """What to write where a quantity's columns are not found."""
+        """Words on how to tell a quantity's columns."""
         example = "14-19" if key in ("torque", "current") else "2-7"
         return f'say which below [log] in {self.where()}, such as {key} = "{example}"'
 

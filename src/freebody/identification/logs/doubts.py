@@ -24,6 +24,8 @@ _TYPICAL = 99.5
 """Percentile of the samples' roughness, and of their range, against which a spike is held."""
 _SPIKE = 10.0, 0.25
 """How far beyond the typical roughness a spike is, and which part of the typical range."""
+_SOME = 5000
+"""Rows from which percentiles are taken."""
 _MOVES = 1e-3  # rad, m: a joint whose range is smaller does not move
 _AGREE = 0.1  # of a rate
 _FOLLOWS = 0.9
@@ -47,12 +49,12 @@ def spikes(samples: dict[str, Array]) -> NDArray[np.bool_]:
     """Flags (n,): rows in which some value lies far off between two neighbours that agree; samples:
     arrays (n, k)."""
     count = len(next(iter(samples.values())))
-    found = np.zeros(count, dtype=bool)
+    found, some = np.zeros(count, dtype=bool), slice(None, None, 1 + count // _SOME)
     for x in samples.values():
         off = np.zeros_like(x)
         off[1:-1] = np.abs(x[1:-1] - 0.5 * (x[:-2] + x[2:]))
-        low, high = np.percentile(x, [100.0 - _TYPICAL, _TYPICAL], axis=0)
-        usual = np.percentile(off, _TYPICAL, axis=0)
+        low, high = np.percentile(x[some], [100.0 - _TYPICAL, _TYPICAL], axis=0)
+        usual = np.percentile(off[some], _TYPICAL, axis=0)
         most = np.maximum(_SPIKE[0] * usual, _SPIKE[1] * (high - low))
         if not (off > most).any():
             continue
@@ -196,12 +198,8 @@ def unmeasured(values: dict[str, Array], names: tuple[str, ...], refuse: Refuse)
 def resting_ends(t: Array, q: Array, kept: float) -> tuple[slice, list[str]]:
     """The samples without rests at both ends beyond `kept` (s), and a sentence on what was left
     out."""
-    moved = [
-        np.abs(q - np.median(q[ends], axis=0)) > 2.0 * _MOVES
-        for ends in (slice(9), slice(-9, None))
-    ]
-    first = int(np.argmax(moved[0].any(axis=1)))
-    last = len(q) - 1 - int(np.argmax(moved[1].any(axis=1)[::-1]))
+    first = _first_moved(q)
+    last = len(q) - 1 - _first_moved(q[::-1])
     start = int(np.searchsorted(t, t[first] - kept))
     stop = int(np.searchsorted(t, t[last] + kept, side="right"))
     cut = t[start] - t[0], t[-1] - t[stop - 1]
@@ -210,3 +208,9 @@ def resting_ends(t: Array, q: Array, kept: float) -> tuple[slice, list[str]]:
     return slice(start, stop), [
         f"Rests of {cut[0]:.3g} s at the beginning and {cut[1]:.3g} s at the end were left out."
     ]
+
+
+def _first_moved(q: Array) -> int:
+    """The first row of positions (n, joints) that is not where they rest at the beginning."""
+    away = np.abs(q - np.median(q[:9], axis=0)).max(axis=1)
+    return int(np.argmax(away > 2.0 * _MOVES))

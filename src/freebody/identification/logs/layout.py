@@ -1,5 +1,5 @@
-"""What the table `[log]` of a TOML file says about the columns of logs: which they are, in which
-units, with which signs, and what turns currents into torques.
+"""The table `[log]` of a TOML file, which tells of the columns of logs: which they are, in which
+units, with which signs, and by which gains currents become torques.
 
 It stands beside the log under the same name, or as `log.toml` in the same folder for all logs
 there:
@@ -35,7 +35,7 @@ _LISTS = ("signs", "offsets", "gains", "torque_constants", "gears")
 
 @dataclass(frozen=True)
 class LogLayout:
-    """What is known of a log's columns beside their names; by joint in the order of the columns."""
+    """Facts on a log's columns beside their names; by joint in the order of the columns."""
 
     file: str = ""
     time: tuple[ColumnRef, ...] = ()
@@ -46,14 +46,14 @@ class LogLayout:
     joints: tuple[str, ...] = ()
     signs: tuple[float, ...] = ()
     offsets: tuple[float, ...] = ()
-    """What is added to positions after the sign, rad or m."""
+    """Angles and lengths (rad, m) added to positions after the sign."""
     gains: tuple[float, ...] = ()
     """Torque of the joint over current, N m/A or N/A."""
     rate: float | None = None
     """Rows a second, where there is no time."""
 
     def lists(self) -> dict[str, tuple[Any, ...]]:
-        """What is given joint by joint, by its key."""
+        """Lists with an entry for each joint, by their keys."""
         found = {"joints": self.joints, "signs": self.signs, "offsets": self.offsets}
         return {**found, "gains": self.gains}
 

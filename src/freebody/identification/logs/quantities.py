@@ -12,7 +12,7 @@ RPM = 0.10471975511965977  # rad/s
 
 @dataclass(frozen=True)
 class LogQuantity:
-    """What a column of a log may hold of a joint."""
+    """A quantity of a joint that a column of a log may hold."""
 
     name: str
     words: frozenset[str]

@@ -94,7 +94,7 @@ class _Samples:
     """Lines (n,) on which they stand."""
     times: Array
     values: dict[str, Array]
-    """By quantity (n, joints)."""
+    """Quantities (n, joints) by their names."""
     notices: tuple[str, ...]
 
     def at(self, row: int) -> str:
@@ -113,38 +113,46 @@ class _Samples:
 def _samples(table: LogTable, plan: LogPlan) -> _Samples:
     """The numbers of a table without broken rows."""
     columns = [*plan.time, *(k for found in plan.columns.values() for k in found)]
+    owner = [*("time" for _ in plan.time), *(key for key, x in plan.columns.items() for _ in x)]
     found = table.rows(columns)
+    if not len(found.values):
+        line, why = (*found.broken, (None, "there are no rows of numbers"))[0]
+        raise table.refusal(f"{why}; no row can be used.", line)
+    bad = ~(np.abs(found.values) <= LARGEST)
+    empty, notices = _empty(table, columns, owner, bad)
+    for k, key in enumerate(owner):
+        if key == "temperature" and key not in empty:  # drives tell it now and then
+            good = np.flatnonzero(~bad[:, k])
+            found.values[:, k] = np.interp(np.arange(len(bad)), good, found.values[good, k])
+        if key == "temperature" or key in empty:
+            bad[:, k] = False
     broken = dict(found.broken)
-    used, lines = found.values, found.lines
-    if not len(used):
-        where, why = next(iter(broken.items()), (None, "there are no rows of numbers"))
-        raise table.refusal(f"{why}; no row can be used.", where)
-    bad = ~(np.abs(used) <= LARGEST)
-    owner = [""] * len(plan.time) + [key for key, x in plan.columns.items() for _ in x]
-    empty, notices = _empty(table, plan, bad, owner)
-    kept = [k for k, key in enumerate(owner) if key not in empty]
-    filled = [k for k, key in enumerate(owner) if key == "temperature" and key not in empty]
-    for k in filled:  # drives tell it now and then
-        good = np.flatnonzero(~bad[:, k])
-        used[:, k] = np.interp(np.arange(len(used)), good, used[good, k])
-        bad[:, k] = False
-    rows = bad[:, kept].any(axis=1)
+    rows = bad.any(axis=1)
     for row in np.flatnonzero(rows).tolist():
-        k = next(k for k in kept if bad[row, k])
-        broken[int(lines[row])] = f"{_name(table, columns[k])}: {_fault(used[row, k])}"
-    notices += _left_out(table, broken, len(lines) + len(found.broken))
-    used, lines = used[~rows], lines[~rows]
+        k = int(np.argmax(bad[row]))
+        fault = _fault(found.values[row, k])
+        broken[int(found.lines[row])] = f"{_name(table, columns[k])}: {fault}"
+    notices += _left_out(table, broken, len(bad) + len(found.broken))
+    used, lines = found.values, found.lines
+    if rows.any():
+        used, lines = used[~rows], lines[~rows]
     if len(used) < FEWEST:
         raise table.refusal(f"{counted(len(used), 'sample')}; a log needs at least {FEWEST}.")
-    times = _times(used[:, : len(plan.time)], plan)
-    values = {}
-    for key, factors in plan.factors.items():
-        if key not in empty:
-            values[key] = used[:, [k for k, name in enumerate(owner) if name == key]] * factors
+    values = _values(used, owner, empty, plan)
+    return _Samples(table, lines, _times(used[:, : len(plan.time)], plan), values, tuple(notices))
+
+
+def _values(used: Array, owner: list[str], empty: set[str], plan: LogPlan) -> dict[str, Array]:
+    """The quantities (n, joints) in columns, in SI units and the model's directions."""
+    values = {
+        key: used[:, [k for k, name in enumerate(owner) if name == key]] * factors
+        for key, factors in plan.factors.items()
+        if key not in empty
+    }
     values["position"] += plan.offsets
     if plan.gains is not None:
         values["torque"] = values["current"] * plan.gains
-    return _Samples(table, lines, times, values, tuple(notices))
+    return values
 
 
 def _times(columns: Array, plan: LogPlan) -> Array:
@@ -166,25 +174,21 @@ def _name(table: LogTable, column: int) -> str:
 
 
 def _empty(
-    table: LogTable, plan: LogPlan, bad: Flags, owner: list[str]
+    table: LogTable, columns: list[int], owner: list[str], bad: Flags
 ) -> tuple[set[str], list[str]]:
     """Quantities that the log can do without and that have columns with hardly a number, and a
     sentence on each; refuses others of that kind."""
     empty, notices = set[str](), list[str]()
-    most = bad.mean(axis=0) > 0.5
-    columns = [*plan.time, *(k for found in plan.columns.values() for k in found)]
-    for k in np.flatnonzero(most).tolist():
-        key = owner[k]
-        spare = key in ("velocity", "temperature") or (
-            key == "current" and "torque" in plan.columns
-        )
-        if not spare:
+    spare = {"velocity", "temperature", *(["current"] if "torque" in owner else [])}
+    for k in np.flatnonzero(bad.mean(axis=0) > 0.5).tolist():
+        key, name = owner[k], _name(table, columns[k])
+        if key not in spare:
             raise table.refusal(
-                f"{_name(table, columns[k])} has no number in {int(bad[:, k].sum())} of {len(bad)} "
-                f"rows, and holds {f'a {key}' if key else 'the time'} that is needed."
+                f"{name} has no number in {int(bad[:, k].sum())} of {len(bad)} rows, and holds a "
+                f"{key} that is needed."
             )
         if key not in empty:
-            notices.append(f"{_name(table, columns[k])} has hardly a number: no {key} was read.")
+            notices.append(f"{name} has hardly a number: no {key} was read.")
         empty.add(key)
     return empty, notices
 
@@ -211,7 +215,8 @@ def _log(
     """The log of samples: put in order, doubted, and brought to a grid."""
     unit = "s" if not plan.time else plan.time_unit
     order = in_order(samples.times, unit, samples.at, samples.refuse)
-    samples = samples.of(order.rows, order.notices, order.times)
+    every = np.array_equal(order.rows, np.arange(len(samples.times)))
+    samples = samples.of(slice(None) if every else order.rows, order.notices, order.times)
     samples = _without_spikes(samples)
     turns = np.ones(len(plan.names), dtype=bool) if model is None else angular(model)
     q, joined = unwrapped(samples.values["position"], turns, plan.names, samples.at)

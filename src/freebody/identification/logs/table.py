@@ -11,6 +11,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -91,8 +92,7 @@ class LogText:
         text = "\n".join(chunk)
         if "#" in text or (self.separator == " " and _uneven_blanks(text)):
             return None
-        expected = self.width - 1
-        if any(line.count(self.separator) != expected for line in chunk):
+        if set(map(str.count, chunk, repeat(self.separator))) != {self.width - 1}:
             return None
         if self.separator != ",":
             chunk = text.replace(",", ".").split("\n")
@@ -139,7 +139,7 @@ class LogText:
 
 
 _ABSENT = ("", "null", "none", "na", "n/a", "-")
-"""What loggers write where they have no number."""
+"""Texts that loggers write where they have no number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,8 +229,7 @@ def _of_parquet(path: Path) -> LogColumns:
 
 
 def _of_text(path: Path) -> LogText:
-    data = read_file.read(path, _LARGEST, "a log")
-    lines = read_file.lines(read_file.decoded(str(path), data))
+    lines = read_file.lines(read_file.decoded(str(path), read_file.read(path, _LARGEST, "a log")))
     while not lines[-1].strip(" \t,;\0"):
         lines.pop()
     head = [(k, x) for k, x in enumerate(lines[:_LOOKED_AT]) if x.strip(" \t,;")]
