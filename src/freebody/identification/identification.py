@@ -10,6 +10,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
+from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
@@ -78,8 +79,16 @@ class Identification(Tabled, ByValue):
     notices: tuple[str, ...]
     _aside = ("verdict", "notices")
 
+    @property
+    def trusted(self) -> bool:
+        """Whether the model predicts logs that it has not seen, and its scale is known."""
+        return self.outcome == "predicts" and self.scale_known
+
     def __getitem__(self, name: str) -> IdentifiedParameter:
-        return next(x for x in self.parameters if x.name == name)
+        for x in self.parameters:
+            if x.name == name:
+                return x
+        raise UnknownNameError("parameter", name, "identification", [x.name for x in self.parameters])
 
     def combination(self, name: str) -> dict[str, float]:
         """The inertial parameters that make up a base parameter, with their weights."""

@@ -35,6 +35,7 @@ from freebody.identification.regression import (
     misfit_by_rate,
     regressed,
 )
+from freebody.lazy import kept
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.display import counted
@@ -115,7 +116,8 @@ def identify(
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
-    columns = regression_columns(model, laws, rotors, smooth)
+    key = f"_regression_columns {laws} {rotors} {smooth}"
+    columns = kept(model, key, regression_columns, model, laws, rotors, smooth)
     held = prior_of(model, prior)
     for log in (*used, *unseen):
         _require_joints(log, columns)
@@ -129,7 +131,7 @@ def identify(
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
     joints = _joint_fits(found, first, fit, gains, checked)
     parameters = _parameters(model, columns, first, fit, joints)
-    made = robot(model, columns, fit)
+    made = robot(model, columns, fit, _mass_doubts(held, scaled))
     outcome = _outcome(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
@@ -296,7 +298,7 @@ def _parameters(
             scale[row.load] = 1.0
     value = scale * first.values
     half = _QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
-    half[np.abs(first.untold).sum(axis=0) > 0.0] = np.nan
+    half[first.untold] = np.nan
     kinds = _kinds(model, columns)
     largest = {
         kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)
@@ -328,10 +330,7 @@ def _parameters(
 
 def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
     """(kind, unit) of each unknown."""
-    turns = {
-        body.joint.name: body.kind.motion is not None and body.kind.motion.turns
-        for body in model.bodies
-    }
+    turns = {body.joint.name: body.kind.turns for body in model.bodies}
     kinds = []
     for name in columns.base_names:
         owner, symbol = name.rsplit(".", 1)
@@ -343,7 +342,7 @@ def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
     for joint in columns.joints:
         kinds += [(x.law.name, x.law.numbers[0].unit_of(turns[joint])) for x in columns.friction]
     lost = columns.names[columns.base + columns.friction_size :]
-    kinds += [(LOST_ROTOR, "kg m²" if turns[name.split(".")[0]] else "kg") for name in lost]
+    kinds += [(LOST_ROTOR, "kg m²" if turns[name.rsplit(".", 1)[0]] else "kg") for name in lost]
     return kinds
 
 
@@ -382,6 +381,18 @@ def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior
         return f"{said}; base parameters and torques are the logs', single masses are not told."
     source = "the model's" if held.source == "model" else "the given ones"
     return f"{said}; single masses are near {source}, which logs do not tell."
+
+
+def _mass_doubts(held: Prior, scaled: bool) -> list[str]:
+    """What the model itself says of its masses, wherever it is saved and used."""
+    if held.source == "model":
+        return []
+    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
+    scale = "" if scaled else ", and all are right up to one unknown factor"
+    return [
+        f"the model is identified from logs: torques of its drives follow from them, but single "
+        f"{what} of links are estimated from its geometry{scale}."
+    ]
 
 
 def _notices(

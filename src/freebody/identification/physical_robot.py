@@ -3,7 +3,8 @@ beforehand, and the model that they make."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from freebody.identification.consistency import (
 )
 from freebody.identification.priors import Prior
 from freebody.identification.regression import Equations, Regressed
+from freebody.model.doubts import ESTIMATED, Doubt
 from freebody.model.drives import LAWS
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
@@ -178,8 +180,9 @@ def _rotors(columns: Columns, values: Array) -> Array:
     return np.where(known > 1e-3 * largest, known, np.where(known > -1.0, 1e-3, 1.0) * largest)
 
 
-def robot(model: Model, columns: Columns, fit: PhysicalFit) -> Model:
-    """The model with the masses, rotors and friction of a fit; gears and springs stay."""
+def robot(model: Model, columns: Columns, fit: PhysicalFit, doubts: Sequence[str]) -> Model:
+    """The model with the masses, rotors and friction of a fit; gears and springs stay. doubts: on
+    its masses, which go where it goes."""
     k = len(body_parameters(of_dimension(model.dim)))
     bare = model.without("friction", "rotors", "springs")
     made = bare.with_inertial_parameters(fit.inertial[: k * len(model.bodies)])
@@ -199,4 +202,5 @@ def robot(model: Model, columns: Columns, fit: PhysicalFit) -> Model:
             numbers[x.law.strength] = float(strength)
             numbers |= x.numbers
         made = made.with_drive(joint, **numbers)
-    return made
+    notices = (*made.notices, *(Doubt(ESTIMATED, text) for text in doubts))
+    return replace(made, notices=notices)

@@ -30,6 +30,8 @@ _OF_CURRENTS = 4
 _RANK = 1e-11
 """Part of the largest eigenvalue of the scaled normal equations below which a combination of
 unknowns is told by nothing."""
+_PART = 1e-6
+"""Part of an unknown (squared) in such a combination above which it is not told either."""
 _LONGEST = 2.0
 """Time (s) up to which residuals are taken to be alike."""
 _OF_GAINS = 40.0
@@ -132,7 +134,7 @@ class Regressed(NamedTuple):
     spread: Array
     inflation: Array
     residuals: list[Array]
-    untold: Array
+    untold: NDArray[np.bool_]
     gains: Array
 
 
@@ -245,7 +247,7 @@ def regressed(found: Equations, held: Array | None = None) -> Regressed:
         spread,
         inflation,
         residuals,
-        untold[:, :size],
+        untold[:size],
         gains,
     )
 
@@ -276,16 +278,17 @@ def _normal(
     return normal, moment
 
 
-def _solved(normal: Array, moment: Array) -> tuple[Array, Array, Array]:
-    """The solution of normal equations, the inverse of their matrix, and combinations of unknowns
-    that they do not tell, of which both have no part."""
+def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """The solution of normal equations, the inverse of their matrix, both without the combinations
+    of unknowns that are not told, and which unknowns are part of such."""
     size = np.sqrt(np.diag(normal))
     size[size == 0.0] = 1.0
     eigenvalues, vectors = np.linalg.eigh(normal / np.outer(size, size))
     told = eigenvalues > _RANK * eigenvalues[-1]
     kept = vectors[:, told] / size[:, None]
     inverse = (kept / eigenvalues[told]) @ kept.T
-    return inverse @ moment, inverse, (vectors[:, ~told] / size[:, None]).T
+    hidden = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
+    return inverse @ moment, inverse, hidden
 
 
 def _first_gains(found: Equations, held: Array) -> Array:
