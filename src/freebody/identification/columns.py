@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.elementary import sign, tanh
 from freebody.errors import FreebodyError, PassiveJointError, UnknownNameError
 from freebody.kernels.own_functions import compile as compiled
 from freebody.model.drives import LAWS, DriveLaw
@@ -22,10 +21,11 @@ from freebody.trees.base_parameters import base_parameters
 from freebody.trees.positions import generic_state
 from freebody.ways_out.kernel import formula
 
-SMOOTH = 0.01
-"""Rate (rad/s, m/s) within which the sign of a rate goes from -1 to 1, as tanh(rate / SMOOTH): a
-measured rate has no sign that could be trusted below. Half of it cost 1.1 % of a real robot's
-torque, where dry friction changed its sense in noise."""
+WIDTHS = (0.01, 0.003, 0.001)
+"""Rates (rad/s, m/s) within which the sign of a rate may go from -1 to 1, as tanh(rate / width), the
+usual one first: real joints creep before they slip, and a measured rate has no sign that could be
+trusted below its noise, where simulated ones turn at once. Half of the first cost 1.1 % of a real
+robot's torque."""
 USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point)."""
@@ -76,10 +76,11 @@ class Columns:
     """The unknowns of a robot, base parameters and then friction joint by joint, and the kernel of
     their columns.
 
-    base_names: of the inertial parameter that leads each combination. inertial_names: of π, those
+    smooth: rate within which the sign of a rate changes, 0 for at once. base_names: of the inertial parameter that leads each combination. inertial_names: of π, those
     of bodies and then reflected inertias of rotors. matrix: (b, p), base parameters = matrix π.
     friction: the laws, in order, those by load last. joints: names, with columns each. kernel: (q,
-    qd, qdd) -> (..., width), entries of the regressor that are not always 0.
+    qd, qdd, s) -> (..., width), entries of the regressor that are not always 0, s being the signs
+    of the rates.
     """
 
     base_names: tuple[str, ...]
@@ -133,19 +134,19 @@ class Columns:
         """Torques (N, n) of base parameters (b,), without friction, at states (N, n)."""
         n = len(self.joints)
         found, buffer = np.empty((len(q), n)), np.empty((_TORQUES_AT_ONCE, self.width))
-        values = np.zeros((self.width, n))
+        values, zeros = np.zeros((self.width, n)), np.zeros((_TORQUES_AT_ONCE, n))
         for j, row in enumerate(self.rows):
             values[row.results, j] = np.append(base, 0.0)[np.minimum(row.unknowns, self.base)]
         for start in range(0, len(q), _TORQUES_AT_ONCE):
             part = slice(start, min(start + _TORQUES_AT_ONCE, len(q)))
             x = buffer[: part.stop - part.start]
-            self.kernel(q[part], qd[part], qdd[part], out=x)
+            self.kernel(q[part], qd[part], qdd[part], zeros[: len(x)], out=x)
             np.matmul(x, values, out=found[part])
         return found
 
     def sign(self, qd: Array) -> Array:
         """The sign of rates as the columns have it."""
-        return np.asarray(sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth))
+        return np.sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth)
 
 
 def friction_laws(wanted: Sequence[str] | Mapping[str, Any]) -> tuple[FrictionLaw, ...]:
@@ -191,13 +192,12 @@ def regression_columns(
     model: Model,
     friction: Sequence[FrictionLaw] = (),
     rotors: bool = True,
-    smooth: float = SMOOTH,
 ) -> Columns:
     """The unknowns of a robot and the kernel of their columns; the model's masses do not matter.
 
     friction: laws that each joint has. rotors: whether each joint has a rotor of unknown inertia.
-    smooth: rate within which the sign of a rate changes, 0 for at once. Raises FreebodyError for a
-    model with loops, passive joints, or joints of more than one coordinate.
+    Raises FreebodyError for a model with loops, passive joints, or joints of more than one
+    coordinate.
     """
     structure = _without_numbers(model, rotors)
     base = base_parameters(structure)
@@ -211,16 +211,15 @@ def regression_columns(
         [k for k, c in enumerate(chosen) if np.any(row[c] != 0.0)] for row in of_all(*samples)
     ]
 
-    def regression_columns(q: Any, qd: Any, qdd: Any) -> Any:
+    def regression_columns(q: Any, qd: Any, qdd: Any, s: Any) -> Any:
         entries: list[Any] = []
         for j, row in enumerate(of_all(q, qd, qdd)):
             entries += [row[chosen[k]] for k in present[j]]
-            s = tanh(qd[j] * (1.0 / smooth)) if smooth else sign(qd[j])
-            entries += [x.law.torques((1.0, *x.shape), q[j], qd[j], s)[0] for x in linear]
+            entries += [x.law.torques((1.0, *x.shape), q[j], qd[j], s[j])[0] for x in linear]
         return {"entries": tuple(entries)}
 
     width = sum(map(len, present)) + n * len(linear)
-    shapes = dict.fromkeys(("q", "qd", "qdd"), (n,))
+    shapes = dict.fromkeys(("q", "qd", "qdd", "s"), (n,))
     kernel = compiled(regression_columns, shapes, {"entries": (width,)})
     rows, start, size, more = [], 0, len(friction), 0
     names = [base.names[k] for k in kept]
@@ -243,7 +242,7 @@ def regression_columns(
         tuple(rows),
         kernel,
         width,
-        smooth,
+        WIDTHS[0],
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
 from freebody.identification.columns import (
     LOST_ROTOR,
-    SMOOTH,
     USUAL_LAWS,
     Columns,
     friction_laws,
@@ -34,6 +34,7 @@ from freebody.identification.regression import (
     equations,
     misfit_by_rate,
     regressed,
+    suited,
 )
 from freebody.lazy import kept
 from freebody.model.model import Model
@@ -66,7 +67,7 @@ def identify(
     rotors: bool = True,
     prior: Model | Mapping[str, float] | Sequence[float] | None = None,
     cutoff: float = EVERYTHING,
-    smooth: float = SMOOTH,
+    smooth: float | None = None,
 ) -> Identification:
     """What logs tell of a robot's masses, rotors and friction, with intervals, and the physical
     model that predicts them.
@@ -98,7 +99,8 @@ def identify(
     cutoff
         Frequency (Hz) up to which columns and torques are compared.
     smooth
-        Rate (rad/s, m/s) within which the sign of dry friction changes; 0 for rates without noise.
+        Rate (rad/s, m/s) within which the sign of dry friction changes, 0 for at once; None: that
+        of 0.01, 0.003 and 0.001 which fits best.
 
     Returns
     -------
@@ -116,17 +118,23 @@ def identify(
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
-    key = f"_regression_columns {laws} {rotors} {smooth}"
-    columns = kept(model, key, regression_columns, model, laws, rotors, smooth)
+    key = f"_regression_columns {laws} {rotors}"
+    columns = kept(model, key, regression_columns, model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen):
         _require_joints(log, columns)
     torques = [_torques(model, log) for log in used]
     by_current = any(x is None for x in torques)
     _require_alike(model, used, by_current)
-    found = equations(columns, used, None if by_current else torques, cutoff)
+    given = None if by_current else [x for x in torques if x is not None]
+    of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
+    if smooth is None:
+        columns = suited(columns, used, given, cutoff, of_prior)
+    else:
+        columns = replace(columns, smooth=smooth)
+    found = equations(columns, used, given, cutoff)
     scaled = held.source != "geometry" or not by_current
-    first, fit = _fitted(model, found, held, by_current, scaled)
+    first, fit = _fitted(model, found, held, of_prior, scaled)
     gains = _gains(found, fit) if by_current else None
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
     joints = _joint_fits(found, first, fit, gains, checked)
@@ -202,16 +210,13 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
 
 
 def _fitted(
-    model: Model, found: Equations, held: Prior, by_current: bool, scaled: bool
+    model: Model, found: Equations, held: Prior, of_prior: Array | None, scaled: bool
 ) -> tuple[Regressed, PhysicalFit]:
     """The regression and the physical robot nearest to it, whose transmitted torques the equations
     have from then on."""
-    columns = found.columns
-    bodies = held.bodies.ravel()
-    of_prior = columns.matrix[:, : len(bodies)] @ bodies if by_current else None
     first = regressed(found, of_prior)
-    fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
-    if columns.by_load:
+    fit = fit_physical(model, found, first, held, None if found.currents and scaled else 1.0)
+    if found.columns.by_load:
         found.put_loads(fit.values)
     return first, fit
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from freebody.arrays import Array
 from freebody.identification.columns import Columns
@@ -34,8 +35,9 @@ _OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
 estimated shape tells where they are."""
 _LEAST_FRICTION, _LEAST_LOSS = 0.01, 0.005
 """Friction that is looked for near 0: as part of a joint's torque, and of what it transmits."""
-_SCALES = 9
-"""Trials of the common factor of gains."""
+_SCALES, _SCALE_TOLD = 1.0, 3e-3
+"""Logarithms of the common factor of gains: the farthest from what suits the prior's torques, and
+the distance to which it is found."""
 
 
 @dataclass(frozen=True)
@@ -71,8 +73,13 @@ def fit_physical(
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
     if scale is None:
-        trials = first * np.geomspace(0.5, 2.0, _SCALES)
-        scale = float(min(trials, key=lambda x: closest(*problem(x))))
+        apart = minimize_scalar(
+            lambda x: closest(*problem(first * np.exp(x))),
+            bounds=(-_SCALES, _SCALES),
+            method="bounded",
+            options={"xatol": _SCALE_TOLD},
+        )
+        scale = float(first * np.exp(apart.x))
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
         at = _products(columns, fitted.x) / [1.0, scale]

@@ -22,7 +22,7 @@ _THICK = 0.5
 """Radius of an estimated link, over its length."""
 _LEAST = 0.3
 """Length of an estimated link whose joints lie on one another, over the mean length."""
-_ROUND = 0.05
+_ROUND = 0.002
 """Part of a given inertia that is added as that of a ball, so that rods and plates, which have no
 extent in some direction, do not forbid one."""
 

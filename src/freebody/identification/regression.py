@@ -4,7 +4,7 @@ single samples, and repeated for the friction that depends on the load."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.identification.columns import Columns
+from freebody.identification.columns import WIDTHS, Columns
 from freebody.identification.decimation import Decimation, decimation
 from freebody.identification.logs.log import Log, LogStates
 
@@ -39,6 +39,10 @@ _OF_GAINS = 40.0
 bodies hardly load a joint, so that its friction alone tells no gain."""
 _SURE = 10.0
 """Standard deviations above which a first gain is taken from a joint's own current."""
+_EXACT = 1e-9
+"""Part of a joint's torque below which what is left is rounding."""
+_TRIED = 30.0
+"""Time (s) of each log by which the width of the sign of rates is chosen."""
 _BINS = 12
 """Ranges of the rate, of equally many samples, in which residuals are compared."""
 
@@ -187,7 +191,8 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         if size > len(buffer):
             buffer = np.empty((size, buffer.shape[1]))
         x = buffer[:size]
-        columns.kernel(*(state[part] for state in p.states), out=x[:, : columns.width])
+        q, qd, qdd = (state[part] for state in p.states)
+        columns.kernel(q, qd, qdd, columns.sign(qd), out=x[:, : columns.width])
         x[:, columns.width :] = given[part]
         return x
 
@@ -250,6 +255,36 @@ def regressed(found: Equations, held: Array | None = None) -> Regressed:
         untold[:size],
         gains,
     )
+
+
+def suited(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float, held: Array | None) -> Columns:
+    """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a part
+    of the logs."""
+    parts = [_middle(log) for log in logs]
+    taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
+    short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
+    tried = []
+    for width in WIDTHS:
+        own = replace(columns, smooth=width)
+        tried.append((regressed(equations(own, short, taken, cutoff), held), own))
+    return min(tried, key=lambda x: _left(x[0]))[1]
+
+
+def _left(x: Regressed) -> float:
+    return float(np.log(x.spread / x.gains).sum())
+
+
+def _middle(log: Log) -> slice:
+    """At most so many samples of a log, about its middle."""
+    middle, half = len(log.time) // 2, int(0.5 * _TRIED * log.rate)
+    return slice(max(middle - half, 0), middle + half)
+
+
+def _cut(log: Log, part: slice) -> Log:
+    """A part of a log."""
+    arrays = ("time", "position", "velocity", "torque", "current", "measured", "temperature")
+    found = {name: getattr(log, name) for name in arrays}
+    return replace(log, **{name: x[part] for name, x in found.items() if x is not None})
 
 
 def _size(residual: Array, weights: Array | float) -> float:
@@ -330,6 +365,8 @@ def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> fl
 def misfit_by_rate(rows: Rows, residual: Array, spread: float, inflation: float) -> float:
     """The probability that a residual with noise alone depends on the joint's rate as much as this
     one does: whether the law of friction fits."""
+    if spread <= _EXACT * np.std(rows.y):
+        return 1.0
     order = np.argsort(rows.rate)
     bins = np.array_split(residual[order], _BINS)
     total = sum(len(x) * x.mean() ** 2 for x in bins) / (inflation * spread**2)
