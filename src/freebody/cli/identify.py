@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from freebody.cli import numbers, options, terminal
-from freebody.errors import FreebodyError
 
 if TYPE_CHECKING:
     from freebody.identification.logs.log import Log
@@ -102,11 +101,6 @@ def _log(text: str, model: Model, layout: Path | None, seed: int) -> Log:
     from freebody.identification.logs.read_log import read_log
     from freebody.identification.simulated import simulated_log
 
-    if text != _SIMULATED:
-        return read_log(text, model, layout=layout)
-    if not model.mass:
-        raise FreebodyError(
-            f"freebody identify: {model.name!r} has no masses to simulate a log from; give the "
-            f"robot's own log."
-        )
-    return simulated_log(model, seed)
+    return (
+        simulated_log(model, seed) if text == _SIMULATED else read_log(text, model, layout=layout)
+    )

@@ -22,10 +22,10 @@ from freebody.trees.positions import generic_state
 from freebody.ways_out.kernel import formula
 
 WIDTHS = (0.01, 0.003, 0.001)
-"""Rates (rad/s, m/s) within which the sign of a rate may go from -1 to 1, as tanh(rate / width), the
-usual one first: real joints creep before they slip, and a measured rate has no sign that could be
-trusted below its noise, where simulated ones turn at once. Half of the first cost 1.1 % of a real
-robot's torque."""
+"""Rates (rad/s, m/s) within which the sign of a rate may go from -1 to 1, as tanh(rate / width),
+the usual one first: real joints creep before they slip, and a measured rate has no sign that could
+be trusted below its noise, where simulated ones turn at once. Half of the first cost 1.1 % of a
+real robot's torque."""
 USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point)."""
@@ -76,11 +76,11 @@ class Columns:
     """The unknowns of a robot, base parameters and then friction joint by joint, and the kernel of
     their columns.
 
-    smooth: rate within which the sign of a rate changes, 0 for at once. base_names: of the inertial parameter that leads each combination. inertial_names: of π, those
-    of bodies and then reflected inertias of rotors. matrix: (b, p), base parameters = matrix π.
-    friction: the laws, in order, those by load last. joints: names, with columns each. kernel: (q,
-    qd, qdd, s) -> (..., width), entries of the regressor that are not always 0, s being the signs
-    of the rates.
+    smooth: rate within which the sign of a rate changes, 0 for at once. base_names: of the inertial
+    parameter that leads each combination. inertial_names: of π, those of bodies and then reflected
+    inertias of rotors. matrix: (b, p), base parameters = matrix π. friction: the laws, in order,
+    those by load last. joints: names, with columns each. kernel: (q, qd, qdd, s) -> (..., width),
+    entries of the regressor that are not always 0, s being the signs of the rates.
     """
 
     base_names: tuple[str, ...]
@@ -219,7 +219,7 @@ def regression_columns(
         return {"entries": tuple(entries)}
 
     width = sum(map(len, present)) + n * len(linear)
-    shapes = dict.fromkeys(("q", "qd", "qdd", "s"), (n,))
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "qd", "qdd", "s"), (n,))
     kernel = compiled(regression_columns, shapes, {"entries": (width,)})
     rows, start, size, more = [], 0, len(friction), 0
     names = [base.names[k] for k in kept]

@@ -4,8 +4,8 @@ on the fit of the data and a log-det prior.
 A body exists if its pseudo-inertia, the matrix of second moments of its mass with first moments and
 mass beside them, is positive definite (Wensing, Kim, Slotine 2018). The prior is the Bregman
 divergence of -log det between pseudo-inertias (Lee, Wensing, Park 2020): it ties what the data
-do not tell to the inertia that was given beforehand, by amounts that suit each direction's size, and it
-is infinite where a body ceases to exist, so that no constraint is left to a solver.
+do not tell to the inertia that was given beforehand, by amounts that suit each direction's size,
+and it is infinite where a body ceases to exist, so that no constraint is left to a solver.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from freebody.lazy import Keeps, cached_property
 _STEPS = 100
 """Most steps of Newton's method; it takes some ten."""
 _SETTLED, _ROUNDED = 1e-3, 1e-11
-"""Newton's decrement at which it ends, in units of half a squared standard deviation, and as part of
-the value."""
+"""Newton's decrement at which it ends, in units of half a squared standard deviation, and as part
+of the value."""
 _WEAKEST, _STRONGEST, _FALL = 1e-2, 1e2, 5.0
 """The prior's weights: the first, or one with which it outweighs the data; the factor from one that
 is tried to the next, which starts where the last has ended; and the least, with which little more
@@ -65,8 +65,9 @@ class Physical(Keeps):
     """What is physical about unknowns x: bodies, one after the other, then scalars.
 
     basis: see `pseudo_inertia_basis`. bodies: (nb, k) their prior parameters. scalars: (ns,) prior
-    values of what is positive, such as friction, or NaN for what has either sign. below: (ns,) upper
-    bounds. of_masses: weight of what is held of masses alone, beside that of their distribution.
+    values of what is positive, such as friction, or NaN for what has either sign. below: (ns,)
+    upper bounds. of_masses: weight of what is held of masses alone, beside that of their
+    distribution.
     """
 
     basis: Array
@@ -81,7 +82,9 @@ class Physical(Keeps):
 
     def pseudo_inertias(self, x: Array) -> Array:
         """The pseudo-inertias (nb, d, d) of the bodies."""
-        return np.einsum("bk,kij->bij", x[: self.bodies.size].reshape(self.bodies.shape), self.basis)
+        return np.einsum(
+            "bk,kij->bij", x[: self.bodies.size].reshape(self.bodies.shape), self.basis
+        )
 
     def penalty(self, x: Array, weight: float) -> float:
         """The weighted divergence of the bodies and the barriers of the scalars; infinite where
@@ -107,7 +110,7 @@ class Physical(Keeps):
 
     @cached_property
     def _prior(self) -> Array:
-        return np.linalg.inv(self.pseudo_inertias(self.start()))
+        return np.asarray(np.linalg.inv(self.pseudo_inertias(self.start())), dtype=float)
 
     def slopes(self, x: Array, weight: float) -> tuple[Array, Array]:
         """Gradient and second derivatives of the penalty."""

@@ -68,8 +68,8 @@ class Decimation:
 
 
 def decimation(rate: float, cutoff: float) -> Decimation:
-    """The low pass at a cutoff (Hz) of samples at a rate (Hz). Raises FreebodyError where the cutoff
-    is not below half the rate."""
+    """The low pass at a cutoff (Hz) of samples at a rate (Hz). Raises FreebodyError where the
+    cutoff is not below half the rate."""
     require_cutoff("identify", rate, cutoff)
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     impulse = np.zeros(int(np.ceil(SETTLES * rate)))

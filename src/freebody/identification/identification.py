@@ -17,10 +17,10 @@ from freebody.outputs.display import Tabled, TextTable, counted
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
-    """A base parameter or a number of a joint's friction. value: of the regression, before prior and
-    constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical model.
-    told: whether the interval says more than that the parameter is small or unknown. withdrawn: why
-    it has no interval, or ""."""
+    """A base parameter or a number of a joint's friction. value: of the regression, before prior
+    and constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical
+    model. told: whether the interval says more than that the parameter is small or unknown.
+    withdrawn: why it has no interval, or ""."""
 
     name: str
     kind: Literal["inertial", "friction"]
@@ -88,7 +88,9 @@ class Identification(Tabled, ByValue):
         for x in self.parameters:
             if x.name == name:
                 return x
-        raise UnknownNameError("parameter", name, "identification", [x.name for x in self.parameters])
+        raise UnknownNameError(
+            "parameter", name, "identification", [x.name for x in self.parameters]
+        )
 
     def combination(self, name: str) -> dict[str, float]:
         """The inertial parameters that make up a base parameter, with their weights."""
@@ -98,7 +100,8 @@ class Identification(Tabled, ByValue):
 
     def _title(self) -> str:
         count = sum(x.kind == "inertial" for x in self.parameters)
-        return f"Identification of {self.model.name}: {counted(count, 'base parameter')}; {self.outcome}"
+        what = counted(count, "base parameter")
+        return f"Identification of {self.model.name}: {what}; {self.outcome}"
 
     def _table(self) -> TextTable:
         rows = [

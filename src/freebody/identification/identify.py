@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
 from freebody.identification.columns import (
@@ -26,7 +27,7 @@ from freebody.identification.identification import (
 )
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
-from freebody.identification.physical_robot import PhysicalFit, base_scale, fit_physical, robot
+from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
     Equations,
@@ -40,7 +41,6 @@ from freebody.lazy import kept
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.display import counted
-from freebody.any_chain.dynamics import inverse_dynamics
 
 _QUANTILE = 1.96
 """Standard deviations on each side of an interval of 95 %."""
@@ -143,7 +143,7 @@ def identify(
     outcome = _outcome(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
-    notices += _notices(held, scaled, joints, untold, gains, columns)
+    notices += _notices(held, scaled, joints, untold, gains, fit.unsure)
     return Identification(
         made,
         parameters,
@@ -379,7 +379,10 @@ def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior
     else:
         known = 100.0 * (worst.validation or 0.0)
         does = "Predicts" if outcome == "predicts" else "Does not predict"
-        said = f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left ({worst.joint})"
+        said = (
+            f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
+            f"({worst.joint})"
+        )
     if not scaled:
         return f"{said}; the scale of torques and masses is not told."
     if held.source == "geometry":
@@ -406,7 +409,7 @@ def _notices(
     joints: Sequence[JointFit],
     untold: Sequence[str],
     gains: Array | None,
-    columns: Columns,
+    unsure: float,
 ) -> list[str]:
     found = []
     if gains is not None and not scaled:
@@ -414,6 +417,11 @@ def _notices(
             "The scale is not told: the logs have currents with unknown gains, and no mass is "
             "known; gains, masses and frictions are right up to one common factor. Give masses "
             "(prior=), or a torque constant."
+        )
+    if gains is not None and scaled:
+        found.append(
+            f"Gains and masses have a common factor that the given masses alone tell, to "
+            f"{100.0 * _QUANTILE * unsure:.0f} % at best (95 %)."
         )
     if held.source == "geometry":
         found.append(

@@ -3,7 +3,7 @@ beforehand, and the model that they make."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -43,14 +43,16 @@ the distance to which it is found."""
 @dataclass(frozen=True)
 class PhysicalFit:
     """The physical robot of a regression. values: of the unknowns. inertial: (p,) its parameters π,
-    of bodies and then reflected inertias of rotors. friction: (n, laws). weight: of the prior. scale:
-    by which gains and all that they multiply grew so that masses suit the prior."""
+    of bodies and then reflected inertias of rotors. friction: (n, laws). weight: of the prior.
+    scale: by which gains and all that they multiply grew so that masses suit the prior; unsure: the
+    standard deviation of its logarithm, as the prior tells it."""
 
     values: Array
     inertial: Array
     friction: Array
     weight: float
     scale: float
+    unsure: float
 
 
 def fit_physical(
@@ -72,14 +74,10 @@ def fit_physical(
         own = information / np.outer(factors, factors)
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
+    unsure = 0.0
     if scale is None:
-        apart = minimize_scalar(
-            lambda x: closest(*problem(first * np.exp(x))),
-            bounds=(-_SCALES, _SCALES),
-            method="bounded",
-            options={"xatol": _SCALE_TOLD},
-        )
-        scale = float(first * np.exp(apart.x))
+        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x))))
+        scale *= first
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
         at = _products(columns, fitted.x) / [1.0, scale]
@@ -90,7 +88,20 @@ def fit_physical(
         if row.lost_rotor is not None:
             values[row.lost_rotor] = loss * rotor
     friction = fitted.x[size:].reshape(n, len(columns.friction))
-    return PhysicalFit(values, fitted.x[:size], friction, fitted.weight, scale)
+    return PhysicalFit(values, fitted.x[:size], friction, fitted.weight, scale, unsure)
+
+
+def _found_scale(misfit: Callable[[float], float]) -> tuple[float, float]:
+    """The factor whose logarithm has the least misfit, and the standard deviation of this
+    logarithm."""
+    options = {"xatol": _SCALE_TOLD}
+    found: Any = minimize_scalar(
+        misfit, bounds=(-_SCALES, _SCALES), method="bounded", options=options
+    )
+    best = float(found.x)
+    around = [misfit(best + x) for x in (-_SCALES / 5, 0.0, _SCALES / 5)]
+    curvature = (around[0] - 2.0 * around[1] + around[2]) / (_SCALES / 5) ** 2
+    return float(np.exp(best)), float(1.0 / np.sqrt(max(curvature, 1.0)))
 
 
 def _combine(columns: Columns, at: Array) -> tuple[Array, Array]:
@@ -137,7 +148,7 @@ def base_scale(columns: Columns, regressed: Regressed, prior: Prior) -> float:
 
 
 def _scaled(columns: Columns, values: Array, scale: float) -> Array:
-    """Unknowns of torques that are `scale` times as large; losses are parts of torques, and stay."""
+    """Unknowns of torques that are `scale` times as large; losses are parts of torques."""
     factors = np.full(len(values), scale)
     for row in columns.rows:
         if row.load is not None:
@@ -196,7 +207,7 @@ def robot(model: Model, columns: Columns, fit: PhysicalFit, doubts: Sequence[str
     names = list(columns.inertial_names)
     joints = {body.joint.name: body.joint.drive for body in model.bodies}
     for joint, friction in zip(columns.joints, fit.friction, strict=True):
-        drive = joints[joint]
+        drive: Any = joints[joint]
         springs = [law for law in LAWS.values() if law.feature == "springs"]
         numbers: dict[str, Any] = {
             number.name: getattr(drive, number.name) for law in springs for number in law.numbers

@@ -142,7 +142,9 @@ class Regressed(NamedTuple):
     gains: Array
 
 
-def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float) -> Equations:
+def equations(
+    columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float
+) -> Equations:
     """The filtered equations of logs.
 
     given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
@@ -203,8 +205,8 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
 def regressed(found: Equations, held: Array | None = None) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
-    Gains are found by Gauss's and Newton's method, as factors of the currents that change from round
-    to round until none does. held: base parameters that gains are found from at first.
+    Gains are found by Gauss's and Newton's method, as factors of the currents that change from
+    round to round until none does. held: base parameters that gains are found from at first.
     """
     gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
     first = gains
@@ -257,9 +259,15 @@ def regressed(found: Equations, held: Array | None = None) -> Regressed:
     )
 
 
-def suited(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float, held: Array | None) -> Columns:
-    """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a part
-    of the logs."""
+def suited(
+    columns: Columns,
+    logs: Sequence[Log],
+    given: Sequence[Array] | None,
+    cutoff: float,
+    held: Array | None,
+) -> Columns:
+    """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a
+    part of the logs."""
     parts = [_middle(log) for log in logs]
     taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
     short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
@@ -296,8 +304,8 @@ def _size(residual: Array, weights: Array | float) -> float:
 def _normal(
     found: Equations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
 ) -> tuple[Array, Array]:
-    """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a common
-    factor, have sum 0."""
+    """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a
+    common factor, have sum 0."""
     size = found.size + len(found.rows) * found.currents
     normal, moment = np.zeros((size, size)), np.zeros(size)
     for rows, weight, factor, gain in zip(found.rows, weights, scale, gains, strict=True):

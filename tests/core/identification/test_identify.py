@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from support.simulated_logs import arm, exact_log, log, motion, with_random_numbers
 
 import freebody as fb
+from support.simulated_logs import arm, exact_log, log, motion, with_random_numbers
 
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
@@ -188,7 +188,8 @@ def test_gains_of_currents_are_found_up_to_a_factor_or_with_known_masses():
     np.testing.assert_allclose(relative / relative.mean(), 1.0, rtol=0.02)
     known = fb.identify(ARM, used, validate=unseen, friction=FRICTION, prior=model)
     assert known.trusted
-    np.testing.assert_allclose(known.gains, gains, rtol=0.03)
+    np.testing.assert_allclose(known.gains, gains, rtol=0.12)  # as much as the prior tells
+    assert any("that the given masses alone tell" in x for x in known.notices)
 
 
 def test_springs_of_the_model_are_known():
@@ -220,7 +221,7 @@ def test_one_parameter_and_the_report():
     text = str(found)
     assert "joint2.coulomb" in text
     assert found.verdict in text
-    with pytest.raises(fb.UnknownNameError, match="link3.Izz"):
+    with pytest.raises(fb.UnknownNameError, match=r"link3\.Izz"):
         found["link3.izz"]
 
 
