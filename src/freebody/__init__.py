@@ -155,6 +155,7 @@ _PLACES = {
     "freebody.identification.logs.log": ("Log",),
     "freebody.identification.identify": ("identify",),
     "freebody.identification.identification": ("Identification",),
+    "freebody.identification.excitation": ("Excitation", "excitation"),
     "freebody.design.data_sheets": ("mean_load",),
     "freebody.design.parts": ("Motor", "Gear", "Bearing"),
     "freebody.design.catalogue": ("PartCatalogue", "catalogue"),

@@ -144,6 +144,10 @@ class Columns:
             np.matmul(x, values, out=found[part])
         return found
 
+    def results(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """The kernel's results (..., width) at states."""
+        return np.asarray(self.kernel(q, qd, qdd, self.sign(qd)))
+
     def sign(self, qd: Array) -> Array:
         """The sign of rates as the columns have it."""
         return np.sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth)

@@ -30,13 +30,13 @@ _EVEN = 0.02  # of a step: samples nearer than this to the grid are taken to lie
 _ROUND = 0.02  # of a rate: how far from a round one a jittered one may be
 _RATES = (10, 20, 25, 30, 40, 50, 60, 100, 120, 125, 200, 240, 250, 400, 500, 800, 1000, 2000, 4000)
 _SLOWEST_STEP = 0.5  # s
-Place = Callable[[int], str]
+RowPlace = Callable[[int], str]
 """A function that tells where a row stands in the file: "line 12"."""
-Refuse = Callable[[str, int | None], Exception]
+RowRefusal = Callable[[str, int | None], Exception]
 """A function that makes the error of a text and a row."""
 
 
-class InOrder(NamedTuple):
+class RowsInOrder(NamedTuple):
     """Rows of a log by time."""
 
     rows: NDArray[np.int64]
@@ -46,7 +46,7 @@ class InOrder(NamedTuple):
     notices: tuple[str, ...]
 
 
-def in_order(times: Array, unit: str | None, where: Place, refuse: Refuse) -> InOrder:
+def in_order(times: Array, unit: str | None, where: RowPlace, refuse: RowRefusal) -> RowsInOrder:
     """The rows by their times (n,), with notices on units, duplicates, disorder and clocks that
     were set. Raises what `refuse` makes where the times do not advance, or go back too often."""
     forward = np.diff(times)
@@ -95,7 +95,7 @@ def in_order(times: Array, unit: str | None, where: Place, refuse: Refuse) -> In
     return _without_twins(rows, t - t[0], step, notices, where)
 
 
-def _set(times: Array, k: int, unit: str, where: Place) -> str:
+def _set(times: Array, k: int, unit: str, where: RowPlace) -> str:
     """A sentence on a clock that was set back."""
     return (
         f"The clock goes back from {times[k - 1]:.6g} to {times[k]:.6g} {unit} ({where(k)}): "
@@ -104,8 +104,8 @@ def _set(times: Array, k: int, unit: str, where: Place) -> str:
 
 
 def _without_twins(
-    rows: NDArray[np.int64], t: Array, step: float, notices: list[str], where: Place
-) -> InOrder:
+    rows: NDArray[np.int64], t: Array, step: float, notices: list[str], where: RowPlace
+) -> RowsInOrder:
     """The rows without those that repeat a time; gaps longer than `_LONGEST` are shortened."""
     twins = np.append(False, np.diff(t) == 0.0)
     if twins.any():
@@ -127,7 +127,7 @@ def _without_twins(
             f"first) {'are' if len(long) > 1 else 'is'} shortened to {_LONGEST:g} s."
         )
         changes[long] = _LONGEST
-    return InOrder(rows, np.cumsum(changes), tuple(notices))
+    return RowsInOrder(rows, np.cumsum(changes), tuple(notices))
 
 
 class LogGrid(NamedTuple):
@@ -149,7 +149,7 @@ class LogGrid(NamedTuple):
         return np.stack([np.interp(self.times, self.samples, column) for column in x.T], axis=-1)
 
 
-def grid_of(t: Array, rate: float | None, where: Place) -> LogGrid:
+def grid_of(t: Array, rate: float | None, where: RowPlace) -> LogGrid:
     """The uniform grid for samples at the times t (m,); rate: Hz, by default that of the
     samples."""
     steps = np.diff(t)

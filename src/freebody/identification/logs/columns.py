@@ -62,7 +62,7 @@ def plan_of(table: LogTable, layout: LogLayout, model: Model | None) -> LogPlan:
 
 
 @dataclass(frozen=True)
-class _Named:
+class _NamedColumn:
     """A column by the words of its name: a quantity of a joint."""
 
     quantity: str
@@ -191,7 +191,7 @@ class _Reading:
             return tuple(f"joint{int(x) - int(found[0]) + 1}" for x in found)
         return tuple(found)
 
-    def by_name(self, key: str, names: Sequence[str]) -> list[_Named] | None:
+    def by_name(self, key: str, names: Sequence[str]) -> list[_NamedColumn] | None:
         """The header's columns of a quantity in the order of the joints; None where there are
         none."""
         found = self.by_joint(key)
@@ -209,9 +209,9 @@ class _Reading:
             )
         return [by_name[name] for name in names]
 
-    def by_joint(self, key: str) -> dict[str, _Named]:
+    def by_joint(self, key: str) -> dict[str, _NamedColumn]:
         """The header's columns of a quantity by joint, which may be a number."""
-        found: dict[str, _Named] = {}
+        found: dict[str, _NamedColumn] = {}
         for x in self.named:
             if x.quantity != key:
                 continue
@@ -225,7 +225,9 @@ class _Reading:
             found[joint] = x
         return found
 
-    def by_number(self, key: str, names: Sequence[str], counted: dict[int, _Named]) -> list[_Named]:
+    def by_number(
+        self, key: str, names: Sequence[str], counted: dict[int, _NamedColumn]
+    ) -> list[_NamedColumn]:
         """Columns in the order of their numbers, which must count the joints from 0 or from 1."""
         first = min(counted)
         numbers = range(first, first + len(names))
@@ -269,12 +271,12 @@ class _Reading:
         return known[unit]
 
     # ------------------------------------------------------------ names and numbers of columns
-    def read(self, column: int, name: str, unit: str | None) -> Iterator[_Named]:
+    def read(self, column: int, name: str, unit: str | None) -> Iterator[_NamedColumn]:
         """The quantity and joint that a column's name says, if it says one thing."""
         words = _words_of(name)
         owner, rest = self.joint_in(words)
         if owner and not rest:
-            yield _Named("position", owner, column, unit)
+            yield _NamedColumn("position", owner, column, unit)
             return
         if _NOT_MEASURED & set(rest):
             return
@@ -289,7 +291,7 @@ class _Reading:
         left = [w for w in rest if w not in said and w not in _BESIDE]
         if owner and left:
             return
-        yield _Named(kinds.pop(), owner or "_".join(left), column, unit)
+        yield _NamedColumn(kinds.pop(), owner or "_".join(left), column, unit)
 
     def joint_in(self, words: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
         """The joint whose name is among the words, the longest, and the words beside it."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from freebody.arrays import Array
 from freebody.errors import listed
-from freebody.identification.logs.clock import Place, Refuse
+from freebody.identification.logs.clock import RowPlace, RowRefusal
 from freebody.model.model import Model
 from freebody.motion.ranges import Flags, ranges
 from freebody.outputs.display import counted
@@ -65,7 +65,7 @@ def spikes(samples: dict[str, Array]) -> NDArray[np.bool_]:
 
 
 def unwrapped(
-    q: Array, turns: Flags, names: tuple[str, ...], where: Place
+    q: Array, turns: Flags, names: tuple[str, ...], where: RowPlace
 ) -> tuple[Array, list[str]]:
     """Positions (n, joints) without steps by whole turns, and a sentence on what was joined."""
     jumps = np.where(turns, np.rint(np.diff(q, axis=0) / _TURN), 0.0)
@@ -93,7 +93,7 @@ class RateCheck(NamedTuple):
 
 
 def rates_checked(
-    t: Array, q: Array, qd: Array, names: tuple[str, ...], refuse: Refuse
+    t: Array, q: Array, qd: Array, names: tuple[str, ...], refuse: RowRefusal
 ) -> RateCheck:
     """The rates (n, joints) compared with the slopes of the positions; raises what `refuse` makes
     where a factor lies between them."""
@@ -130,7 +130,7 @@ def rates_checked(
 
 
 def beyond_limits(
-    model: Model, values: dict[str, Array], stated: frozenset[str], refuse: Refuse
+    model: Model, values: dict[str, Array], stated: frozenset[str], refuse: RowRefusal
 ) -> Iterator[str]:
     """Sentences on values (n, joints) beyond the model's limits; raises what `refuse` makes where
     they are within them in degrees or millimetres."""
@@ -169,7 +169,9 @@ def beyond_limits(
 _PLURAL = {"position": "positions", "velocity": "rates", "torque": "torques", "current": "currents"}
 
 
-def unmeasured(values: dict[str, Array], names: tuple[str, ...], refuse: Refuse) -> Iterator[str]:
+def unmeasured(
+    values: dict[str, Array], names: tuple[str, ...], refuse: RowRefusal
+) -> Iterator[str]:
     """Sentences on joints that never move and on torques that never change; raises what `refuse`
     makes where no torque does."""
     for key in ("torque", "current"):

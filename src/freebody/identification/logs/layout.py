@@ -111,7 +111,7 @@ def _read(table: TomlTable) -> LogLayout:
 
 
 def _same_length(table: TomlTable, layout: LogLayout) -> None:
-    """Refuse lists of different lengths: each has an entry for each joint."""
+    """RowRefusal lists of different lengths: each has an entry for each joint."""
     sizes = {key: len(x) for key, x in {**layout.columns, **layout.lists()}.items() if x}
     for key, size in sizes.items():
         first = next(iter(sizes))

@@ -86,7 +86,7 @@ def read_log(
 
 
 @dataclass(frozen=True)
-class _Samples:
+class _LogSamples:
     """Rows of a log that can be used, in SI units."""
 
     table: LogTable
@@ -103,14 +103,14 @@ class _Samples:
     def refuse(self, problem: str, row: int | None) -> Exception:
         return self.table.refusal(problem, None if row is None else int(self.lines[row]))
 
-    def of(self, rows: Any, notices: Iterable[str] = (), times: Array | None = None) -> _Samples:
+    def of(self, rows: Any, notices: Iterable[str] = (), times: Array | None = None) -> _LogSamples:
         """Some of the rows, with further notices."""
         values = {key: x[rows] for key, x in self.values.items()}
         t = self.times[rows] if times is None else times
-        return _Samples(self.table, self.lines[rows], t, values, (*self.notices, *notices))
+        return _LogSamples(self.table, self.lines[rows], t, values, (*self.notices, *notices))
 
 
-def _samples(table: LogTable, plan: LogPlan) -> _Samples:
+def _samples(table: LogTable, plan: LogPlan) -> _LogSamples:
     """The numbers of a table without broken rows."""
     columns = [*plan.time, *(k for found in plan.columns.values() for k in found)]
     owner = [*("time" for _ in plan.time), *(key for key, x in plan.columns.items() for _ in x)]
@@ -139,7 +139,9 @@ def _samples(table: LogTable, plan: LogPlan) -> _Samples:
     if len(used) < FEWEST:
         raise table.refusal(f"{counted(len(used), 'sample')}; a log needs at least {FEWEST}.")
     values = _values(used, owner, empty, plan)
-    return _Samples(table, lines, _times(used[:, : len(plan.time)], plan), values, tuple(notices))
+    return _LogSamples(
+        table, lines, _times(used[:, : len(plan.time)], plan), values, tuple(notices)
+    )
 
 
 def _values(used: Array, owner: list[str], empty: set[str], plan: LogPlan) -> dict[str, Array]:
@@ -210,7 +212,7 @@ def _left_out(table: LogTable, broken: dict[int, str], count: int) -> list[str]:
 
 
 def _log(
-    samples: _Samples, plan: LogPlan, model: Model | None, rate: float | None, source: str
+    samples: _LogSamples, plan: LogPlan, model: Model | None, rate: float | None, source: str
 ) -> Log:
     """The log of samples: put in order, doubted, and brought to a grid."""
     unit = "s" if not plan.time else plan.time_unit
@@ -239,7 +241,7 @@ def _log(
     return _on_grid(samples, plan, rate, source)
 
 
-def _without_spikes(samples: _Samples) -> _Samples:
+def _without_spikes(samples: _LogSamples) -> _LogSamples:
     if len(samples.times) < FEWEST:
         raise samples.refuse(
             f"{counted(len(samples.times), 'sample')} at different times; a log needs at least "
@@ -260,7 +262,7 @@ def _without_spikes(samples: _Samples) -> _Samples:
     )
 
 
-def _on_grid(samples: _Samples, plan: LogPlan, rate: float | None, source: str) -> Log:
+def _on_grid(samples: _LogSamples, plan: LogPlan, rate: float | None, source: str) -> Log:
     t = samples.times - samples.times[0]
     grid = grid_of(t, rate, samples.at)
     values = {key: grid.values(x) for key, x in samples.values.items()}

@@ -55,7 +55,7 @@ class LogText:
     header: int | None
     """Line of the header, from 1."""
     data: int
-    """Place of the first row of numbers in `lines`."""
+    """RowPlace of the first row of numbers in `lines`."""
     first: tuple[str, ...]
     unit = "line"
     """The word for a row."""
