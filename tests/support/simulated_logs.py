@@ -25,6 +25,7 @@ def arm(rng=None, friction=("viscous", "coulomb"), offset=0.3):
 
 def with_random_numbers(model, rng, friction=("viscous", "coulomb")):
     """The model with random bodies of some kilograms, rotors, and friction."""
+    model = model.without("friction", "rotors", "springs")
     names = list(fb.inertial_parameters(model))
     pi = []
     for k in range(len(model.bodies)):
