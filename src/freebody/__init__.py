@@ -153,6 +153,8 @@ _PLACES = {
     "freebody.motion.optimal.time_optimal": ("time_optimal",),
     "freebody.identification.logs.read_log": ("read_log",),
     "freebody.identification.logs.log": ("Log",),
+    "freebody.identification.identify": ("identify",),
+    "freebody.identification.identification": ("Identification",),
     "freebody.identification.excitation": ("Excitation", "excitation"),
     "freebody.design.data_sheets": ("mean_load",),
     "freebody.design.parts": ("Motor", "Gear", "Bearing"),

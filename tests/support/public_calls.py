@@ -29,6 +29,7 @@ NOT_OF_STATES = frozenset(
         "export_fmu",
         "floor_loads",
         "formula",
+        "identify",
         "inertial_parameters",
         "kernel",
         "line",

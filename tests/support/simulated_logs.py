@@ -25,6 +25,7 @@ def arm(rng=None, friction=("viscous", "coulomb"), offset=0.3):
 
 def with_random_numbers(model, rng, friction=("viscous", "coulomb")):
     """The model with random bodies of some kilograms, rotors, and friction."""
+    model = model.without("friction", "rotors", "springs")
     names = list(fb.inertial_parameters(model))
     pi = []
     for k in range(len(model.bodies)):
@@ -38,8 +39,15 @@ def with_random_numbers(model, rng, friction=("viscous", "coulomb")):
     made = model.with_inertial_parameters(pi)
     for joint in model.joint_names:
         numbers = {"rotor": rng.uniform(0.05, 0.4)}
-        sizes = {"viscous": 4.0, "coulomb": 3.0, "offset": 0.4, "cube_root": 3.0, "load": 0.08,
-                 "stribeck": 3.0, "quadratic": 2.0}
+        sizes = {
+            "viscous": 4.0,
+            "coulomb": 3.0,
+            "offset": 0.4,
+            "cube_root": 3.0,
+            "load": 0.08,
+            "stribeck": 3.0,
+            "quadratic": 2.0,
+        }
         for law in friction:
             name = "load_friction" if law == "load" else law
             numbers[name] = sizes[law] * rng.uniform(0.4, 1.0)

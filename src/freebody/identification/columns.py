@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebody.arrays import Array
-from freebody.elementary import sign, tanh
 from freebody.errors import FreebodyError, PassiveJointError, UnknownNameError
 from freebody.kernels.own_functions import compile as compiled
 from freebody.model.drives import LAWS, DriveLaw
@@ -22,13 +21,18 @@ from freebody.trees.base_parameters import base_parameters
 from freebody.trees.positions import generic_state
 from freebody.ways_out.kernel import formula
 
-SMOOTH = 0.01
-"""Rate (rad/s, m/s) within which the sign of a rate goes from -1 to 1, as tanh(rate / SMOOTH): a
-measured rate has no sign that could be trusted below. Half of it cost 1.1 % of a real robot's
-torque, where dry friction changed its sense in noise."""
+WIDTHS = (0.01, 0.003, 0.001)
+"""Rates (rad/s, m/s) within which the sign of a rate may go from -1 to 1, as tanh(rate / width),
+the usual one first: real joints creep before they slip, and a measured rate has no sign that could
+be trusted below its noise, where simulated ones turn at once. Half of the first cost 1.1 % of a
+real robot's torque."""
 USUAL_LAWS = ("viscous", "coulomb", "offset", "cube_root", "quadratic", "load")
 """Friction that is looked for unless other laws are asked for: all of one parameter each, in which
 torques are linear (load-dependent friction by a fixed point)."""
+LOST_ROTOR = "load_friction*rotor"
+"""Name, behind the joint's, of the product of load-dependent friction and a rotor's inertia."""
+_LEAST_LOSS = 1e-3
+"""Part of the transmitted torque below which its loss tells nothing of what is transmitted."""
 _TORQUES_AT_ONCE = 256
 """States whose columns are in memory at once: 0.4 MB of a six-joint arm's, within the cache."""
 
@@ -49,11 +53,22 @@ class FrictionLaw(NamedTuple):
 
 class JointColumns(NamedTuple):
     """The columns of one joint: which of the kernel's results they are, and which unknowns each of
-    them multiplies; that of load-dependent friction is no result of the kernel."""
+    them multiplies; those of load-dependent friction are no results of the kernel.
+
+    load: the unknown loss, as part of the transmitted torque, or None. lost_rotor: the unknown
+    product of loss and rotor, where base parameters do not tell the rotor from the bodies, or None:
+    a rotor's torque is not transmitted, so that nothing of it is lost.
+    """
 
     results: slice
     unknowns: NDArray[np.intp]
     load: int | None
+    lost_rotor: int | None
+
+    @property
+    def by_load(self) -> list[int]:
+        """The unknowns of load-dependent friction."""
+        return [x for x in (self.load, self.lost_rotor) if x is not None]
 
 
 @dataclass(frozen=True)
@@ -61,10 +76,11 @@ class Columns:
     """The unknowns of a robot, base parameters and then friction joint by joint, and the kernel of
     their columns.
 
-    base_names: of the inertial parameter that leads each combination. inertial_names: of π, those
-    of bodies and then reflected inertias of rotors. matrix: (b, p), base parameters = matrix π.
-    friction: the laws, in order, those by load last. joints: names, with columns each. kernel: (q,
-    qd, qdd) -> (..., width), entries of the regressor that are not always 0.
+    smooth: rate within which the sign of a rate changes, 0 for at once. base_names: of the inertial
+    parameter that leads each combination. inertial_names: of π, those of bodies and then reflected
+    inertias of rotors. matrix: (b, p), base parameters = matrix π. friction: the laws, in order,
+    those by load last. joints: names, with columns each. kernel: (q, qd, qdd, s) -> (..., width),
+    entries of the regressor that are not always 0, s being the signs of the rates.
     """
 
     base_names: tuple[str, ...]
@@ -86,7 +102,28 @@ class Columns:
     def names(self) -> tuple[str, ...]:
         """Names of all unknowns."""
         laws = [f"{joint}.{x.law.strength}" for joint in self.joints for x in self.friction]
-        return (*self.base_names, *laws)
+        rotors = [
+            f"{joint}.{LOST_ROTOR}"
+            for joint, row in zip(self.joints, self.rows, strict=True)
+            if row.lost_rotor is not None
+        ]
+        return (*self.base_names, *laws, *rotors)
+
+    @property
+    def friction_size(self) -> int:
+        """The number of friction's unknowns, n for each law, behind the base parameters."""
+        return len(self.joints) * len(self.friction)
+
+    def of_bodies(self, values: Array) -> tuple[Array, Array]:
+        """(base parameters (b,), reflected inertias (n,)) such that joints transmit the torques of
+        the first without those of the second, from unknowns."""
+        base, rotors = values[: self.base].copy(), np.zeros(len(self.joints))
+        base[[name.endswith(".rotor") for name in self.base_names]] = 0.0
+        for j, row in enumerate(self.rows):
+            if row.load is not None and row.lost_rotor is not None:
+                loss, product = values[row.load], values[row.lost_rotor]
+                rotors[j] = max(product, 0.0) / loss if loss > _LEAST_LOSS else 0.0
+        return base, rotors
 
     @property
     def by_load(self) -> bool:
@@ -97,21 +134,23 @@ class Columns:
         """Torques (N, n) of base parameters (b,), without friction, at states (N, n)."""
         n = len(self.joints)
         found, buffer = np.empty((len(q), n)), np.empty((_TORQUES_AT_ONCE, self.width))
-        values = np.zeros((self.width, n))
+        values, zeros = np.zeros((self.width, n)), np.zeros((_TORQUES_AT_ONCE, n))
         for j, row in enumerate(self.rows):
-            of_base = row.unknowns < self.base
-            values[row.results, j] = np.where(of_base, np.append(base, 0.0)[
-                np.where(of_base, row.unknowns, -1)], 0.0)
+            values[row.results, j] = np.append(base, 0.0)[np.minimum(row.unknowns, self.base)]
         for start in range(0, len(q), _TORQUES_AT_ONCE):
             part = slice(start, min(start + _TORQUES_AT_ONCE, len(q)))
             x = buffer[: part.stop - part.start]
-            self.kernel(q[part], qd[part], qdd[part], out=x)
+            self.kernel(q[part], qd[part], qdd[part], zeros[: len(x)], out=x)
             np.matmul(x, values, out=found[part])
         return found
 
+    def results(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """The kernel's results (..., width) at states."""
+        return np.asarray(self.kernel(q, qd, qdd, self.sign(qd)))
+
     def sign(self, qd: Array) -> Array:
         """The sign of rates as the columns have it."""
-        return np.asarray(sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth))
+        return np.sign(qd) if self.smooth == 0.0 else np.tanh(qd / self.smooth)
 
 
 def friction_laws(wanted: Sequence[str] | Mapping[str, Any]) -> tuple[FrictionLaw, ...]:
@@ -157,13 +196,12 @@ def regression_columns(
     model: Model,
     friction: Sequence[FrictionLaw] = (),
     rotors: bool = True,
-    smooth: float = SMOOTH,
 ) -> Columns:
     """The unknowns of a robot and the kernel of their columns; the model's masses do not matter.
 
     friction: laws that each joint has. rotors: whether each joint has a rotor of unknown inertia.
-    smooth: rate within which the sign of a rate changes, 0 for at once. Raises FreebodyError for a
-    model with loops, passive joints, or joints of more than one coordinate.
+    Raises FreebodyError for a model with loops, passive joints, or joints of more than one
+    coordinate.
     """
     structure = _without_numbers(model, rotors)
     base = base_parameters(structure)
@@ -177,26 +215,30 @@ def regression_columns(
         [k for k, c in enumerate(chosen) if np.any(row[c] != 0.0)] for row in of_all(*samples)
     ]
 
-    def regression_columns(q: Any, qd: Any, qdd: Any) -> Any:
+    def regression_columns(q: Any, qd: Any, qdd: Any, s: Any) -> Any:
         entries: list[Any] = []
         for j, row in enumerate(of_all(q, qd, qdd)):
             entries += [row[chosen[k]] for k in present[j]]
-            s = tanh(qd[j] * (1.0 / smooth)) if smooth else sign(qd[j])
-            entries += [x.law.torques((1.0, *x.shape), q[j], qd[j], s)[0] for x in linear]
+            entries += [x.law.torques((1.0, *x.shape), q[j], qd[j], s[j])[0] for x in linear]
         return {"entries": tuple(entries)}
 
     width = sum(map(len, present)) + n * len(linear)
-    shapes = dict.fromkeys(("q", "qd", "qdd"), (n,))
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(("q", "qd", "qdd", "s"), (n,))
     kernel = compiled(regression_columns, shapes, {"entries": (width,)})
-    rows, start, size = [], 0, len(friction)
+    rows, start, size, more = [], 0, len(friction), 0
+    names = [base.names[k] for k in kept]
     for j, of_base in enumerate(present):
         first = len(kept) + j * size
         unknowns = np.array([*of_base, *range(first, first + len(linear))], dtype=np.intp)
-        load = first + len(linear) if size > len(linear) else None
-        rows.append(JointColumns(slice(start, start + len(unknowns)), unknowns, load))
+        load = lost = None
+        if size > len(linear):
+            load = first + len(linear)
+            if rotors and f"{structure.velocity_names[j]}.rotor" not in names:
+                lost, more = len(kept) + n * size + more, more + 1
+        rows.append(JointColumns(slice(start, start + len(unknowns)), unknowns, load, lost))
         start += len(unknowns)
     return Columns(
-        tuple(base.names[k] for k in kept),
+        tuple(names),
         tuple(base.parameters[c] for c in inertial),
         base.matrix[np.ix_(kept, inertial)],
         tuple(friction),
@@ -204,7 +246,7 @@ def regression_columns(
         tuple(rows),
         kernel,
         width,
-        smooth,
+        WIDTHS[0],
     )
 
 

@@ -4,8 +4,8 @@ on the fit of the data and a log-det prior.
 A body exists if its pseudo-inertia, the matrix of second moments of its mass with first moments and
 mass beside them, is positive definite (Wensing, Kim, Slotine 2018). The prior is the Bregman
 divergence of -log det between pseudo-inertias (Lee, Wensing, Park 2020): it ties what the data
-do not tell to the inertia that was given beforehand, by amounts that suit each direction's size, and it
-is infinite where a body ceases to exist, so that no constraint is left to a solver.
+do not tell to the inertia that was given beforehand, by amounts that suit each direction's size,
+and it is infinite where a body ceases to exist, so that no constraint is left to a solver.
 """
 
 from __future__ import annotations
@@ -17,15 +17,20 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.lazy import Keeps, cached_property
 
-_STEPS = 60
+_STEPS = 100
 """Most steps of Newton's method; it takes some ten."""
-_SETTLED = 1e-10
-"""Newton's decrement, in units of half a squared standard deviation, at which it ends."""
-_WEAKEST, _STRONGEST, _FALL = 1e-2, 1e2, 10.0
-"""Bounds of the prior's weight, and the factor from one that is tried to the next, which starts
-where the last has ended; with the least weight little more is asked than that bodies exist."""
-_HALVINGS = 4
+_SETTLED, _ROUNDED = 1e-3, 1e-11
+"""Newton's decrement at which it ends, in units of half a squared standard deviation, and as part
+of the value."""
+_WEAKEST, _STRONGEST, _FALL = 1e-2, 1e2, 5.0
+"""The prior's weights: the first, or one with which it outweighs the data; the factor from one that
+is tried to the next, which starts where the last has ended; and the least, with which little more
+is asked than that bodies exist."""
+_HALVINGS = 3
 """Further trials by which the prior's weight is found, to a sixth of its size."""
+_SINGULAR = 1e-7
+"""Ratio of the smallest to the largest entry of a pseudo-inertia's Cholesky factor below which a
+body counts as one that cannot be."""
 _BARRIER = 0.1
 """Weight of the barriers that keep friction and rotors positive."""
 
@@ -60,8 +65,9 @@ class Physical(Keeps):
     """What is physical about unknowns x: bodies, one after the other, then scalars.
 
     basis: see `pseudo_inertia_basis`. bodies: (nb, k) their prior parameters. scalars: (ns,) prior
-    values of what is positive, such as friction, or NaN for what has either sign. below: (ns,) upper
-    bounds. of_masses: weight of what is held of masses alone, beside that of their distribution.
+    values of what is positive, such as friction, or NaN for what has either sign. below: (ns,)
+    upper bounds. of_masses: weight of what is held of masses alone, beside that of their
+    distribution.
     """
 
     basis: Array
@@ -76,7 +82,9 @@ class Physical(Keeps):
 
     def pseudo_inertias(self, x: Array) -> Array:
         """The pseudo-inertias (nb, d, d) of the bodies."""
-        return np.einsum("bk,kij->bij", x[: self.bodies.size].reshape(self.bodies.shape), self.basis)
+        return np.einsum(
+            "bk,kij->bij", x[: self.bodies.size].reshape(self.bodies.shape), self.basis
+        )
 
     def penalty(self, x: Array, weight: float) -> float:
         """The weighted divergence of the bodies and the barriers of the scalars; infinite where
@@ -89,17 +97,20 @@ class Physical(Keeps):
             roots = np.linalg.cholesky(P)
         except np.linalg.LinAlgError:
             return np.inf
-        of_bodies = -2.0 * np.log(np.diagonal(roots, axis1=1, axis2=2)).sum()
+        sizes = np.diagonal(roots, axis1=1, axis2=2)
+        if np.any(sizes.min(axis=1) < _SINGULAR * sizes.max(axis=1)):
+            return np.inf
+        of_bodies = -2.0 * np.log(sizes).sum()
         of_bodies += np.einsum("bij,bji->", self._prior, P)
         m = P[:, -1, -1] / self.bodies[:, 0]
         of_bodies += self.of_masses * (m - np.log(m)).sum()
         barriers = (s[positive] / self.scalars[positive] - np.log(s[positive])).sum()
         barriers -= np.log(1.0 - s[bounded] / self.below[bounded]).sum()
-        return float(weight * of_bodies + _BARRIER * barriers)
+        return float(weight * of_bodies + _barrier(weight) * barriers)
 
     @cached_property
     def _prior(self) -> Array:
-        return np.linalg.inv(self.pseudo_inertias(self.start()))
+        return np.asarray(np.linalg.inv(self.pseudo_inertias(self.start())), dtype=float)
 
     def slopes(self, x: Array, weight: float) -> tuple[Array, Array]:
         """Gradient and second derivatives of the penalty."""
@@ -115,15 +126,21 @@ class Physical(Keeps):
         gradient[: nb * k] = weight * by_body.ravel()
         for b in range(nb):
             second[b * k : (b + 1) * k, b * k : (b + 1) * k] = weight * blocks[b]
-        s, places = x[nb * k :], np.arange(nb * k, len(x))
+        s, places, barrier = x[nb * k :], np.arange(nb * k, len(x)), _barrier(weight)
         positive, bounded = ~np.isnan(self.scalars), np.isfinite(self.below)
         at, value = places[positive], s[positive]
-        gradient[at] = _BARRIER * (1.0 / self.scalars[positive] - 1.0 / value)
-        second[at, at] = _BARRIER * value**-2.0
+        gradient[at] = barrier * (1.0 / self.scalars[positive] - 1.0 / value)
+        second[at, at] = barrier * value**-2.0
         at, left = places[bounded], self.below[bounded] - s[bounded]
-        gradient[at] += _BARRIER / left
-        second[at, at] += _BARRIER * left**-2.0
+        gradient[at] += barrier / left
+        second[at, at] += barrier * left**-2.0
         return gradient, second
+
+
+def _barrier(weight: float) -> float:
+    """The weight of barriers, which falls with the prior's to its own: where data that are far
+    surer than it pull against it from the start, Newton's steps end at it."""
+    return _BARRIER * max(1.0, weight)
 
 
 @dataclass(frozen=True)
@@ -145,13 +162,17 @@ def nearest_physical(
     (b, x), of which physical unknowns the estimated are made. allowed: chi2 that fits the data as
     well as the estimate does, within its noise; it is added to what physics alone cost.
     """
-    weight, found = _STRONGEST, []
-    x = physical.start()
+    x, found = physical.start(), []
+    gap = combine @ x - estimate
+    weight = max(_STRONGEST, float(gap @ information @ gap))
     while weight >= _WEAKEST:
         found.append(_newton(estimate, information, combine, physical, weight, x))
         x, weight = found[-1].x, weight / _FALL
-    most = found[-1].chi2 + allowed
-    best = next(k for k, fitted in enumerate(found) if fitted.chi2 <= most)
+        if found[-1].chi2 <= allowed:
+            break
+    if found[-1].chi2 > allowed:
+        allowed += found[-1].chi2
+    best = next(k for k, fitted in enumerate(found) if fitted.chi2 <= allowed)
     if best == 0:
         return found[0]
     low, high = np.log(found[best].weight), np.log(found[best - 1].weight)
@@ -159,7 +180,7 @@ def nearest_physical(
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         tried = _newton(estimate, information, combine, physical, np.exp(middle), closest.x)
-        if tried.chi2 <= most:
+        if tried.chi2 <= allowed:
             low, closest = middle, tried
         else:
             high = middle
@@ -168,7 +189,11 @@ def nearest_physical(
 
 def closest(estimate: Array, information: Array, combine: Array, physical: Physical) -> float:
     """The least sum of half the misfit and the penalty with a prior of weight 1."""
-    x = _newton(estimate, information, combine, physical, 1.0, physical.start()).x
+    x, weight = physical.start(), _STRONGEST
+    while weight > 1.0:
+        x = _newton(estimate, information, combine, physical, weight, x).x
+        weight /= _FALL
+    x = _newton(estimate, information, combine, physical, 1.0, x).x
     gap = combine @ x - estimate
     return 0.5 * float(gap @ information @ gap) + physical.penalty(x, 1.0)
 
@@ -200,7 +225,7 @@ def _newton(
         scaled = H / np.outer(size, size) + 1e-13 * np.eye(len(x))
         step = -np.linalg.solve(scaled, gradient / size) / size
         decrement = -gradient @ step
-        if decrement < _SETTLED * max(1.0, weight):
+        if decrement < max(_SETTLED, _ROUNDED * abs(now)):
             break
         length, found = 1.0, np.inf
         while length > 1e-12:

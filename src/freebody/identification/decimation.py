@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.signal import butter, sosfilt
 
 from freebody.arrays import Array
-from freebody.identification.filters import ORDER, SETTLES
+from freebody.identification.filters import ORDER, SETTLES, require_cutoff
 
 _NEGLIGIBLE = 1e-9
 """Part of its largest weight below which the filter's window ends."""
@@ -68,7 +68,9 @@ class Decimation:
 
 
 def decimation(rate: float, cutoff: float) -> Decimation:
-    """The low pass at a cutoff (Hz) of samples at a rate (Hz)."""
+    """The low pass at a cutoff (Hz) of samples at a rate (Hz). Raises FreebodyError where the
+    cutoff is not below half the rate."""
+    require_cutoff("identify", rate, cutoff)
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     impulse = np.zeros(int(np.ceil(SETTLES * rate)))
     impulse[0] = 1.0

@@ -295,7 +295,7 @@ class _MotionSearch:
             chosen = int(np.clip(round(_CYCLES * duration), *_HARMONICS))
         if not is_count(chosen, 2):
             raise FreebodyError(f"excitation: harmonics is {harmonics!r}, expected 2 or more.")
-        columns = regression_columns(model, friction_laws(friction), smooth=_SMOOTH)
+        columns = replace(regression_columns(model, friction_laws(friction)), smooth=_SMOOTH)
         if columns.by_load:
             raise FreebodyError(
                 "excitation: load-dependent friction has no columns of its own; leave 'load' out "
@@ -319,11 +319,11 @@ class _MotionSearch:
     def entries(self, states: FourierStates) -> list[tuple[Array, NDArray[np.intp]]]:
         """For each joint the columns (..., c) at states, over the torque's noise, and the places
         among what counts that they belong to."""
-        values = self.columns.kernel(*states)
+        values = self.columns.results(*states)
         at_rest = values
         if self.slow:
             still = np.zeros_like(states.q)
-            at_rest = self.columns.kernel(states.q, still, still)
+            at_rest = self.columns.results(states.q, still, still)
         place = np.full(len(self.columns.names), -1)
         place[self.told] = np.arange(len(self.told))
         found = []
@@ -493,7 +493,7 @@ def _by_gravity(columns: Columns) -> NDArray[np.intp]:
     others."""
     n = len(columns.rows)
     q = np.random.default_rng(0).uniform(-np.pi, np.pi, (4 * columns.base, n))
-    values = columns.kernel(q, np.zeros_like(q), np.zeros_like(q))
+    values = columns.results(q, np.zeros_like(q), np.zeros_like(q))
     Y = np.zeros((n, len(q), columns.base))
     for y, row in zip(Y, columns.rows, strict=True):
         of_base = row.unknowns < columns.base

@@ -29,13 +29,7 @@ def low_pass(x: Array, rate: float, cutoff: float) -> Array:
     reflection. Raises FreebodyError where the cutoff is not below half the rate, or the samples are
     too few for one period of it.
     """
-    highest = 0.5 * above_zero("low_pass", "rate", rate, "Hz")
-    if not 0.0 < cutoff < highest:
-        given, most = compared(cutoff, highest)
-        raise FreebodyError(
-            f"low_pass: the cutoff is {given} Hz, expected more than 0 and less than half the "
-            f"sampling rate, {most} Hz."
-        )
+    require_cutoff("low_pass", above_zero("low_pass", "rate", rate, "Hz"), cutoff)
     reflected = int(np.ceil(rate / cutoff)) + 3 * ORDER
     if len(x) <= reflected:
         raise FreebodyError(
@@ -44,3 +38,13 @@ def low_pass(x: Array, rate: float, cutoff: float) -> Array:
         )
     sections = butter(ORDER, cutoff, fs=rate, output="sos")
     return np.asarray(sosfiltfilt(sections, x, axis=0, padlen=reflected))
+
+
+def require_cutoff(function: str, rate: float, cutoff: float) -> None:
+    """Raises FreebodyError for a cutoff (Hz) that samples at this rate (Hz) do not have."""
+    if not 0.0 < cutoff < 0.5 * rate:
+        given, most = compared(cutoff, 0.5 * rate)
+        raise FreebodyError(
+            f"{function}: the cutoff is {given} Hz, expected more than 0 and less than half the "
+            f"sampling rate, {most} Hz."
+        )

@@ -10,16 +10,17 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.by_value import ByValue
+from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
-    """A base parameter or a number of a joint's friction. value: of the regression, before prior and
-    constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical model.
-    told: whether the interval says more than that the parameter is small or unknown. withdrawn: why
-    it has no interval, or ""."""
+    """A base parameter or a number of a joint's friction. value: of the regression, before prior
+    and constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical
+    model. told: whether the interval says more than that the parameter is small or unknown.
+    withdrawn: why it has no interval, or ""."""
 
     name: str
     kind: Literal["inertial", "friction"]
@@ -78,8 +79,18 @@ class Identification(Tabled, ByValue):
     notices: tuple[str, ...]
     _aside = ("verdict", "notices")
 
+    @property
+    def trusted(self) -> bool:
+        """Whether the model predicts logs that it has not seen, and its scale is known."""
+        return self.outcome == "predicts" and self.scale_known
+
     def __getitem__(self, name: str) -> IdentifiedParameter:
-        return next(x for x in self.parameters if x.name == name)
+        for x in self.parameters:
+            if x.name == name:
+                return x
+        raise UnknownNameError(
+            "parameter", name, "identification", [x.name for x in self.parameters]
+        )
 
     def combination(self, name: str) -> dict[str, float]:
         """The inertial parameters that make up a base parameter, with their weights."""
@@ -89,7 +100,8 @@ class Identification(Tabled, ByValue):
 
     def _title(self) -> str:
         count = sum(x.kind == "inertial" for x in self.parameters)
-        return f"Identification of {self.model.name}: {counted(count, 'base parameter')}; {self.outcome}"
+        what = counted(count, "base parameter")
+        return f"Identification of {self.model.name}: {what}; {self.outcome}"
 
     def _table(self) -> TextTable:
         rows = [

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
 from freebody.identification.columns import (
-    SMOOTH,
+    LOST_ROTOR,
     USUAL_LAWS,
     Columns,
     friction_laws,
@@ -25,7 +27,7 @@ from freebody.identification.identification import (
 )
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
-from freebody.identification.physical_robot import PhysicalFit, base_scale, fit_physical, robot
+from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
     Equations,
@@ -33,11 +35,12 @@ from freebody.identification.regression import (
     equations,
     misfit_by_rate,
     regressed,
+    suited,
 )
+from freebody.lazy import kept
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
 from freebody.outputs.display import counted
-from freebody.any_chain.dynamics import inverse_dynamics
 
 _QUANTILE = 1.96
 """Standard deviations on each side of an interval of 95 %."""
@@ -64,7 +67,7 @@ def identify(
     rotors: bool = True,
     prior: Model | Mapping[str, float] | Sequence[float] | None = None,
     cutoff: float = EVERYTHING,
-    smooth: float = SMOOTH,
+    smooth: float | None = None,
 ) -> Identification:
     """What logs tell of a robot's masses, rotors and friction, with intervals, and the physical
     model that predicts them.
@@ -96,7 +99,8 @@ def identify(
     cutoff
         Frequency (Hz) up to which columns and torques are compared.
     smooth
-        Rate (rad/s, m/s) within which the sign of dry friction changes; 0 for rates without noise.
+        Rate (rad/s, m/s) within which the sign of dry friction changes, 0 for at once; None: that
+        of 0.01, 0.003 and 0.001 which fits best.
 
     Returns
     -------
@@ -114,25 +118,32 @@ def identify(
     if not used:
         raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
     laws = friction_laws(friction)
-    columns = regression_columns(model, laws, rotors, smooth)
+    key = f"_regression_columns {laws} {rotors}"
+    columns = kept(model, key, regression_columns, model, laws, rotors)
     held = prior_of(model, prior)
     for log in (*used, *unseen):
         _require_joints(log, columns)
     torques = [_torques(model, log) for log in used]
     by_current = any(x is None for x in torques)
     _require_alike(model, used, by_current)
-    found = equations(columns, used, None if by_current else torques, cutoff)
+    given = None if by_current else [x for x in torques if x is not None]
+    of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
+    if smooth is None:
+        columns = suited(columns, used, given, cutoff, of_prior)
+    else:
+        columns = replace(columns, smooth=smooth)
+    found = equations(columns, used, given, cutoff)
     scaled = held.source != "geometry" or not by_current
-    first, fit = _fitted(model, found, held, by_current, scaled)
+    first, fit = _fitted(model, found, held, of_prior, scaled)
     gains = _gains(found, fit) if by_current else None
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
     joints = _joint_fits(found, first, fit, gains, checked)
     parameters = _parameters(model, columns, first, fit, joints)
-    made = robot(model, columns, fit)
+    made = robot(model, columns, fit, _mass_doubts(held, scaled))
     outcome = _outcome(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
-    notices += _notices(held, scaled, joints, untold, gains, columns)
+    notices += _notices(held, scaled, joints, untold, gains, fit.unsure)
     return Identification(
         made,
         parameters,
@@ -199,23 +210,14 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
 
 
 def _fitted(
-    model: Model, found: Equations, held: Prior, by_current: bool, scaled: bool
+    model: Model, found: Equations, held: Prior, of_prior: Array | None, scaled: bool
 ) -> tuple[Regressed, PhysicalFit]:
-    """The regression and the physical robot nearest to it.
-
-    Load-dependent friction acts on what the gear transmits, which is without the rotors' inertia;
-    how much of it is rotors' the physical robot tells, so both are found twice.
-    """
-    columns = found.columns
-    bodies = held.bodies.ravel()
-    of_prior = columns.matrix[:, : len(bodies)] @ bodies if by_current else None
+    """The regression and the physical robot nearest to it, whose transmitted torques the equations
+    have from then on."""
     first = regressed(found, of_prior)
-    scale = None if by_current and scaled else 1.0
-    fit = fit_physical(model, found, first, held, scale)
-    if columns.by_load:
-        found.put_loads(fit.transmitted(columns) / fit.scale)
-        first = regressed(found, of_prior, settled=True)
-        fit = fit_physical(model, found, first, held, scale)
+    fit = fit_physical(model, found, first, held, None if found.currents and scaled else 1.0)
+    if found.columns.by_load:
+        found.put_loads(fit.values)
     return first, fit
 
 
@@ -239,7 +241,7 @@ def _validated(
     torques = [_predicted_torques(model, log, gains) for log in logs]
     found = equations(columns, logs, torques, cutoff)
     if columns.by_load:
-        found.put_loads(fit.transmitted(columns))
+        found.put_loads(fit.values)
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
     return [float(_rms(rows.y - total) / _rms(rows.y)) for rows, total in pairs]
 
@@ -301,7 +303,7 @@ def _parameters(
             scale[row.load] = 1.0
     value = scale * first.values
     half = _QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
-    half[np.abs(first.untold).sum(axis=0) > 0.0] = np.nan
+    half[first.untold] = np.nan
     kinds = _kinds(model, columns)
     largest = {
         kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)
@@ -333,10 +335,7 @@ def _parameters(
 
 def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
     """(kind, unit) of each unknown."""
-    turns = {
-        body.joint.name: body.kind.motion is not None and body.kind.motion.turns
-        for body in model.bodies
-    }
+    turns = {body.joint.name: body.kind.turns for body in model.bodies}
     kinds = []
     for name in columns.base_names:
         owner, symbol = name.rsplit(".", 1)
@@ -347,6 +346,8 @@ def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
             kinds.append((symbol[0], unit))
     for joint in columns.joints:
         kinds += [(x.law.name, x.law.numbers[0].unit_of(turns[joint])) for x in columns.friction]
+    lost = columns.names[columns.base + columns.friction_size :]
+    kinds += [(LOST_ROTOR, "kg m²" if turns[name.rsplit(".", 1)[0]] else "kg") for name in lost]
     return kinds
 
 
@@ -378,7 +379,10 @@ def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior
     else:
         known = 100.0 * (worst.validation or 0.0)
         does = "Predicts" if outcome == "predicts" else "Does not predict"
-        said = f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left ({worst.joint})"
+        said = (
+            f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
+            f"({worst.joint})"
+        )
     if not scaled:
         return f"{said}; the scale of torques and masses is not told."
     if held.source == "geometry":
@@ -387,13 +391,25 @@ def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior
     return f"{said}; single masses are near {source}, which logs do not tell."
 
 
+def _mass_doubts(held: Prior, scaled: bool) -> list[str]:
+    """What the model itself says of its masses, wherever it is saved and used."""
+    if held.source == "model":
+        return []
+    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
+    scale = "" if scaled else ", and all are right up to one unknown factor"
+    return [
+        f"the model is identified from logs: torques of its drives follow from them, but single "
+        f"{what} of links are estimated from its geometry{scale}."
+    ]
+
+
 def _notices(
     held: Prior,
     scaled: bool,
     joints: Sequence[JointFit],
     untold: Sequence[str],
     gains: Array | None,
-    columns: Columns,
+    unsure: float,
 ) -> list[str]:
     found = []
     if gains is not None and not scaled:
@@ -401,6 +417,11 @@ def _notices(
             "The scale is not told: the logs have currents with unknown gains, and no mass is "
             "known; gains, masses and frictions are right up to one common factor. Give masses "
             "(prior=), or a torque constant."
+        )
+    if gains is not None and scaled:
+        found.append(
+            f"Gains and masses have a common factor that the given masses alone tell, to "
+            f"{100.0 * _QUANTILE * unsure:.0f} % at best (95 %)."
         )
     if held.source == "geometry":
         found.append(

@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
+from freebody.identification.consistency import pseudo_inertia_basis
 from freebody.labels import aligned
 from freebody.model.inertial_parameters import body_parameters
 from freebody.model.model import Model
@@ -18,13 +19,17 @@ from freebody.spatial import of_dimension
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.regressors import inertial_parameters
 
-_THICK = 0.25
+_THICK = 0.5
 """Radius of an estimated link, over its length."""
-_LEAST = 0.1
+_LEAST = 0.3
 """Length of an estimated link whose joints lie on one another, over the mean length."""
-_ROUND = 0.05
+_ROUND = 0.002
 """Part of a given inertia that is added as that of a ball, so that rods and plates, which have no
 extent in some direction, do not forbid one."""
+
+_THINNEST = 1e-8
+"""Ratio of the eigenvalues of a pseudo-inertia below which no body has it: some published masses
+are right, and their inertias impossible; such bodies get the estimated shape."""
 
 Source = Literal["model", "masses", "geometry"]
 
@@ -70,10 +75,11 @@ def _of_model(model: Model) -> Prior:
         return Prior(_rods(model, _lengths(model)), "geometry")
     masses = np.where(own[:, 0] > 0.0, own[:, 0], 0.01 * own[:, 0].max())
     rods = _rods(model, masses)
-    balls = rods.copy()
-    balls[:, 1 : 1 + model.dim] = 0.0
-    about = np.where(own[:, :1] > 0.0, own, rods)
-    return Prior(about + _ROUND * _spread(model, masses), "model")
+    about = np.where(own[:, :1] > 0.0, own, rods) + _ROUND * _spread(model, masses)
+    basis = pseudo_inertia_basis(model.dim)
+    eigenvalues = np.linalg.eigvalsh(np.einsum("bk,kij->bij", about, basis))
+    exists = eigenvalues[:, 0] > _THINNEST * eigenvalues[:, -1]
+    return Prior(np.where(exists[:, None], about, rods), "model")
 
 
 def _rods(model: Model, masses: Array) -> Array:

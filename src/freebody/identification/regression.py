@@ -4,7 +4,7 @@ single samples, and repeated for the friction that depends on the load."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
-from freebody.identification.columns import Columns
+from freebody.identification.columns import WIDTHS, Columns
 from freebody.identification.decimation import Decimation, decimation
 from freebody.identification.logs.log import Log, LogStates
 
@@ -22,12 +22,16 @@ REST = 0.02
 holds: such rows are left out."""
 _OUTLYING = 3.0
 """Residuals above so many standard deviations count less (Huber's weights)."""
-_ROUNDS = 6
-"""Solutions one after the other, each with the weights and the transmitted torques of the last;
-load-dependent friction settles within four."""
+_ROUNDS, _LOADED = 5, 3
+"""Solutions one after the other, each with the weights of the last, and of those how many have its
+transmitted torques; load-dependent friction settles within four."""
+_OF_CURRENTS = 4
+"""Further solutions of currents, whose gains change from one to the next."""
 _RANK = 1e-11
 """Part of the largest eigenvalue of the scaled normal equations below which a combination of
 unknowns is told by nothing."""
+_PART = 1e-6
+"""Part of an unknown (squared) in such a combination above which it is not told either."""
 _LONGEST = 2.0
 """Time (s) up to which residuals are taken to be alike."""
 _OF_GAINS = 40.0
@@ -35,6 +39,10 @@ _OF_GAINS = 40.0
 bodies hardly load a joint, so that its friction alone tells no gain."""
 _SURE = 10.0
 """Standard deviations above which a first gain is taken from a joint's own current."""
+_EXACT = 1e-9
+"""Part of a joint's torque below which what is left is rounding."""
+_TRIED = 30.0
+"""Time (s) of each log by which the width of the sign of rates is chosen."""
 _BINS = 12
 """Ranges of the rate, of equally many samples, in which residuals are compared."""
 
@@ -50,17 +58,17 @@ class Prepared(NamedTuple):
 
 @dataclass(frozen=True)
 class Rows:
-    """The equations of one joint. x: (m, c) filtered columns, among them, where the joint has such,
-    one for load-dependent friction, and last one for the gain of its drive. unknowns: (c,) that
-    they multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of.
-    rate: (m,) of the joint. load: the place of load-dependent friction, or None."""
+    """The equations of one joint. x: (m, c) filtered columns, last, where there are such, those of
+    load-dependent friction, and then one for the gain of the drive. unknowns: (c,) that they
+    multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of. rate:
+    (m,) of the joint. load: the places of load-dependent friction."""
 
     x: Array
     unknowns: NDArray[np.intp]
     y: Array
     places: NDArray[np.intp]
     rate: Array
-    load: int | None
+    load: slice
 
 
 @dataclass(frozen=True)
@@ -89,21 +97,22 @@ class Equations:
         """Time between kept samples, s."""
         return max(p.filter.step / p.log.rate for p in self.prepared)
 
-    def put_loads(self, base: Array) -> None:
-        """Puts into the columns of load-dependent friction what joints transmit with these base
-        parameters."""
-        n, found = len(self.rows), []
+    def put_loads(self, values: Array) -> None:
+        """Puts into the columns of load-dependent friction what joints transmit with these
+        unknowns: of T = Y base - J q̈, without rotors, a part is lost, a |T| sign(q̇)."""
+        (base, rotors), n, found = self.columns.of_bodies(values), len(self.rows), []
         for p in self.prepared:
             torque = self.columns.transmitted(base, *p.states)
-            signed = self.columns.sign(p.states.qd) * np.abs(torque)
-            filtered = np.empty((len(p.places), n))
-            for where, x in p.filter.filtered(p.places, signed.__getitem__):
+            s = self.columns.sign(p.states.qd) * np.sign(torque - rotors * p.states.qdd)
+            both = np.concatenate([s * torque, -s * p.states.qdd], axis=1)
+            filtered = np.empty((len(p.places), 2 * n))
+            for where, x in p.filter.filtered(p.places, both.__getitem__):
                 filtered[where] = x
             found.append(filtered)
         loads = np.concatenate(found)
         for j, rows in enumerate(self.rows):
-            if rows.load is not None:
-                rows.x[:, rows.load] = loads[rows.places, j]
+            both = loads[rows.places][:, [j, n + j]]
+            rows.x[:, rows.load] = both[:, : rows.load.stop - rows.load.start]
 
     def sums(self, values: Array) -> list[Array]:
         """What each joint's columns add up to."""
@@ -129,11 +138,13 @@ class Regressed(NamedTuple):
     spread: Array
     inflation: Array
     residuals: list[Array]
-    untold: Array
+    untold: NDArray[np.bool_]
     gains: Array
 
 
-def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float) -> Equations:
+def equations(
+    columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float
+) -> Equations:
     """The filtered equations of logs.
 
     given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
@@ -151,8 +162,7 @@ def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | No
     rows = []
     for j, row in enumerate(columns.rows):
         moving = np.flatnonzero(np.abs(rate[:, j]) > REST)
-        extra = [row.load] if row.load is not None else []
-        extra += [len(columns.names) + j] if currents else []
+        extra = row.by_load + ([len(columns.names) + j] if currents else [])
         unknowns = np.array([*row.unknowns, *extra], dtype=np.intp)
         if len(moving) < 2 * len(unknowns):
             raise FreebodyError(
@@ -162,7 +172,8 @@ def equations(columns: Columns, logs: Sequence[Log], given: Sequence[Array] | No
             )
         x = np.zeros((len(moving), len(unknowns)))
         x[:, : len(row.unknowns)] = whole[moving, row.results]
-        y, load = whole[moving, columns.width + j], None if row.load is None else len(row.unknowns)
+        y, first = whole[moving, columns.width + j], len(row.unknowns)
+        load = slice(first, first + len(row.by_load))
         rows.append(Rows(x, unknowns, y, moving, rate[moving, j], load))
     return Equations(columns, prepared, tuple(rows), currents)
 
@@ -182,7 +193,8 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         if size > len(buffer):
             buffer = np.empty((size, buffer.shape[1]))
         x = buffer[:size]
-        columns.kernel(*(state[part] for state in p.states), out=x[:, : columns.width])
+        q, qd, qdd = (state[part] for state in p.states)
+        columns.kernel(q, qd, qdd, columns.sign(qd), out=x[:, : columns.width])
         x[:, columns.width :] = given[part]
         return x
 
@@ -190,21 +202,21 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         out[where] = x
 
 
-def regressed(found: Equations, held: Array | None = None, settled: bool = False) -> Regressed:
+def regressed(found: Equations, held: Array | None = None) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
-    Gains are found by Gauss's and Newton's method, as factors of the currents that change from round
-    to round until none does. held: base parameters that gains are found from at first. settled:
-    whether the columns of load-dependent friction stay as they are.
+    Gains are found by Gauss's and Newton's method, as factors of the currents that change from
+    round to round until none does. held: base parameters that gains are found from at first.
     """
     gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
     first = gains
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
     values, residuals = np.zeros(found.size), []
-    for k in range(_ROUNDS + 2 * found.currents):
-        if k and found.columns.by_load and not settled:
-            found.put_loads(values[: found.columns.base])
+    more = _OF_CURRENTS * found.currents
+    for k in range(_ROUNDS + more):
+        if 0 < k <= _LOADED + more and found.columns.by_load:
+            found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
         solved, _, _ = _solved(normal, moment)
         values = solved[: found.size]
@@ -226,6 +238,8 @@ def regressed(found: Equations, held: Array | None = None, settled: bool = False
             for e, rows in zip(residuals, found.rows, strict=True)
         ]
     )
+    samples = np.array([w.sum() for w in weights]) / inflation
+    spread = spread / np.sqrt(max(1.0 - found.size / samples.sum(), 0.1))
     normal, moment = _normal(found, weights, 1.0 / (inflation * spread**2), gains, first)
     _, covariance, untold = _solved(normal, moment)
     size = found.size
@@ -240,9 +254,45 @@ def regressed(found: Equations, held: Array | None = None, settled: bool = False
         spread,
         inflation,
         residuals,
-        untold[:, :size],
+        untold[:size],
         gains,
     )
+
+
+def suited(
+    columns: Columns,
+    logs: Sequence[Log],
+    given: Sequence[Array] | None,
+    cutoff: float,
+    held: Array | None,
+) -> Columns:
+    """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a
+    part of the logs."""
+    parts = [_middle(log) for log in logs]
+    taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
+    short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
+    tried = []
+    for width in WIDTHS:
+        own = replace(columns, smooth=width)
+        tried.append((regressed(equations(own, short, taken, cutoff), held), own))
+    return min(tried, key=lambda x: _left(x[0]))[1]
+
+
+def _left(x: Regressed) -> float:
+    return float(np.log(x.spread / x.gains).sum())
+
+
+def _middle(log: Log) -> slice:
+    """At most so many samples of a log, about its middle."""
+    middle, half = len(log.time) // 2, int(0.5 * _TRIED * log.rate)
+    return slice(max(middle - half, 0), middle + half)
+
+
+def _cut(log: Log, part: slice) -> Log:
+    """A part of a log."""
+    arrays = ("time", "position", "velocity", "torque", "current", "measured", "temperature")
+    found = {name: getattr(log, name) for name in arrays}
+    return replace(log, **{name: x[part] for name, x in found.items() if x is not None})
 
 
 def _size(residual: Array, weights: Array | float) -> float:
@@ -254,8 +304,8 @@ def _size(residual: Array, weights: Array | float) -> float:
 def _normal(
     found: Equations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
 ) -> tuple[Array, Array]:
-    """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a common
-    factor, have sum 0."""
+    """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a
+    common factor, have sum 0."""
     size = found.size + len(found.rows) * found.currents
     normal, moment = np.zeros((size, size)), np.zeros(size)
     for rows, weight, factor, gain in zip(found.rows, weights, scale, gains, strict=True):
@@ -271,16 +321,17 @@ def _normal(
     return normal, moment
 
 
-def _solved(normal: Array, moment: Array) -> tuple[Array, Array, Array]:
-    """The solution of normal equations, the inverse of their matrix, and combinations of unknowns
-    that they do not tell, of which both have no part."""
+def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """The solution of normal equations, the inverse of their matrix, both without the combinations
+    of unknowns that are not told, and which unknowns are part of such."""
     size = np.sqrt(np.diag(normal))
     size[size == 0.0] = 1.0
     eigenvalues, vectors = np.linalg.eigh(normal / np.outer(size, size))
     told = eigenvalues > _RANK * eigenvalues[-1]
     kept = vectors[:, told] / size[:, None]
     inverse = (kept / eigenvalues[told]) @ kept.T
-    return inverse @ moment, inverse, (vectors[:, ~told] / size[:, None]).T
+    hidden = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
+    return inverse @ moment, inverse, hidden
 
 
 def _first_gains(found: Equations, held: Array) -> Array:
@@ -322,6 +373,8 @@ def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> fl
 def misfit_by_rate(rows: Rows, residual: Array, spread: float, inflation: float) -> float:
     """The probability that a residual with noise alone depends on the joint's rate as much as this
     one does: whether the law of friction fits."""
+    if spread <= _EXACT * np.std(rows.y):
+        return 1.0
     order = np.argsort(rows.rate)
     bins = np.array_split(residual[order], _BINS)
     total = sum(len(x) * x.mean() ** 2 for x in bins) / (inflation * spread**2)
