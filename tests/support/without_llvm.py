@@ -113,7 +113,7 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "read_log": lambda: fb.read_log(
             {"t": 0.1 * np.arange(60), "q": np.sin(np.arange(60)), "tau": np.cos(np.arange(60))}
         ),
-        "excitation": lambda: fb.excitation(shoulder, 4.0, harmonics=2, **LIMITS),
+        "excitation": lambda: fb.excitation(two, 4.0, harmonics=2, **LIMITS),
         "catalogue": lambda: fb.catalogue("invented"),
         "mean_load": lambda: fb.mean_load([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], 3.0),
         "drive_loads": lambda: fb.drive_loads(

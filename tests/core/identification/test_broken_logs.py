@@ -271,6 +271,7 @@ def test_a_clock_that_was_set_costs_only_what_is_near(
 LAYOUT = '[log]\ntime = 1\nposition = "2-7"\nvelocity = "8-13"\ntorque = "14-19"\n'
 REFUSED: dict[str, tuple[Lines, str, str]] = {
     "empty": ([""], "", "arm.csv: the file is empty."),
+    "separators alone": ([",,;", ";"], "", "there is no row of numbers in the first 0 lines"),
     "a header alone": (
         text(TABLE[:0]),
         "",

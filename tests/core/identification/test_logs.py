@@ -173,6 +173,14 @@ def test_without_a_model_joints_are_those_of_the_header(tmp_path: Path) -> None:
     assert np.abs(log.position - Q[:, SORTED]).max() < 1e-8
 
 
+def test_one_joint_needs_no_number() -> None:
+    table = {"t": T, "q": Q[:, 0], "qd": QD[:, 0], "tau": TAU[:, 0]}
+
+    for log in (fb.read_log(table, fb.load("pendulum")), fb.read_log(table)):
+        assert log.names == ("joint1",)
+        assert np.array_equal(log.position, Q[:, :1])
+
+
 NUMBERED = '[log]\ntime = 1\nposition = "2-7"\nvelocity = "8-13"\n'
 
 

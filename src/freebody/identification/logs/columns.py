@@ -67,7 +67,7 @@ class _NamedColumn:
 
     quantity: str
     joint: str
-    """The joint's name, or a number where the header counts joints."""
+    """The joint's name, or a number where the header counts joints; 1 where it has neither."""
     column: int
     unit: str | None
 
@@ -291,7 +291,7 @@ class _Reading:
         left = [w for w in rest if w not in said and w not in _BESIDE]
         if owner and left:
             return
-        yield _NamedColumn(kinds.pop(), owner or "_".join(left), column, unit)
+        yield _NamedColumn(kinds.pop(), owner or "_".join(left) or "1", column, unit)
 
     def joint_in(self, words: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
         """The joint whose name is among the words, the longest, and the words beside it."""

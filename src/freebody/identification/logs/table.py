@@ -230,7 +230,7 @@ def _of_parquet(path: Path) -> LogColumns:
 
 def _of_text(path: Path) -> LogText:
     lines = read_file.lines(read_file.decoded(str(path), read_file.read(path, _LARGEST, "a log")))
-    while not lines[-1].strip(" \t,;\0"):
+    while lines and not lines[-1].strip(" \t,;\0"):
         lines.pop()
     head = [(k, x) for k, x in enumerate(lines[:_LOOKED_AT]) if x.strip(" \t,;")]
     separator = _separator([text for _, text in head])
