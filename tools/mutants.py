@@ -113,6 +113,11 @@ AREAS = (
          "planning_internals", "time_optimal", "time_optimal_closed", "closed_plans", "cli"),
     ),
     Area(
+        "identification",
+        ("identification/*.py", "identification/logs/*.py"),
+        ("logs", "broken_logs", "identify", "identify_command", "excitation"),
+    ),
+    Area(
         "design",
         ("design/*.py",),
         ("parts", "duty_cycle", "size", "size_command", "bearings", "stops"),

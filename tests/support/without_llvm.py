@@ -110,6 +110,10 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
             Path("way.csv").write_text("joint1,joint2\n0,0\n1,1\n"),
             fb.read_waypoints(two, "way.csv"),
         ),
+        "read_log": lambda: fb.read_log(
+            {"t": 0.1 * np.arange(60), "q": np.sin(np.arange(60)), "tau": np.cos(np.arange(60))}
+        ),
+        "excitation": lambda: fb.excitation(two, 4.0, harmonics=2, **LIMITS),
         "catalogue": lambda: fb.catalogue("invented"),
         "mean_load": lambda: fb.mean_load([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], 3.0),
         "drive_loads": lambda: fb.drive_loads(

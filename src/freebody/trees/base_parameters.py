@@ -79,7 +79,7 @@ def base_parameters(model: Model) -> BaseParameters:
     names = tuple(values)
     candidates, matrix = _regrouped(tree, len(names))
     samples = _samples(model, candidates)
-    chosen, weights = _independent(samples)
+    chosen, weights = independent(samples)
     columns = tuple(candidates[k] for k in chosen)
     combined = weights @ matrix
     combined[np.abs(combined) < TOLERANCE * max(1.0, np.abs(combined).max(initial=0.0))] = 0.0
@@ -146,7 +146,7 @@ def _samples(model: Model, columns: list[int]) -> Array:
     )
 
 
-def _independent(samples: Array) -> tuple[list[int], Array]:
+def independent(samples: Array) -> tuple[list[int], Array]:
     """The columns that are no combination of earlier ones, and the weights (chosen, all) by which
     they make up all columns."""
     size = np.linalg.norm(samples, axis=0)

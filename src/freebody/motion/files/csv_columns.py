@@ -26,7 +26,7 @@ TIMES = ("t", "time")
 _LARGEST, _MOST_VALUES = 256 * 2**20, 10_000_000
 """Bytes and cells of a file: hours of a robot's log."""
 _DEGREE = math.pi / 180.0
-_UNITS: dict[str, dict[str, float]] = {
+UNITS: dict[str, dict[str, float]] = {
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "ns": 1e-9},
     "angle": {"rad": 1.0, "deg": _DEGREE, "°": _DEGREE},
     "length": {"m": 1.0, "cm": 1e-2, "mm": 1e-3},
@@ -34,6 +34,7 @@ _UNITS: dict[str, dict[str, float]] = {
     "torque": {"N m": 1.0, "Nm": 1.0, "N·m": 1.0, "mN m": 1e-3, "kN m": 1e3},
     "force": {"N": 1.0, "mN": 1e-3, "kN": 1e3},
 }
+"""The units in which a table may give a quantity, with their sizes in SI units."""
 _PER = {"": ("",), ".v": ("/s",), ".a": ("/s²", "/s^2", "/s2")}
 _NAMED = re.compile(r"(.*\S)\s*(?:\(([^()]*)\)|\[([^\[\]]*)\])")
 
@@ -90,7 +91,7 @@ def factor(column: str, unit: str, quantities: Mapping[str, str]) -> float | str
     if column != "t" and column.removesuffix(ending) not in quantities:
         return 1.0  # refused where columns are looked up
     kind = "time" if column == "t" else quantities[column.removesuffix(ending)]
-    known = {name + per: size for name, size in _UNITS[kind].items() for per in _PER[ending]}
+    known = {name + per: size for name, size in UNITS[kind].items() for per in _PER[ending]}
     if unit in known:
         return known[unit]
     what = {
@@ -194,7 +195,7 @@ def _numbers(
         value = read_file.number(cell if separator == "," else cell.replace(",", ".", 1))
         if value is None:
             what = f"{shown(cell)} is not a number" if cell else "there is no number"
-            if any(cell in units for units in _UNITS.values()):
+            if any(cell in units for units in UNITS.values()):
                 what += "; write a unit after the name in the header, as in 'joint1 (deg)'"
             raise FileError(path, line, f"column {name!r}: {what}.")
         problem = read_file.fault(value)

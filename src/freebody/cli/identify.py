@@ -1,0 +1,106 @@
+"""The command `freebody identify`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from freebody.cli import numbers, options, terminal
+
+if TYPE_CHECKING:
+    from freebody.identification.logs.log import Log
+    from freebody.model.model import Model
+
+EXAMPLE = "Example: freebody identify scara simulated --validate simulated --out identified"
+_SIMULATED = "simulated"
+
+
+@options.reading(*options.FILE)
+def identify(
+    context: typer.Context,
+    robot: options.GivenRobot,
+    logs: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="LOG…",
+            help="Logs of the robot (.csv, .parquet), with a TOML file of their columns beside "
+            "them where the names of these do not tell; or simulated, a log made from the model.",
+        ),
+    ],
+    validate: Annotated[
+        list[str] | None,
+        typer.Option(metavar="LOG", help="A log to predict, which is used for nothing else."),
+    ] = None,
+    friction: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LAWS",
+            help="Laws of friction, apart by commas. Default: "
+            "viscous,coulomb,offset,cube_root,quadratic,load.",
+        ),
+    ] = None,
+    masses: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUES",
+            help="Masses of the links in order, kg, as a data sheet has them. Default: the robot's "
+            "own, if it has some.",
+        ),
+    ] = None,
+    rotors: Annotated[
+        bool, typer.Option(help="Whether the drives' rotors have unknown inertias.")
+    ] = True,
+    layout: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="The TOML file that tells the logs' columns."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Folder for the robot (model.toml), the report, and it as JSON."
+        ),
+    ] = None,
+) -> None:
+    """From logs to a robot's masses, rotors and friction, with intervals, and a model that predicts
+    its torques.
+
+    Exit status 0: the model predicts the logs of --validate about as well as those that it was
+    made from. 1: it does not, there are none, or the scale of its masses is not told. 2: bad input.
+    """
+    from freebody.identification.identify import identify as identified
+    from freebody.identification.result_files import write_results
+
+    with terminal.progress("reading"):
+        model = robot.load()
+        used = [_log(text, model, layout, 0) for text in logs]
+        unseen = [_log(text, model, layout, 1) for text in validate or ()]
+    given: dict[str, Any] = {}
+    if friction is not None:
+        given["friction"] = [name.strip() for name in friction.split(",")]
+    if masses is not None:
+        given["prior"] = numbers.values("--masses", masses)
+    with terminal.progress("identify"):
+        found = identified(model, used, validate=unseen, rotors=rotors, **given)
+    console = terminal.out()
+    style = "bold green" if found.trusted else "bold red"
+    console.print(found.verdict, style=style, soft_wrap=True, markup=False)
+    terminal.table(found._table())
+    for notice in found.notices:
+        console.print(f"note:    {notice}", soft_wrap=True, markup=False, highlight=False)
+    if out is not None:
+        for path in write_results(found, out, [*logs, *(validate or ())]):
+            console.print(f"written: {path}", soft_wrap=True, markup=False, highlight=False)
+    console.print(f"again:   {options.again(context)}", soft_wrap=True, highlight=False)
+    if not found.trusted:
+        raise typer.Exit(1)
+
+
+def _log(text: str, model: Model, layout: Path | None, seed: int) -> Log:
+    from freebody.identification.logs.read_log import read_log
+    from freebody.identification.simulated import simulated_log
+
+    return (
+        simulated_log(model, seed) if text == _SIMULATED else read_log(text, model, layout=layout)
+    )

@@ -1,0 +1,1 @@
+"""Identification: from the logs of a real robot to the numbers of its model."""

@@ -1,0 +1,148 @@
+"""`Identification`: what logs tell of a robot, how surely, and the model made of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.by_value import ByValue
+from freebody.errors import UnknownNameError
+from freebody.model.model import Model
+from freebody.outputs.display import Tabled, TextTable, counted
+
+
+@dataclass(frozen=True)
+class IdentifiedParameter:
+    """A base parameter or a number of a joint's friction. value: of the regression, before prior
+    and constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical
+    model. told: whether the interval says more than that the parameter is small or unknown.
+    withdrawn: why it has no interval, or ""."""
+
+    name: str
+    kind: Literal["inertial", "friction"]
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    in_model: float
+    told: bool
+    withdrawn: str = ""
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """How well a joint's torque is predicted while it moves. torque: its RMS, N m (N). regression,
+    model: RMS of what is left, over it, of the regression and of the physical model. validation:
+    the same of the model on logs that it has not seen, or None. independent: by which the variance
+    of estimates is larger than with independent samples. law_fits: whether what is left does not
+    depend on the rate."""
+
+    joint: str
+    torque: float
+    regression: float
+    model: float
+    validation: float | None
+    independent: float
+    law_fits: bool
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Identification(Tabled, ByValue):
+    """What logs tell of a robot.
+
+    model: physical, with the masses, rotors and friction that predict the logs. parameters: base
+    parameters, then friction joint by joint. joints: how well each is predicted. combinations:
+    (b, p), of which inertial parameters π the base parameters are made. inertial_names: of π.
+    prior_alone: those of them that the logs do not determine, so that they are the prior's.
+    untold: base parameters that the motion does not tell. gains: of currents, N m/A (N/A), (n,), or
+    None. scale_known: whether masses are known in kg. prior_weight: how much the prior counts.
+    """
+
+    model: Model
+    parameters: tuple[IdentifiedParameter, ...]
+    joints: tuple[JointFit, ...]
+    combinations: Array
+    inertial_names: tuple[str, ...]
+    prior_alone: tuple[str, ...]
+    untold: tuple[str, ...]
+    gains: Array | None
+    scale_known: bool
+    prior_weight: float
+    outcome: Literal["predicts", "fails", "not validated"]
+    """Whether the model predicts logs that it has not seen about as well as those it was made
+    from."""
+    verdict: str
+    notices: tuple[str, ...]
+    _aside = ("verdict", "notices")
+
+    @property
+    def trusted(self) -> bool:
+        """Whether the model predicts logs that it has not seen, and its scale is known."""
+        return self.outcome == "predicts" and self.scale_known
+
+    def __getitem__(self, name: str) -> IdentifiedParameter:
+        for x in self.parameters:
+            if x.name == name:
+                return x
+        raise UnknownNameError(
+            "parameter", name, "identification", [x.name for x in self.parameters]
+        )
+
+    def combination(self, name: str) -> dict[str, float]:
+        """The inertial parameters that make up a base parameter, with their weights."""
+        bases = [x.name for x in self.parameters if x.kind == "inertial"]
+        row = self.combinations[bases.index(name)]
+        return {other: float(w) for other, w in zip(self.inertial_names, row, strict=True) if w}
+
+    def _title(self) -> str:
+        count = sum(x.kind == "inertial" for x in self.parameters)
+        what = counted(count, "base parameter")
+        return f"Identification of {self.model.name}: {what}; {self.outcome}"
+
+    def _table(self) -> TextTable:
+        rows = [
+            (
+                x.joint,
+                f"{x.torque:.4g}",
+                f"{100.0 * x.regression:.2f}",
+                f"{100.0 * x.model:.2f}",
+                "" if x.validation is None else f"{100.0 * x.validation:.2f}",
+            )
+            for x in self.joints
+        ]
+        head = ("joint", "RMS torque (N m, N)", "regression (%)", "model (%)", "unseen logs (%)")
+        return TextTable(head, rows, (self.verdict, *self.notices))
+
+    def __str__(self) -> str:
+        return "\n".join(self.lines())
+
+    def lines(self) -> list[str]:
+        """The identification in words and tables, line by line."""
+        table = self._table()
+        lines = [self._title(), "", *_aligned([table.head, *table.rows]), ""]
+        head = ("parameter", "value", "95 %", "in the model", "unit", "")
+        rows = [
+            (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
+            for x in self.parameters
+        ]
+        return [*lines, *_aligned([head, *rows]), "", self.verdict, *self.notices]
+
+
+def _interval(x: IdentifiedParameter) -> str:
+    return "–" if np.isnan(x.lower) else f"{x.lower:.4g} … {x.upper:.4g}"
+
+
+def _remark(x: IdentifiedParameter) -> str:
+    return x.withdrawn or ("" if x.told else "not told by these motions")
+
+
+def _aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]

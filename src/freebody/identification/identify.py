@@ -1,0 +1,448 @@
+"""`fb.identify`: from logs of a robot to a model of it, with intervals and a verdict."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.arrays import Array
+from freebody.errors import FreebodyError, KindError
+from freebody.identification.columns import (
+    LOST_ROTOR,
+    USUAL_LAWS,
+    Columns,
+    friction_laws,
+    regression_columns,
+)
+from freebody.identification.filters import EVERYTHING
+from freebody.identification.identification import (
+    Identification,
+    IdentifiedParameter,
+    JointFit,
+)
+from freebody.identification.logs.log import Log
+from freebody.identification.logs.read_log import read_log
+from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
+from freebody.identification.priors import Prior, prior_of
+from freebody.identification.regression import (
+    Equations,
+    Regressed,
+    equations,
+    misfit_by_rate,
+    regressed,
+    suited,
+)
+from freebody.lazy import kept
+from freebody.model.model import Model
+from freebody.model.model_argument import require_model
+from freebody.outputs.display import counted
+
+_QUANTILE = 1.96
+"""Standard deviations on each side of an interval of 95 %."""
+_UNLIKELY = 1e-4
+"""Probability below which a residual that depends on the rate is no accident."""
+_NOISY = 3.0
+"""Times the inflation of white noise above which a residual is more than noise."""
+_SMALL = 0.05
+"""Part of the largest parameter of its kind below which a parameter counts as small."""
+_WORSE, _POINTS = 1.5, 0.01
+"""Factor, and part of the torque besides, by which unseen logs may be predicted worse."""
+_DETERMINED = 1e-6
+"""Part of an inertial parameter that no motion shows, below which it is determined."""
+
+Logs = Log | str | os.PathLike[str] | Sequence[Log | str | os.PathLike[str]]
+
+
+def identify(
+    model: Model,
+    logs: Logs,
+    *,
+    validate: Logs = (),
+    friction: Sequence[str] | Mapping[str, Any] = USUAL_LAWS,
+    rotors: bool = True,
+    prior: Model | Mapping[str, float] | Sequence[float] | None = None,
+    cutoff: float = EVERYTHING,
+    smooth: float | None = None,
+) -> Identification:
+    """What logs tell of a robot's masses, rotors and friction, with intervals, and the physical
+    model that predicts them.
+
+    Torques are linear in base parameters, combinations of masses and inertias, and in friction:
+    these are found by weighted least squares of columns and torques that are filtered alike. Then
+    masses are sought that some robot can have, near those held beforehand, which fit the logs as
+    well within their noise. Methods: Gautier, Khalil 1990 (base parameters); Hao, Pagani, Beschi,
+    Legnani 2021 (friction by load); Lee, Wensing, Park 2020 (prior).
+
+    Parameters
+    ----------
+    model
+        The robot's geometry and gravity; an arm on a fixed base whose joints turn or slide. Its
+        masses, where it has some, are held beforehand; its springs are taken as known, its friction
+        and rotors are not used.
+    logs
+        `fb.Log` or files of `fb.read_log`, of torques, or of currents, whose gains (N m/A, N/A)
+        are then estimated.
+    validate
+        Logs that are predicted, and not used for anything else.
+    friction
+        Names of laws, or {name: {number: value}} with the numbers that a law needs besides its
+        strength: {"coulomb": {}, "stribeck": {"stribeck_speed": 0.1}}.
+    rotors
+        Whether the drives' rotors have unknown inertias.
+    prior
+        Masses held beforehand: kg of each body, in order or by name, or a model that has them.
+    cutoff
+        Frequency (Hz) up to which columns and torques are compared.
+    smooth
+        Rate (rad/s, m/s) within which the sign of dry friction changes, 0 for at once; None: that
+        of 0.01, 0.003 and 0.001 which fits best.
+
+    Returns
+    -------
+    Identification
+        Its `model` is saved by `fb.save`; `str` of it is a report.
+
+    Raises
+    ------
+    FreebodyError
+        Logs without torques and currents, too short, or in which a joint does not move.
+    PassiveJointError, UnknownNameError
+    """
+    require_model("identify", model)
+    used, unseen = _read("logs", logs, model), _read("validate", validate, model)
+    if not used:
+        raise FreebodyError("identify: logs= is empty; give at least one log, or its file.")
+    laws = friction_laws(friction)
+    key = f"_regression_columns {laws} {rotors}"
+    columns = kept(model, key, regression_columns, model, laws, rotors)
+    held = prior_of(model, prior)
+    for log in (*used, *unseen):
+        _require_joints(log, columns)
+    torques = [_torques(model, log) for log in used]
+    by_current = any(x is None for x in torques)
+    _require_alike(model, used, by_current)
+    given = None if by_current else [x for x in torques if x is not None]
+    of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
+    if smooth is None:
+        columns = suited(columns, used, given, cutoff, of_prior)
+    else:
+        columns = replace(columns, smooth=smooth)
+    found = equations(columns, used, given, cutoff)
+    scaled = held.source != "geometry" or not by_current
+    first, fit = _fitted(model, found, held, of_prior, scaled)
+    gains = _gains(found, fit) if by_current else None
+    checked = _validated(columns, model, unseen, gains, fit, cutoff)
+    joints = _joint_fits(found, first, fit, gains, checked)
+    parameters = _parameters(model, columns, first, fit, joints)
+    made = robot(model, columns, fit, _mass_doubts(held, scaled))
+    outcome = _outcome(joints)
+    untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
+    notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
+    notices += _notices(held, scaled, joints, untold, gains, fit.unsure)
+    return Identification(
+        made,
+        parameters,
+        joints,
+        columns.matrix,
+        columns.inertial_names,
+        _undetermined(columns),
+        untold,
+        gains,
+        scaled,
+        fit.weight,
+        outcome,
+        _verdict(outcome, joints, scaled, held),
+        tuple(notices),
+    )
+
+
+def _read(argument: str, given: Logs, model: Model) -> list[Log]:
+    """Logs, those that are files read."""
+    several = [given] if isinstance(given, Log | str | os.PathLike) else list(given)
+    for x in several:
+        if not isinstance(x, Log | str | os.PathLike):
+            raise KindError("identify", argument, x, "a log of fb.read_log, or its file")
+    return [x if isinstance(x, Log) else read_log(x, model) for x in several]
+
+
+def _require_joints(log: Log, columns: Columns) -> None:
+    if tuple(log.names) != columns.joints:
+        raise FreebodyError(
+            f"identify: the log {log.source!r} is of joints {', '.join(log.names)}, expected those "
+            f"of the model in its order: {', '.join(columns.joints)}. Read it with the model: "
+            f"fb.read_log(path, model)."
+        )
+
+
+def _torques(model: Model, log: Log) -> Array | None:
+    """A log's torques (n, joints) without those of the model's springs, or None."""
+    if log.torque is None:
+        return None
+    bare = model.without("friction", "rotors")
+    unsprung = bare.without("springs")
+    if bare == unsprung:
+        return log.torque
+    rest = np.zeros_like(log.position)
+    sprung = inverse_dynamics(bare, log.position, rest, rest)
+    return log.torque - (sprung - inverse_dynamics(unsprung, log.position, rest, rest))
+
+
+def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
+    if not by_current:
+        return
+    for log in logs:
+        if log.torque is not None or log.current is None:
+            raise FreebodyError(
+                "identify: some logs have torques and others currents alone; give torque constants "
+                "for these, in the TOML file beside the log, or logs of one kind."
+            )
+    bare = model.without("friction", "rotors")
+    if bare != bare.without("springs"):
+        raise FreebodyError(
+            f"identify: {model.name!r} has springs, whose torques are known, and the logs have "
+            f"currents with unknown gains; give torque constants in the TOML file beside the log."
+        )
+
+
+def _fitted(
+    model: Model, found: Equations, held: Prior, of_prior: Array | None, scaled: bool
+) -> tuple[Regressed, PhysicalFit]:
+    """The regression and the physical robot nearest to it, whose transmitted torques the equations
+    have from then on."""
+    first = regressed(found, of_prior)
+    fit = fit_physical(model, found, first, held, None if found.currents and scaled else 1.0)
+    if found.columns.by_load:
+        found.put_loads(fit.values)
+    return first, fit
+
+
+def _gains(found: Equations, fit: PhysicalFit) -> Array:
+    """The gains with which a physical robot explains the currents best."""
+    pairs = zip(found.rows, found.sums(fit.values), strict=True)
+    return np.array([(total @ total) / (total @ rows.y) for rows, total in pairs])
+
+
+def _validated(
+    columns: Columns,
+    model: Model,
+    logs: Sequence[Log],
+    gains: Array | None,
+    fit: PhysicalFit,
+    cutoff: float,
+) -> list[float | None]:
+    """RMS of what the model leaves of unseen logs, over that of the torque, joint by joint."""
+    if not logs:
+        return [None] * len(columns.joints)
+    torques = [_predicted_torques(model, log, gains) for log in logs]
+    found = equations(columns, logs, torques, cutoff)
+    if columns.by_load:
+        found.put_loads(fit.values)
+    pairs = zip(found.rows, found.sums(fit.values), strict=True)
+    return [float(_rms(rows.y - total) / _rms(rows.y)) for rows, total in pairs]
+
+
+def _predicted_torques(model: Model, log: Log, gains: Array | None) -> Array:
+    torques = _torques(model, log)
+    if torques is not None:
+        return torques
+    if log.current is None or gains is None:
+        raise FreebodyError(
+            f"identify: the log {log.source!r} to validate with has currents alone, and the others "
+            f"torques; give its torque constants in the TOML file beside it."
+        )
+    return log.current * gains
+
+
+def _rms(x: Array) -> float:
+    return float(np.sqrt(np.mean(x**2)))
+
+
+def _joint_fits(
+    found: Equations,
+    first: Regressed,
+    fit: PhysicalFit,
+    gains: Array | None,
+    checked: Sequence[float | None],
+) -> tuple[JointFit, ...]:
+    fits = []
+    totals = found.sums(fit.values)
+    known = first.gains if gains is None else gains
+    for j, rows in enumerate(found.rows):
+        y, residual = first.gains[j] * rows.y, first.residuals[j]
+        accident = misfit_by_rate(rows, residual, first.spread[j], found.inflation)
+        fits.append(
+            JointFit(
+                found.columns.joints[j],
+                fit.scale * _rms(y),
+                _rms(residual) / _rms(y),
+                _rms(known[j] * rows.y - totals[j]) / (known[j] * _rms(rows.y)),
+                checked[j],
+                float(first.inflation[j] / found.inflation),
+                accident > _UNLIKELY,
+            )
+        )
+    return tuple(fits)
+
+
+def _parameters(
+    model: Model,
+    columns: Columns,
+    first: Regressed,
+    fit: PhysicalFit,
+    joints: Sequence[JointFit],
+) -> tuple[IdentifiedParameter, ...]:
+    """All unknowns with their intervals."""
+    scale = np.full(len(first.values), fit.scale)
+    for row in columns.rows:
+        if row.load is not None:
+            scale[row.load] = 1.0
+    value = scale * first.values
+    half = _QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
+    half[first.untold] = np.nan
+    kinds = _kinds(model, columns)
+    largest = {
+        kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)
+        for kind in set(kinds)
+    }
+    fits = {x.joint: x.law_fits for x in joints}
+    made = []
+    for k, name in enumerate(columns.names):
+        is_base, joint = k < columns.base, name.rsplit(".", 1)[0]
+        told = bool(half[k] <= max(abs(value[k]), _SMALL * largest[kinds[k]]))
+        width, why = half[k], ""
+        if not is_base and not fits[joint]:
+            width, why = np.nan, "withdrawn: the law of friction does not fit"
+        made.append(
+            IdentifiedParameter(
+                name,
+                "inertial" if is_base else "friction",
+                kinds[k][1],
+                float(value[k]),
+                float(value[k] - width),
+                float(value[k] + width),
+                float(fit.values[k]),
+                told,
+                why,
+            )
+        )
+    return tuple(made)
+
+
+def _kinds(model: Model, columns: Columns) -> list[tuple[str, str]]:
+    """(kind, unit) of each unknown."""
+    turns = {body.joint.name: body.kind.turns for body in model.bodies}
+    kinds = []
+    for name in columns.base_names:
+        owner, symbol = name.rsplit(".", 1)
+        if symbol == "rotor":
+            kinds.append(("rotor", "kg m²" if turns[owner] else "kg"))
+        else:
+            unit = {"m": "kg", "h": "kg m", "I": "kg m²"}[symbol[0]]
+            kinds.append((symbol[0], unit))
+    for joint in columns.joints:
+        kinds += [(x.law.name, x.law.numbers[0].unit_of(turns[joint])) for x in columns.friction]
+    lost = columns.names[columns.base + columns.friction_size :]
+    kinds += [(LOST_ROTOR, "kg m²" if turns[name.rsplit(".", 1)[0]] else "kg") for name in lost]
+    return kinds
+
+
+def _undetermined(columns: Columns) -> tuple[str, ...]:
+    """Inertial parameters that no motion determines, since only combinations of them count."""
+    _, size, rows = np.linalg.svd(columns.matrix, full_matrices=False)
+    rows = rows[size > 1e-10 * size[0]]
+    hidden = 1.0 - (rows**2).sum(axis=0)
+    return tuple(
+        name for name, x in zip(columns.inertial_names, hidden, strict=True) if x > _DETERMINED
+    )
+
+
+def _outcome(joints: Sequence[JointFit]) -> Any:
+    if joints[0].validation is None:
+        return "not validated"
+    worse = [x for x in joints if (x.validation or 0.0) > _WORSE * x.model + _POINTS]
+    return "fails" if worse else "predicts"
+
+
+def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior) -> str:
+    """The verdict in one sentence, with what it rests on."""
+    worst = max(joints, key=lambda x: x.model if x.validation is None else x.validation)
+    if outcome == "not validated":
+        said = (
+            f"Not validated: it leaves at most {100.0 * worst.model:.1f} % of a joint's torque "
+            f"({worst.joint}) of the logs that it was made from; give others to validate with"
+        )
+    else:
+        known = 100.0 * (worst.validation or 0.0)
+        does = "Predicts" if outcome == "predicts" else "Does not predict"
+        said = (
+            f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
+            f"({worst.joint})"
+        )
+    if not scaled:
+        return f"{said}; the scale of torques and masses is not told."
+    if held.source == "geometry":
+        return f"{said}; base parameters and torques are the logs', single masses are not told."
+    source = "the model's" if held.source == "model" else "the given ones"
+    return f"{said}; single masses are near {source}, which logs do not tell."
+
+
+def _mass_doubts(held: Prior, scaled: bool) -> list[str]:
+    """What the model itself says of its masses, wherever it is saved and used."""
+    if held.source == "model":
+        return []
+    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
+    scale = "" if scaled else ", and all are right up to one unknown factor"
+    return [
+        f"the model is identified from logs: torques of its drives follow from them, but single "
+        f"{what} of links are estimated from its geometry{scale}."
+    ]
+
+
+def _notices(
+    held: Prior,
+    scaled: bool,
+    joints: Sequence[JointFit],
+    untold: Sequence[str],
+    gains: Array | None,
+    unsure: float,
+) -> list[str]:
+    found = []
+    if gains is not None and not scaled:
+        found.append(
+            "The scale is not told: the logs have currents with unknown gains, and no mass is "
+            "known; gains, masses and frictions are right up to one common factor. Give masses "
+            "(prior=), or a torque constant."
+        )
+    if gains is not None and scaled:
+        found.append(
+            f"Gains and masses have a common factor that the given masses alone tell, to "
+            f"{100.0 * _QUANTILE * unsure:.0f} % at best (95 %)."
+        )
+    if held.source == "geometry":
+        found.append(
+            "No masses were given: single masses, centres and inertias in the model are guesses "
+            "from its geometry that agree with the base parameters; torques do not depend on them."
+        )
+    wrong = [x.joint for x in joints if not x.law_fits]
+    if wrong:
+        found.append(
+            f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
+            f"rate; intervals of their friction are withdrawn."
+        )
+    coloured = [x.joint for x in joints if x.independent > _NOISY]
+    if coloured:
+        found.append(
+            f"What is left at {', '.join(coloured)} is more than noise; intervals are wider for "
+            f"it, and hold as far as it is independent of the motion."
+        )
+    if untold:
+        found.append(
+            f"{counted(len(untold), 'base parameter')} that these motions do not tell: "
+            f"{', '.join(untold)}."
+        )
+    return found

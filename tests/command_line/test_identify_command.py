@@ -1,0 +1,76 @@
+"""`freebody identify`: what it prints, its files and its exit status."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebody as fb
+from support.command import error, run
+
+pytestmark = pytest.mark.usefixtures("numpy_kernels")
+
+
+def written_log(path: Path, arm: fb.Model, seed: int) -> None:
+    """A log of a planar arm as CSV, with noise on its torques."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0.0, 15.0, 0.01)
+    a, b, c = rng.uniform(0.5, 1.0, (3, 2))
+    w = np.array([1.3, 2.1])
+    q = a * np.sin(w * t[:, None]) + b * np.cos(0.7 * w * t[:, None]) + c * np.sin(2.0 * t[:, None])
+    qd, qdd = np.gradient(q, t, axis=0), np.gradient(np.gradient(q, t, axis=0), t, axis=0)
+    tau = fb.inverse_dynamics(arm, q, qd, qdd)
+    tau = tau + 0.01 * rng.normal(size=tau.shape)
+    names = arm.velocity_names
+    head = ["t", *(f"{x}.position" for x in names), *(f"{x}.velocity" for x in names)]
+    head += [f"{x}.torque" for x in names]
+    rows = np.column_stack([t, q, qd, tau])
+    np.savetxt(path, rows, delimiter=",", header=",".join(head), comments="")
+
+
+def test_a_robot_is_identified_from_files_and_saved(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    arm = fb.load("2R").with_drive("joint1", viscous=0.4, coulomb=0.3, rotor=0.05)
+    written_log(Path("run.csv"), arm, 0)
+    written_log(Path("other.csv"), arm, 1)
+    words = ["identify", "2R", "run.csv", "--validate", "other.csv", "--out", "found"]
+    assert run([*words, "--friction", "viscous, coulomb"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    assert said.out.startswith("Predicts logs that it has not seen")
+    robot = fb.load("found/model.toml")
+    found = json.loads(Path("found/identification.json").read_text(encoding="utf-8"))
+    values = {x["name"]: x for x in found["parameters"]}
+    own = values["joint1.viscous"]
+    assert own["value"] == pytest.approx(0.4, rel=0.03)
+    assert own["lower"] < own["value"] < own["upper"]
+    assert robot.bodies[0].joint.drive.viscous == pytest.approx(own["in_model"])
+    assert "joint1.coulomb" in Path("found/report.txt").read_text(encoding="utf-8")
+    assert [x["validation"] < 0.1 for x in found["joints"]] == [True, True]
+
+
+def test_what_was_not_validated_is_a_finding(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    written_log(Path("run.csv"), fb.load("2R"), 0)
+    words = ["identify", "2R", "run.csv", "--friction", "viscous", "--masses", "2, 1"]
+    assert run(words) == 1
+    assert capsys.readouterr().out.startswith("Not validated")
+
+
+def test_bad_input_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    monkeypatch.chdir(tmp_path)
+    written_log(Path("run.csv"), fb.load("2R"), 0)
+    assert "one above 0 kg for each of" in error(
+        capsys, "identify", "2R", "run.csv", "--masses", "3"
+    )
+    assert "viscous" in error(capsys, "identify", "2R", "run.csv", "--friction", "viscos")
+    assert "numbers need a value for m1" in error(capsys, "identify", "RR", "simulated")
