@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.any_chain.effort_limits import Followers, chosen_efforts, followers
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.capacity.time_scaling import effort_limits, pace
+from freebody.capacity.time_scaling import motion_pace
 from freebody.capacity.torque_parts import torque_parts
-from freebody.errors import FreebodyError, listed
+from freebody.errors import listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
@@ -33,7 +34,7 @@ from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_to
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.number_text import rounded_down
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.reach.payload_map import NO_SLOPE, given_efforts, refuse_passive
+from freebody.reach.payload_map import NO_SLOPE, refuse_passive
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -65,12 +66,13 @@ class LargestPayload(Tabled, ByValue):
     carries already.
 
     mass: (...), kg; 0 where a drive is overloaded without any, infinite where none limits it.
-    by_joint: (..., nv), the mass at which each drive alone reaches its limit. joint: (...), index
-    of the one that limits, -1 without one. time: (...), s, when it does; NaN for postures.
+    by_joint: (..., K), the mass at which each joint alone reaches its limit: coordinates, then
+    joints that follow others and have limits of their own. joint: (...), index of the one that
+    limits, -1 without one. time: (...), s, when it does; NaN for postures.
     overloaded: (...), whether a drive is overloaded without payload. too_fast: names of joints
     whose speed exceeds its limit on a motion, whatever the mass. outside: names of joints that
     leave their ranges on a motion or at a posture. faster: how many times as fast one
-    motion may be run without payload; NaN for several, and for postures. joint_names: (nv,). frame:
+    motion may be run without payload; NaN for several, and for postures. joint_names: (K,). frame:
     where the payload is. doubts: those on the robot's masses, drives and effort limits.
     """
 
@@ -211,7 +213,8 @@ def payload(
         Constant ones exerted on the robot, {frame: (six,)}, world axes.
     effort
         (nv,), the largest torques and forces of the drives, N m and N, infinite where there is no
-        limit; default the joints' effort limits.
+        limit; default the joints' effort limits. Those of joints that follow others count in any
+        case.
 
     Returns
     -------
@@ -238,9 +241,9 @@ def payload(
     for what, given in shape.items():
         refuse_labelled(f"{function}: {what}", given)
     kilogram = {"mass": 1.0, **shape}
-    limits = _efforts(model, effort)
+    limits = chosen_efforts(function, model, effort)
     loads = wrenches_by_frame(function, model, wrenches, single=True) or None
-    case = _Case(model, _carrying(model, kilogram, name), limits, loads)
+    case = _Case.of(model, _carrying(model, kilogram, name), limits, loads)
     motions = _motions(model, motion)
     if motions is None:
         q = finite_vector(function, model, "q", motion)
@@ -268,7 +271,7 @@ def payload(
         fast,
         tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad),
         faster,
-        model.velocity_names,
+        case.names,
         name,
         doubts_on(
             model,
@@ -280,17 +283,33 @@ def payload(
 
 @dataclass(frozen=True)
 class _Case:
-    """A robot without and with a kilogram, the limits of its drives (nv,), and wrenches on it."""
+    """A robot without and with a kilogram, the limits of its drives (nv,), wrenches on it, and its
+    followers that have limits, without and with the kilogram."""
 
     model: Model
     carrying: Model
     effort: Array
     wrenches: Mapping[str, Array] | None
+    followers: tuple[Followers, Followers] | None
+
+    @staticmethod
+    def of(
+        model: Model, carrying: Model, effort: Array, wrenches: Mapping[str, Array] | None
+    ) -> _Case:
+        bare, loaded = followers(model), followers(carrying)
+        both = None if bare is None or loaded is None else (bare, loaded)
+        return _Case(model, carrying, effort, wrenches, both)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What has a limit or may have one: the coordinates, then followers (K in all)."""
+        more = () if self.followers is None else self.followers[0].names
+        return (*self.model.velocity_names, *more)
 
     def masses(self, states: _MotionStates) -> tuple[Array, np.ndarray]:
-        """(masses (..., nv) at which each drive reaches its limit, 0 of one that is overloaded
+        """(masses (..., K) at which each joint reaches its limit, 0 of one that is overloaded
         without, infinite where a mass changes nothing; whether it is overloaded)."""
-        shape, n = states[0].shape[:-1], self.model.nv
+        shape, n = states[0].shape[:-1], len(self.names)
         flat = [x.reshape(-1, x.shape[-1]) for x in states]
         mass, over = np.empty((len(flat[0]), n)), np.empty((len(flat[0]), n), dtype=bool)
         for first in range(0, len(flat[0]), _BLOCK):
@@ -313,18 +332,36 @@ class _Case:
         else:
             whole = tau
             slope = inverse_dynamics(carrying, *at, loads) - tau
-        rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)
-        slope[np.abs(slope) <= np.maximum(rounding, NO_SLOPE)] = 0.0
+        _without_rounding(slope, whole)
         bound = np.where(np.isfinite(self.effort), self.effort, 0.0)
         most = np.sign(slope) * bound - rest
         if lossy:  # of what is transmitted at the limit, by the way of its power
             lost = lost_torque(model, qd, most)
             most = most / (1.0 + lost / np.where(most == 0.0, 1.0, most))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            mass = np.where(slope == 0.0, np.inf, (most - sent) / slope)
-        over = np.isfinite(self.effort) & (np.abs(tau) > bound * (1.0 + CLOSE))
-        mass = np.where(np.isfinite(self.effort), np.maximum(mass, 0.0), np.inf)
-        return np.where(over, 0.0, mass), over
+        mass, over = _reached(most - sent, slope, tau, self.effort)
+        if self.followers is None:
+            return mass, over
+        bare, loaded = self.followers
+        tau = bare.torques(*at, loads)
+        slope = loaded.torques(*at, loads) - tau
+        _without_rounding(slope, tau)
+        more, worse = _reached(np.sign(slope) * bare.limits - tau, slope, tau, bare.limits)
+        return np.concatenate([mass, more], -1), np.concatenate([over, worse], -1)
+
+
+def _without_rounding(slope: Array, whole: Array) -> None:
+    """Set what a kilogram adds (T, n) to 0 where it is what rounding leaves of the torques."""
+    rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)
+    slope[np.abs(slope) <= np.maximum(rounding, NO_SLOPE)] = 0.0
+
+
+def _reached(left: Array, slope: Array, tau: Array, limits: Array) -> tuple[Array, np.ndarray]:
+    """(masses (T, n) that use up what is left to limits (n,), whether torques exceed them)."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mass = np.where(slope == 0.0, np.inf, left / slope)
+    over = np.isfinite(limits) & (np.abs(tau) > limits * (1.0 + CLOSE))
+    mass = np.where(np.isfinite(limits), np.maximum(mass, 0.0), np.inf)
+    return np.where(over, 0.0, mass), over
 
 
 def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
@@ -333,21 +370,6 @@ def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
     while name in taken:
         name += "_"
     return model.with_payload(**kilogram, frame=frame, name=name)
-
-
-def _efforts(model: Model, effort: JointVector | None) -> Array:
-    """(nv,) limits of the drives, infinite where there is none."""
-    if effort is not None:
-        given = given_efforts("payload", model, effort)
-        driven = np.isin(np.arange(model.nv), model.driven)
-        return np.where(driven, given, np.inf)
-    found = effort_limits(model, ranges(model))
-    if not np.isfinite(found).any():
-        raise FreebodyError(
-            f"payload: no joint of {model.name!r} has an effort limit. Give effort= (--effort), "
-            f"the largest torque or force of each joint ({listed(model.driven_names, 8)})."
-        )
-    return found
 
 
 def _motions(model: Model, motion: Any) -> list[Motion] | None:
@@ -454,4 +476,4 @@ def _faster(
     model: Model, motion: Motion, effort: Array, wrenches: Mapping[str, Array] | None
 ) -> float:
     data = torque_parts(model, motion, wrenches)
-    return pace(model, motion, data, ranges(model).velocity, effort).factor
+    return motion_pace(model, motion, data, wrenches, effort).factor

@@ -203,7 +203,8 @@ def study(
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)
         found = summary(model, followed, data)
-        judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
+        noisy = bool(measured) and not smooth
+        judged = verdict(model, followed, data, found, loads, noisy)
     with clock.part("payload", 0.35):
         carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):

@@ -9,19 +9,21 @@ torque is held against the effort limit and the power against effort times speed
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.capacity.time_scaling import Pace, effort_limits, pace, parts
+from freebody.any_chain.effort_limits import followers
+from freebody.arrays import Array
+from freebody.capacity.time_scaling import Pace, motion_pace, parts
 from freebody.errors import listed
 from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, SPEEDS
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import CLOSE, Ranges, position_columns, ranges
+from freebody.motion.ranges import CLOSE, Ranges, angular, position_columns, ranges
 from freebody.outputs.number_text import rounded_down
 from freebody.report.results import LimitUse, MotionVerdict, PaceLimit, VerdictOutcome, percent
 
@@ -35,19 +37,25 @@ _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
 def verdict(
-    model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
+    model: Model,
+    motion: Motion,
+    data: xr.Dataset,
+    found: xr.Dataset,
+    wrenches: Mapping[str, Array] | None = None,
+    noisy: bool = False,
 ) -> MotionVerdict:
-    """The verdict on a motion from `Study.data` and `Study.summary`; noisy: whether the motion's
-    noise is part of its torques."""
+    """The verdict on a motion from `Study.data` and `Study.summary`, under constant wrenches by
+    frame; noisy: whether the motion's noise is part of its torques."""
     allowed, doubts = ranges(model), _WeighedDoubts(model.doubts)
-    every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
+    uses = (*_uses(model, motion, allowed, found), *_followers_uses(model, motion, wrenches))
+    every = sorted(uses, key=lambda use: -use.fraction)
     told = [use for use in every if not _rests(use, doubts.wrong)]
     over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
     undriven = _undriven(model, data) if doubts.masses_known else ()
     loose = _own_pace(model, data) if doubts.torques_meant else ()
     failed = bool(over or undriven)
     outcome = doubts.outcome(failed)
-    run = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed))
+    run = motion_pace(model, motion, data, wrenches)
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     if loose:
         sentences.append(_no_other_pace(loose, slower=failed))
@@ -62,7 +70,7 @@ def verdict(
     reason = " ".join(sentences)
     if doubts.wrong or loose or not told:
         return MotionVerdict(outcome, reason, tuple(told), doubts.every, float("nan"))
-    limit = PaceLimit(run.quantity, run.coordinate, run.time) if run.coordinate else None
+    limit = PaceLimit(run.quantity, run.joint, run.time) if run.joint else None
     return MotionVerdict(outcome, reason, tuple(told), doubts.every, run.factor, limit)
 
 
@@ -124,6 +132,27 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
                 size, share = (float(found[x].values[k]) for x in (value, f"{used}_fraction"))
                 when = float(found[time].values[k]) if time else float("nan")
                 yield LimitUse(quantity, name, size, limit, share, when, of)
+
+
+def _followers_uses(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None
+) -> Iterator[LimitUse]:
+    """The torques and forces that reach joints which follow others and have limits of their own;
+    their speeds and ranges are in those of the joints that they follow."""
+    following = followers(model)
+    if following is None:
+        return
+    tau = following.torques(motion.q, motion.qd, motion.qdd, wrenches)
+    turns = angular(following.freed)[following.columns]
+    for name, turning, limit, x in zip(
+        following.names, turns, following.limits, tau.T, strict=True
+    ):
+        k, (what, unit) = int(np.argmax(np.abs(x))), _EFFORT[bool(turning)]
+        share, time = abs(float(x[k])) / float(limit), float(motion.t[k])
+        yield LimitUse(what, name, float(x[k]), float(limit), share, time, unit)
+
+
+_EFFORT = {True: ("torque", "N m"), False: ("force", "N")}
 
 
 def _position(
@@ -264,12 +293,11 @@ def _paces(
 
 def _held_too_much(model: Model, run: Pace) -> str:
     """A sentence on torques that exceed a limit however slow the motion is."""
-    k = model.velocity_names.index(run.coordinate)
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
     return (
         f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-        f"{percent(float(run.held[k]))} of {run.coordinate}'s limit at t = "
-        f"{run.held_time[k]:.3g} s."
+        f"{percent(run.share)} of {run.joint}'s limit at t = "
+        f"{run.time:.3g} s."
     )
 
 
