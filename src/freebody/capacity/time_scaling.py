@@ -25,6 +25,7 @@ from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.any_chain.effort_limits import Followers, effort_limits, followers
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
@@ -64,8 +65,8 @@ class Pace:
     """Time in the motion as it is given at which that is so (s)."""
     share: float = float("nan")
     """What is then used of the limit."""
-    run: int = 0
-    """In which of several motions."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
 
 
 def motion_pace(
@@ -89,6 +90,7 @@ class LimitedMotion:
     """(nv,) the pace at which each coordinate alone is at its limit of speed."""
     speed_time: Array
     torques: tuple[_LimitedTorques, ...]
+    segment: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,15 +116,57 @@ def limited(
     data: MotionTorques,
     wrenches: Mapping[str, Array] | None = None,
     effort: Array | None = None,
+    segment: int = 0,
 ) -> LimitedMotion:
-    """A motion with `torque_parts` under the limits of a model, as `motion_pace` takes them."""
+    """A motion with `torque_parts` under the limits of a model, as `motion_pace` takes them;
+    segment: of a duty cycle, from 1."""
     peaks = motion.peaks.velocity
     with np.errstate(divide="ignore"):
         alone = np.where(peaks.size > 0, ranges(model).velocity * (1 + CLOSE) / peaks.size, np.inf)
     torques = [_own_torques(model, data, effort_limits(model) if effort is None else effort)]
     if (following := followers(model)) is not None:
         torques.append(_followers_torques(following, data, wrenches))
-    return LimitedMotion(model.velocity_names, alone, peaks.size_at, tuple(torques))
+    return LimitedMotion(model.velocity_names, alone, peaks.size_at, tuple(torques), segment)
+
+
+@dataclass(frozen=True, eq=False)
+class HeldStill:
+    """Efforts (K,) that hold a robot still at a posture: of its coordinates, then of followers that
+    have limits of their own; and all limits, infinite where there is none."""
+
+    names: tuple[str, ...]
+    turns: Flags
+    efforts: Array
+    limits: Array
+
+
+def held_still(model: Model, q: Array, wrenches: Mapping[str, Array] | None = None) -> HeldStill:
+    """What holds a robot still at q (nq,), under constant wrenches on it by frame."""
+    rest = np.zeros(model.nv)
+    names, turns = model.velocity_names, angular(model)
+    efforts, limits = inverse_dynamics(model, q, rest, rest, wrenches), effort_limits(model)
+    if (following := followers(model)) is not None:
+        names = (*names, *following.names)
+        turns = np.append(turns, angular(following.freed)[following.columns])
+        efforts = np.append(efforts, following.torques(q, rest, rest, wrenches))
+        limits = np.append(limits, following.limits)
+    return HeldStill(names, turns, efforts, limits)
+
+
+def resting(held: HeldStill, time: float, segment: int) -> LimitedMotion:
+    """A rest at the end of a segment, which is the same at any pace."""
+    some = np.isfinite(held.limits)
+    efforts = held.efforts[None, some]
+    nothing = 0.0 * efforts
+    group = _LimitedTorques(
+        tuple(compress(held.names, some)),
+        held.turns[some],
+        held.limits[some],
+        np.array([time]),
+        lambda k: efforts,
+        [([nothing, nothing, efforts], [nothing, nothing, nothing + 1.0])],
+    )
+    return LimitedMotion((), np.zeros(0), np.zeros(0), (group,), segment)
 
 
 def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTorques:
@@ -192,23 +236,23 @@ def pace(runs: Sequence[LimitedMotion]) -> Pace:
         )
     if not np.isfinite(factor):
         return Pace(factor)
-    found = [x for k, run in enumerate(runs) for x in _used(run, factor, k)]
+    found = [x for run in runs for x in _used(run, factor)]
     return max(found, key=lambda x: x.share)
 
 
-def _used(run: LimitedMotion, factor: float, number: int) -> Iterator[Pace]:
+def _used(run: LimitedMotion, factor: float) -> Iterator[Pace]:
     """The limits of which a motion uses most at a pace: of speed, and of each group of torques."""
     if factor > 0.0 and len(run.speed):
         j = int(np.argmin(run.speed))
         when, share = float(run.speed_time[j]), factor / float(run.speed[j])
-        yield Pace(factor, run.names[j], "speed", when, share, number)
+        yield Pace(factor, run.names[j], "speed", when, share, run.segment)
     for part in run.torques:
         share = np.abs(part.at(factor)) / part.limits
         if share.size:
             k, j = np.unravel_index(np.argmax(share), share.shape)
             what = "torque" if part.turns[j] else "force"
             when = float(part.time[k])
-            yield Pace(factor, part.names[j], what, when, float(share[k, j]), number)
+            yield Pace(factor, part.names[j], what, when, float(share[k, j]), run.segment)
 
 
 def _array(data: MotionTorques, name: str) -> Array:

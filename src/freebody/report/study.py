@@ -9,10 +9,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
+from freebody.capacity.segments import loaded_segments
+from freebody.design.duty_cycle import DutyCycle, Segment
 from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
@@ -22,6 +24,7 @@ from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.card import Card, card
 from freebody.report.checks import checks
+from freebody.report.cycle_study import CycleStudy, cycle_study
 from freebody.report.jacobians import singularity
 from freebody.report.load_case import LoadCase, case_of
 from freebody.report.replay import replayed
@@ -29,11 +32,15 @@ from freebody.report.results import Check, MotionVerdict, Replay, Singularity, S
 from freebody.report.series import series
 from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
-from freebody.report.verdict import verdict
+from freebody.report.verdict import judged_motion, verdict
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+StudiedMotion = DutyCycle | Segment | Motion | MotionTable | str | os.PathLike[str] | None
+"""What a robot is studied along; None: a default motion."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,6 +151,20 @@ class Study(Tabled, ByValue):
         return write(self, Path(path))
 
 
+@overload
+def study(
+    model: Model,
+    motion: DutyCycle | Segment,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> CycleStudy: ...
+
+
+@overload
 def study(
     model: Model,
     motion: Motion | MotionTable | str | os.PathLike[str] | None = None,
@@ -153,8 +174,20 @@ def study(
     smooth: Smooth = False,
     speed: float = 1.0,
     progress: Progress | None = None,
-) -> Study:
-    """The dynamic study of a robot along a motion.
+) -> Study: ...
+
+
+def study(
+    model: Model,
+    motion: StudiedMotion = None,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> Study | CycleStudy:
+    """The dynamic study of a robot along a motion, or over a duty cycle.
 
     Parameters
     ----------
@@ -163,12 +196,13 @@ def study(
     motion
         A Motion, a CSV file (see `read_motion`) or a table by names (see `Motion.of`: a dict, a
         DataFrame, a Dataset); default: a smooth one within the joint limits, slowed as far as the
-        limits of speed and torque require.
+        limits of speed and torque require. Or a DutyCycle, whose result is a `CycleStudy`: the
+        studies of its segments, and what is said of all together.
     tip
         Frame; default: the model's own, without which the study leaves out what is of a tip.
     wrenches
         Constant ones exerted on the robot by its surroundings, {frame: (six,)}, force then moment,
-        world axes (N, N m); one alone: at the tip.
+        world axes (N, N m); one alone: at the tip. Those of segments are added.
     smooth
         True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
         torques is reported in any case, with the torques with and without it.
@@ -180,7 +214,8 @@ def study(
     Raises
     ------
     FreebodyError
-        A robot without movable joints.
+        A robot without movable joints; a duty cycle with wrenches that change over time, or that
+        is to be smoothed.
     MissingValueError
         A robot with open parameters.
     """
@@ -195,6 +230,58 @@ def study(
     loads = wrenches_by_frame("study", model, wrenches, single=True)
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
+    if isinstance(motion, DutyCycle | Segment):
+        cycle = motion if isinstance(motion, DutyCycle) else DutyCycle((motion,))
+        return _over_cycle(model, cycle, loads, smooth, speed, progress)
+    return _along(model, motion, loads, smooth, speed, clock)[0]
+
+
+def _over_cycle(
+    model: Model,
+    cycle: DutyCycle,
+    loads: Mapping[str, Array],
+    smooth: Smooth,
+    speed: float,
+    progress: Progress | None,
+) -> CycleStudy:
+    if smooth is not None and smooth is not False:
+        raise FreebodyError(
+            "study: smooth is for one motion; the segments of a duty cycle would no longer meet. "
+            "Smooth the whole (fb.smoothed), then divide it."
+        )
+    segments = loaded_segments("study", model, cycle, loads)
+    found = []
+    for k, segment in enumerate(segments):
+        part = None if progress is None else _Part(progress, k, len(segments))
+        clock = _Clock(part)
+        found.append(_along(segment.model, segment.motion, segment.wrenches, None, speed, clock))
+    studies, noisy = zip(*found, strict=True)
+    whole = cycle_study(model, cycle, segments, studies, any(noisy))
+    return replace(whole, wrenches=dict(loads), speed=speed)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The progress of one of several segments."""
+
+    progress: Progress
+    number: int
+    count: int
+
+    def __call__(self, text: str, fraction: float) -> None:
+        words = f"segment {self.number + 1}: {text}" if fraction < 1.0 else text
+        self.progress(words, (self.number + fraction) / self.count)
+
+
+def _along(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    loads: dict[str, Array],
+    smooth: Smooth,
+    speed: float,
+    clock: _Clock,
+) -> tuple[Study, bool]:
+    """The study of one motion, and whether the motion's noise is part of its torques."""
     with clock.part("motion", 0.0):
         sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
         if speed != 1.0:
@@ -204,7 +291,7 @@ def study(
         data = series(model, followed, loads)
         found = summary(model, followed, data)
         noisy = bool(measured) and not smooth
-        judged = verdict(model, followed, data, found, loads, noisy)
+        judged = verdict([judged_motion(model, followed, data, found, loads)], noisy)
     with clock.part("payload", 0.35):
         carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):
@@ -216,7 +303,7 @@ def study(
     beyond = limit_notices(model, found, judged.uses)
     warned = (*measured, *followed.notices, *_driven(model), *beyond)
     clock.say("done", 1.0)
-    return Study(
+    done = Study(
         model=model,
         tip=model.tip,
         motion=followed,
@@ -236,6 +323,7 @@ def study(
         wrenches=loads,
         speed=speed,
     )
+    return done, noisy
 
 
 def _driven(model: Model) -> tuple[str, ...]:
