@@ -1,5 +1,5 @@
-"""The study of a duty cycle: each segment as loaded, RMS values and energies over the whole with its
-rests, one verdict; by hand for a pendulum."""
+"""The study of a duty cycle: each segment as loaded, RMS values and energies over the whole with
+its rests, one verdict; by hand for a pendulum."""
 
 from __future__ import annotations
 
