@@ -333,7 +333,8 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     start, target = "0.3, 1.3, 0.1, 0.2", START.copy()
     target[:3, 3] = [0.3, 0.6, 0.6]
-    kept = planned("scara", start, "--line", "0.3, 0.6, 0.6", "--pose", "keep", "--tip-speed", "0.2")
+    slowly = "--pose", "keep", "--tip-speed", "0.2"
+    kept = planned("scara", start, "--line", "0.3, 0.6, 0.6", *slowly)
     np.testing.assert_allclose(fb.forward_kinematics(SCARA, kept.q[-1]), target, atol=1e-9)
     expected = fb.line(SCARA, Q0, target, speed=0.2)
     assert kept.duration == pytest.approx(expected.duration, rel=1e-9)
