@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
+from freebody.capacity.time_scaling import Pace
 from freebody.model.doubts import Doubt
+from freebody.motion.ranges import CLOSE
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
 from freebody.outputs.number_text import compared
-
-CLOSE = 1e-9
-"""Share of a limit: what is beyond it by less is on it, and so within."""
 
 VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
@@ -35,6 +34,8 @@ class LimitUse:
     unit: str
     end: Literal["", "lower", "upper"] = ""
     """The end of a range that is meant; empty where there is only one limit."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
 
     @property
     def exceeded(self) -> bool:
@@ -44,7 +45,7 @@ class LimitUse:
     @property
     def text(self) -> str:
         """The use of the limit as a phrase: what, how much, when, where."""
-        when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
+        when = instant(self.time, self.segment)
         value, limit = self.in_print()
         if self.quantity == "position":
             way = "beyond its" if self.exceeded else "its"
@@ -65,6 +66,27 @@ class LimitUse:
         return compared(self.value, self.limit)
 
 
+@dataclass(frozen=True)
+class PaceLimit:
+    """The limit that a motion reaches first where it is run faster, or slower until all are
+    kept."""
+
+    quantity: str
+    """speed, torque or force."""
+    coordinate: str
+    time: float
+    """When, in the motion as it is studied (s)."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
+
+    @staticmethod
+    def of(pace: Pace) -> PaceLimit | None:
+        """The limit of a pace; None where it has none."""
+        if not pace.joint:
+            return None
+        return PaceLimit(pace.quantity, pace.joint, pace.time, pace.segment)
+
+
 @dataclass(frozen=True, repr=False)
 class MotionVerdict(Tabled):
     """Whether the robot can make the motion, as far as its description shows; the first line of a
@@ -82,6 +104,9 @@ class MotionVerdict(Tabled):
     """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it
     can be sped up so far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no
     limit depends on it; NaN: unknown, or passive joints would not follow."""
+    factor_limit: PaceLimit | None = None
+    """The limit that is reached at the factor; of a factor of 0 that which no slowing helps; None
+    without one."""
 
     def _title(self) -> str:
         return f"Verdict: {self.text}"
@@ -116,6 +141,13 @@ class MotionVerdict(Tabled):
     def binding(self) -> LimitUse | None:
         """The limit that the motion uses most, or exceeds most; None where there is none."""
         return self.uses[0] if self.uses else None
+
+
+def instant(time: float, segment: int = 0) -> str:
+    """Words for a time in a motion, or in a segment of a duty cycle; empty for NaN."""
+    if time != time:
+        return ""
+    return f" at t = {time:.3g} s" + (f" of segment {segment}" if segment else "")
 
 
 def percent(share: float) -> str:

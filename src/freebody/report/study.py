@@ -9,29 +9,39 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
-from freebody.errors import FreebodyError, SingularError, listed
+from freebody.capacity.segments import loaded_segments
+from freebody.design.duty_cycle import DutyCycle, Segment
+from freebody.design.notices import without_motor
+from freebody.errors import FreebodyError, SingularError
 from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.files.motion_tables import MotionTable
 from freebody.motion.motion import Motion
 from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.report.card import Card, card
 from freebody.report.checks import checks
+from freebody.report.cycle_study import CycleStudy, cycle_study
 from freebody.report.jacobians import singularity
+from freebody.report.load_case import LoadCase, case_of
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
 from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
-from freebody.report.verdict import verdict
+from freebody.report.verdict import judged_motion, verdict
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+StudiedMotion = DutyCycle | Segment | Motion | MotionTable | str | os.PathLike[str] | None
+"""Motions that a robot is studied along; None: a default one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -68,6 +78,9 @@ class Study(Tabled, ByValue):
     """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
+    card: Card
+    """Answers: what the robot carries on this path, how much faster it can go, and what gives out
+    first."""
     replay: Replay | None
     replay_skipped: str
     """Reason why there is no replay; empty if there is one."""
@@ -99,6 +112,12 @@ class Study(Tabled, ByValue):
         return replace(found, notes=[self.verdict.text, *self.warnings])
 
     @property
+    def load_case(self) -> LoadCase:
+        """The load case: what the robot carries, what pulls at it, how it is mounted, and how fast
+        it is run."""
+        return case_of(self.model, self.wrenches, self.speed, self.command)
+
+    @property
     def checked(self) -> bool:
         """Whether all of freebody's `checks` on itself passed."""
         return all(check.passed for check in self.checks)
@@ -117,7 +136,7 @@ class Study(Tabled, ByValue):
 
     def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
         """The paths of the files written into a folder: study.nc (time series and summary), CSV
-        tables and manifest.json.
+        tables, card.json and manifest.json.
 
         report: report.html as well. Units stand in the headers. Each file is whole; the manifest,
         which comes last, lists their checksums. Raises FileError for a folder that cannot be
@@ -135,6 +154,20 @@ class Study(Tabled, ByValue):
         return write(self, Path(path))
 
 
+@overload
+def study(
+    model: Model,
+    motion: DutyCycle | Segment,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> CycleStudy: ...
+
+
+@overload
 def study(
     model: Model,
     motion: Motion | MotionTable | str | os.PathLike[str] | None = None,
@@ -144,8 +177,20 @@ def study(
     smooth: Smooth = False,
     speed: float = 1.0,
     progress: Progress | None = None,
-) -> Study:
-    """The dynamic study of a robot along a motion.
+) -> Study: ...
+
+
+def study(
+    model: Model,
+    motion: StudiedMotion = None,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> Study | CycleStudy:
+    """The dynamic study of a robot along a motion, or over a duty cycle.
 
     Parameters
     ----------
@@ -154,12 +199,13 @@ def study(
     motion
         A Motion, a CSV file (see `read_motion`) or a table by names (see `Motion.of`: a dict, a
         DataFrame, a Dataset); default: a smooth one within the joint limits, slowed as far as the
-        limits of speed and torque require.
+        limits of speed and torque require. Or a DutyCycle, whose result is a `CycleStudy`: the
+        studies of its segments, and what is said of all together.
     tip
         Frame; default: the model's own, without which the study leaves out what is of a tip.
     wrenches
         Constant ones exerted on the robot by its surroundings, {frame: (six,)}, force then moment,
-        world axes (N, N m); one alone: at the tip.
+        world axes (N, N m); one alone: at the tip. Those of segments are added.
     smooth
         True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
         torques is reported in any case, with the torques with and without it.
@@ -171,7 +217,8 @@ def study(
     Raises
     ------
     FreebodyError
-        A robot without movable joints.
+        A robot without movable joints; a duty cycle with wrenches that change over time, or that
+        is to be smoothed.
     MissingValueError
         A robot with open parameters.
     """
@@ -186,6 +233,58 @@ def study(
     loads = wrenches_by_frame("study", model, wrenches, single=True)
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
+    if isinstance(motion, DutyCycle | Segment):
+        cycle = motion if isinstance(motion, DutyCycle) else DutyCycle((motion,))
+        return _over_cycle(model, cycle, loads, smooth, speed, progress)
+    return _along(model, motion, loads, smooth, speed, clock)[0]
+
+
+def _over_cycle(
+    model: Model,
+    cycle: DutyCycle,
+    loads: Mapping[str, Array],
+    smooth: Smooth,
+    speed: float,
+    progress: Progress | None,
+) -> CycleStudy:
+    if smooth is not None and smooth is not False:
+        raise FreebodyError(
+            "study: smooth is for one motion; the segments of a duty cycle would no longer meet. "
+            "Smooth the whole (fb.smoothed), then divide it."
+        )
+    segments = loaded_segments("study", model, cycle, loads)
+    found = []
+    for k, segment in enumerate(segments):
+        part = None if progress is None else _SegmentProgress(progress, k, len(segments))
+        clock = _Clock(part)
+        found.append(_along(segment.model, segment.motion, segment.wrenches, None, speed, clock))
+    studies, noisy = zip(*found, strict=True)
+    whole = cycle_study(model, cycle, segments, studies, any(noisy))
+    return replace(whole, wrenches=dict(loads), speed=speed)
+
+
+@dataclass(frozen=True)
+class _SegmentProgress:
+    """The progress of one of several segments."""
+
+    progress: Progress
+    number: int
+    count: int
+
+    def __call__(self, text: str, fraction: float) -> None:
+        words = f"segment {self.number + 1}: {text}" if fraction < 1.0 else text
+        self.progress(words, (self.number + fraction) / self.count)
+
+
+def _along(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    loads: dict[str, Array],
+    smooth: Smooth,
+    speed: float,
+    clock: _Clock,
+) -> tuple[Study, bool]:
+    """The study of one motion, and whether the motion's noise is part of its torques."""
     with clock.part("motion", 0.0):
         sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
         if speed != 1.0:
@@ -194,7 +293,10 @@ def study(
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)
         found = summary(model, followed, data)
-        judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
+        noisy = bool(measured) and not smooth
+        judged = verdict([judged_motion(model, followed, data, found, loads)], noisy)
+    with clock.part("payload", 0.35):
+        carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
@@ -202,9 +304,9 @@ def study(
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay, loads)
     beyond = limit_notices(model, found, judged.uses)
-    warned = (*measured, *followed.notices, *_driven(model), *beyond)
+    warned = (*measured, *followed.notices, *without_motor(model, "this study"), *beyond)
     clock.say("done", 1.0)
-    return Study(
+    done = Study(
         model=model,
         tip=model.tip,
         motion=followed,
@@ -215,6 +317,7 @@ def study(
         singularity=None if model.tip is None else singularity(model, model.tip, data),
         checks=checked,
         verdict=judged,
+        card=carded,
         replay=replay,
         replay_skipped=skipped,
         notices=(*map(str, readings(model)), *map(str, model.doubts), *warned),
@@ -223,18 +326,7 @@ def study(
         wrenches=loads,
         speed=speed,
     )
-
-
-def _driven(model: Model) -> tuple[str, ...]:
-    """A sentence on passive joints, which have no motor in reality."""
-    free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
-    if not free:
-        return ()
-    joint, has, its = ("Joint", "has", "its") if len(free) == 1 else ("Joints", "have", "their")
-    return (
-        f"{joint} {listed(map(repr, free))} {has} no motor of {its} own: {its} torques and forces "
-        f"in this study are what something else has to exert to produce the motion.",
-    )
+    return done, noisy
 
 
 def _replay(

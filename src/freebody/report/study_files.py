@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -11,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import freebody
+from freebody.lazy import by_field
 from freebody.model.doubts import attribute
 from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
@@ -23,9 +28,10 @@ from freebody.report.page_tables import facts
 if TYPE_CHECKING:
     import xarray as xr
 
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
-DATA, REPORT = "study.nc", "report.html"
+DATA, CARD, REPORT, CYCLE = "study.nc", "card.json", "report.html", "cycle.nc"
 
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows of a table."""
@@ -48,9 +54,32 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
     return write_folder(directory, makers(study, report), about)
 
 
+def save_cycle(study: CycleStudy, directory: Path, report: bool) -> list[Path]:
+    """The paths of the files of the study of a duty cycle that are written: of each segment into a
+    folder of its own, then of the whole, the manifest's last."""
+    written = []
+    for k, segment in enumerate(study.segments, 1):
+        named = replace(segment, command=study.command)
+        written += save(named, directory / f"segment-{k}", report)
+    about = {
+        "freebody": freebody.__version__,
+        "robot": study.model.name,
+        "cycle": study.cycle.source,
+        **({"command": study.command} if study.command else {}),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "verdict": study.verdict.text,
+    }
+    made: dict[str, Callable[[], str | bytes]] = {
+        CYCLE: lambda: bytes(_encodable(study.summary.copy()).to_netcdf(engine="scipy")),
+        "summary.csv": partial(_csv, lambda: _summary(study.summary, "coordinate")),
+        CARD: lambda: cycle_card_text(study),
+    }
+    return [*written, *write_folder(directory, made, about)]
+
+
 def makers(study: Study, report: bool) -> Makers:
     """Functions that make the files of a study: study.nc, motion.csv, torques.csv, reactions.csv,
-    summary.csv, reactions_summary.csv, checks.csv, and report.html if asked for."""
+    summary.csv, reactions_summary.csv, checks.csv, card.json, and report.html if asked for."""
     tables: dict[str, Callable[[], _HeadAndRows]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),
         "torques.csv": lambda: _torques(study),
@@ -61,6 +90,7 @@ def makers(study: Study, report: bool) -> Makers:
     }
     made: dict[str, Callable[[], str | bytes]] = {DATA: lambda: netcdf(study)}
     made |= {name: partial(_csv, table) for name, table in tables.items()}
+    made[CARD] = lambda: card_text(study)
     return made | ({REPORT: lambda: page(study)} if report else {})
 
 
@@ -89,13 +119,52 @@ def dataset(study: Study) -> xr.Dataset:
     return whole
 
 
+def cycle_card_text(study: CycleStudy) -> str:
+    """Verdict, card and load cases of a duty cycle as JSON, as of `card_text`."""
+    told = {
+        "robot": study.model.name,
+        "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
+        "card": by_field(study.card),
+        "load_cases": [by_field(case) for case in study.load_cases],
+        "rows": study.card.rows,
+    }
+    return json.dumps(_plain(told), indent=1) + "\n"
+
+
+def card_text(study: Study) -> str:
+    """Verdict, card and load case as JSON: numbers in SI units, null where one is not known or has
+    no end, and the rows of both as texts."""
+    told = {
+        "robot": study.model.name,
+        "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
+        "card": by_field(study.card),
+        "load_case": by_field(study.load_case),
+        "rows": [*study.card.rows, *study.load_case.rows],
+    }
+    return json.dumps(_plain(told), indent=1) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it."""
+    if isinstance(value, Mapping):
+        return {key: _plain(x) for key, x in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(x) for x in value]
+    if dataclasses.is_dataclass(value):
+        return _plain(by_field(value))
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def netcdf(study: Study) -> bytes:
     """The dataset as NetCDF 3: read everywhere, written without HDF5.
 
     Names of joints stand in it as values, never as names of its own, which could not hold all of
     them.
     """
-    whole = dataset(study)
+    return bytes(_encodable(dataset(study)).to_netcdf(engine="scipy"))
+
+
+def _encodable(whole: xr.Dataset) -> xr.Dataset:
     for held in (whole, *whole.variables.values()):
         held.attrs = {k: encodable(v) if isinstance(v, str) else v for k, v in held.attrs.items()}
     labels = {
@@ -103,7 +172,7 @@ def netcdf(study: Study) -> bytes:
         for name, labelled in whole.coords.items()
         if labelled.dtype.kind in "UO"
     }
-    return bytes(whole.assign_coords(labels).to_netcdf(engine="scipy"))
+    return whole.assign_coords(labels)
 
 
 def _csv(table: Callable[[], _HeadAndRows]) -> str:

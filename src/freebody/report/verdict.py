@@ -9,20 +9,32 @@ torque is held against the effort limit and the power against effort times speed
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.any_chain.effort_limits import followers
+from freebody.arrays import Array
+from freebody.capacity.time_scaling import LimitedMotion, Pace, limited, pace, parts
 from freebody.errors import listed
-from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, SPEEDS
+from freebody.model.doubt_rules.aspects import EFFORTS as EFFORT_LIMITS
+from freebody.model.doubt_rules.aspects import MASSES, RANGES, ROTORS, SPEEDS
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.results import CLOSE, LimitUse, MotionVerdict, VerdictOutcome, percent
-from freebody.report.time_scaling import Pace, effort_limits, pace, parts
+from freebody.motion.ranges import CLOSE, Ranges, angular, position_columns, ranges
+from freebody.outputs.number_text import rounded_down
+from freebody.report.results import (
+    LimitUse,
+    MotionVerdict,
+    PaceLimit,
+    VerdictOutcome,
+    instant,
+    percent,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,33 +45,86 @@ _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
+@dataclass(frozen=True, eq=False)
+class JudgedMotion:
+    """The grounds of a verdict on a motion, or on one of several."""
+
+    model: Model
+    data: xr.Dataset
+    limited: LimitedMotion
+    uses: tuple[LimitUse, ...]
+
+
+def judged_motion(
+    model: Model,
+    motion: Motion,
+    data: xr.Dataset,
+    found: xr.Dataset,
+    wrenches: Mapping[str, Array] | None = None,
+    segment: int = 0,
+) -> JudgedMotion:
+    """A motion to be judged, from `Study.data` and `Study.summary`, under constant wrenches by
+    frame; segment: of a duty cycle, from 1."""
+    uses = (
+        *_uses(model, motion, ranges(model), found),
+        *_followers_uses(model, motion, wrenches),
+    )
+    return JudgedMotion(
+        model,
+        data,
+        limited(model, motion, data, wrenches, segment=segment),
+        tuple(replace(use, segment=segment) for use in uses),
+    )
+
+
 def verdict(
-    model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
+    motions: Sequence[JudgedMotion],
+    noisy: bool = False,
+    uses: Iterable[LimitUse] | None = None,
+    rests: Sequence[LimitedMotion] = (),
 ) -> MotionVerdict:
-    """The verdict on a motion from `Study.data` and `Study.summary`; noisy: whether the motion's
-    noise is part of its torques."""
-    allowed, doubts = ranges(model), _WeighedDoubts(model.doubts)
-    every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
+    """The verdict on a motion, or on all segments of a duty cycle together.
+
+    noisy: whether the noise of a motion is part of its torques. uses: of limits, default those of
+    all motions. rests: between segments.
+    """
+    doubts = _WeighedDoubts.of(motions)
+    every = _most_used_first(motions, uses)
     told = [use for use in every if not _rests(use, doubts.wrong)]
     over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
-    undriven = _undriven(model, data) if doubts.masses_known else ()
-    loose = _own_pace(model, data) if doubts.torques_meant else ()
-    failed = bool(over or undriven)
-    outcome = doubts.outcome(failed)
-    run = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed))
+    undriven = _of_all(_undriven, motions) if doubts.masses_known else ()
+    loose = _of_all(_own_pace, motions) if doubts.torques_meant else ()
+    outcome = doubts.outcome(bool(over or undriven))
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
+    factor, limit = float("nan"), None
     if loose:
-        sentences.append(_no_other_pace(loose, slower=failed))
+        sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
     elif told and not doubts.wrong:
-        sentences += _paces(model, run, told, bool(undriven), doubts.partly)
+        run = pace([*(one.limited for one in motions), *rests])
+        sentences += _paces(motions[0].model, run, told, bool(undriven), doubts.partly)
+        factor, limit = run.factor, PaceLimit.of(run)
     if noisy and doubts.torques_meant:
-        sentences.append(
-            "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it "
-            "out."
-        )
+        sentences.append(_NOISY)
     sentences += [capital(doubt.text) for doubt in doubts.every if not doubt.of.bars]
-    factor = float("nan") if doubts.wrong or loose or not told else run.factor
-    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor)
+    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor, limit)
+
+
+_NOISY = "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it out."
+
+
+def _most_used_first(
+    motions: Sequence[JudgedMotion], uses: Iterable[LimitUse] | None
+) -> list[LimitUse]:
+    """The uses of limits, by default those of all motions, the largest share first."""
+    every = [use for one in motions for use in one.uses] if uses is None else uses
+    return sorted(every, key=lambda use: -use.fraction)
+
+
+def _of_all(
+    find: Callable[[Model, xr.Dataset], Sequence[str]], motions: Sequence[JudgedMotion]
+) -> tuple[str, ...]:
+    """The findings of all motions, each once."""
+    return tuple(dict.fromkeys(x for one in motions for x in find(one.model, one.data)))
 
 
 class _WeighedDoubts:
@@ -77,6 +142,12 @@ class _WeighedDoubts:
         self.partly = any(doubt.of.absent for doubt in self.unknown)
         """Whether some limits are not given."""
 
+    @staticmethod
+    def of(motions: Sequence[JudgedMotion]) -> _WeighedDoubts:
+        """The doubts about the robot as it is loaded in all motions, each once."""
+        every = (doubt for one in motions for doubt in one.model.doubts)
+        return _WeighedDoubts(tuple(dict.fromkeys(every)))
+
     def outcome(self, failed: bool) -> VerdictOutcome:
         """The outcome of the verdict; failed: whether something that can be judged fails."""
         if failed:
@@ -86,7 +157,7 @@ class _WeighedDoubts:
 
 def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     """Whether the use of a limit depends on something doubtful."""
-    aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORTS))
+    aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORT_LIMITS))
     return any(
         set(aspects) & set(doubt.of.touches)
         for doubt in doubts
@@ -94,7 +165,11 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     )
 
 
-_ASPECTS = {"position": (RANGES,), "speed": (SPEEDS,), "power": (MASSES, ROTORS, EFFORTS, SPEEDS)}
+_ASPECTS = {
+    "position": (RANGES,),
+    "speed": (SPEEDS,),
+    "power": (MASSES, ROTORS, EFFORT_LIMITS, SPEEDS),
+}
 """Aspects that the use of a limit rests on, where that is not a torque."""
 
 
@@ -120,6 +195,28 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
                 size, share = (float(found[x].values[k]) for x in (value, f"{used}_fraction"))
                 when = float(found[time].values[k]) if time else float("nan")
                 yield LimitUse(quantity, name, size, limit, share, when, of)
+
+
+def _followers_uses(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None
+) -> Iterator[LimitUse]:
+    """The torques and forces that reach joints which follow others and have limits of their own;
+    their speeds and ranges are in those of the joints that they follow."""
+    following = followers(model)
+    if following is None:
+        return
+    tau = following.torques(motion.q, motion.qd, motion.qdd, wrenches)
+    turns = angular(following.freed)[following.columns]
+    for name, turning, limit, x in zip(
+        following.names, turns, following.limits, tau.T, strict=True
+    ):
+        k, (what, unit) = int(np.argmax(np.abs(x))), EFFORTS[bool(turning)]
+        share, time = abs(float(x[k])) / float(limit), float(motion.t[k])
+        yield LimitUse(what, name, float(x[k]), float(limit), share, time, unit)
+
+
+EFFORTS = {True: ("torque", "N m"), False: ("force", "N")}
+"""Names of the effort of a joint, with its unit, by whether the joint turns."""
 
 
 def _position(
@@ -240,8 +337,8 @@ def _paces(
     if any(use.exceeded and use.quantity != "position" for use in uses):
         rest = "; the other problems remain" if out or undriven else ""
         return [
-            f"It would keep the limits of speed and torque at {_down(run.factor)} times its speed "
-            f"({1 / run.factor:.3g} times the duration){rest}."
+            f"It would keep the limits of speed and torque at {rounded_down(run.factor)} times its "
+            f"speed ({1 / run.factor:.3g} times the duration){rest}."
         ]
     if out or undriven:
         return ["Slowing down does not help."]
@@ -254,19 +351,17 @@ def _paces(
             else "It cannot be run any faster."
         ]
     if partly:  # what is not given may well be exceeded before
-        return [f"They would be kept up to {_down(run.factor)} times that speed."]
-    return [f"It could be run up to {_down(run.factor)} times as fast."]
+        return [f"They would be kept up to {rounded_down(run.factor)} times that speed."]
+    return [f"It could be run up to {rounded_down(run.factor)} times as fast."]
 
 
 def _held_too_much(model: Model, run: Pace) -> str:
     """A sentence on torques that exceed a limit however slow the motion is."""
-    held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
-    k = int(np.argmax(held))
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
     return (
         f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-        f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
-        f"{run.held_time[k]:.3g} s."
+        f"{percent(run.share)} of {run.joint}'s limit"
+        f"{instant(run.time, run.segment)}."
     )
 
 
@@ -289,9 +384,3 @@ def _holds_more(model: Model) -> bool:
 
 def _holds(law: DriveLaw) -> bool:
     return law.energy is not None or law.losses is not None or law.power == 0
-
-
-def _down(factor: float) -> str:
-    """A factor as text with three digits, rounded down."""
-    scale = 10.0 ** (2 - int(np.floor(np.log10(factor))))
-    return f"{np.floor(factor * scale * (1 + 1e-12)) / scale:.3g}"
