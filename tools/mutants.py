@@ -115,7 +115,7 @@ AREAS = (
     Area(
         "design",
         ("design/*.py",),
-        ("parts", "duty_cycle", "size", "size_command", "bearings", "stops"),
+        ("parts", "duty_cycle", "size", "size_command", "bearings", "load_tables", "stops"),
     ),
     Area(
         "simulation",
