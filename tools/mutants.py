@@ -104,7 +104,7 @@ AREAS = (
         ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
         ("inverse_kinematics", "inverse_velocity", "singularities", "inverse_ways", "branches",
          "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams",
-         "compliance"),
+         "compliance", "compliant_loops"),
     ),
     Area(
         "motions",
