@@ -3,10 +3,12 @@ each joint: against motions of the drives, closed forms, and the balance itself.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 import freebody as fb
 
@@ -148,18 +150,23 @@ def test_one_number_for_all_drives_and_families():
         fb.natural_frequencies(family, np.zeros((2, 4)), 2e4)
 
 
+def root(function: Callable[[float], float]) -> float:
+    """Between -1 and 0."""
+    return float(root_scalar(function, bracket=(-1.0, 0.0), xtol=1e-15).root)
+
+
 def test_a_soft_arm_yields_until_all_balances():
     """k x = (m g lc + F l) cos x of an arm that lies level, and how far the linear answer is off;
     an arm that stands and whose spring is too soft has no answer."""
     arm = fb.planar("R", l=[2.0], lc=[1.0], m=[3.0], I=[0.1])
     for k, close in ((5e3, 1e-3), (200.0, 0.01)):
         pull = 3.0 * 9.81 * 1.0 + 10.0 * 2.0
-        x = brentq(lambda x, pull=pull, k=k: k * x + pull * np.cos(x), -1.0, 0.0, xtol=1e-15)
+        x = root(lambda x, pull=pull, k=k: k * x + pull * np.cos(x))
         found = fb.deflection(arm, [0.0], [0.0, -10.0, 0.0], stiffness=k, iterate=True)
         assert found.joints == pytest.approx([x], abs=1e-11)
         moved = [2.0 * np.cos(x) - 2.0, 2.0 * np.sin(x), x]
         assert found.displacement == pytest.approx(moved, abs=1e-10)
-        alone = brentq(lambda x, k=k: k * x + 3.0 * 9.81 * np.cos(x), -1.0, 0.0, xtol=1e-15)
+        alone = root(lambda x, k=k: k * x + 3.0 * 9.81 * np.cos(x))
         assert found.by_gravity[2] == pytest.approx(alone, abs=1e-11)
         linear = fb.deflection(arm, [0.0], [0.0, -10.0, 0.0], stiffness=k)
         off = np.hypot(*(linear.displacement - found.displacement)[:2])
@@ -177,7 +184,7 @@ def test_a_closed_chain_yields_until_its_drives_balance():
     springs, push = np.array([160.0, 220.0]), [4.0, -30.0, 0.0]
     given = dict(zip(robot.driven_names, springs, strict=True))
     found = fb.deflection(robot, q, push, stiffness=given, iterate=True)
-    torque = fb.static_torque(robot, q + found.joints, {robot.tip: push})
+    torque = fb.static_torque(robot, q + found.joints, push)
     drives = list(robot.driven)
     assert torque[:, drives] == pytest.approx(-springs * found.joints[:, drives], abs=1e-9)
     moved = fb.forward_kinematics(robot, q + found.joints) - fb.forward_kinematics(robot, q)
