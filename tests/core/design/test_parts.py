@@ -81,9 +81,9 @@ def test_the_load_and_life_of_bearings_by_hand():
 
 def test_printed_examples_of_ball_bearings():
     """A bearing 6208 of C = 22.4 kN under 3.2 kN at 650 rpm: 343 million turns, 8795 h
-    (Antifriction Bearings, example 1, scribd.com/document/365728687). Loads of X = 1, Y = 1.5 that change with
-    speed and shock wear as 5767 N do, so 15 000 h take C = 49.2 kN (Khurmi and Gupta, A Textbook of
-    Machine Design, chapter 27)."""
+    (Antifriction Bearings, example 1, scribd.com/document/365728687). Loads of X = 1, Y = 1.5 that
+    change with speed and shock wear as 5767 N do, so 15 000 h take C = 49.2 kN (Khurmi and Gupta,
+    A Textbook of Machine Design, chapter 27)."""
     small = fb.Bearing("6208", "radial", 22_400.0, x=1.0, y=0.0, e=1.0)
     assert f"{small.life(3200.0, 650 * RPM):.0f}" == "8795"
     assert f"{small.life(3200.0, 650 * RPM) * 650 * 60 / 1e6:.0f}" == "343"
