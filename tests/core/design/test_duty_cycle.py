@@ -199,6 +199,49 @@ def test_a_cycle_from_a_file(tmp_path: Path):
             fb.DutyCycle.read(arm, tmp_path / "cycle.toml")
 
 
+def by_places(file: Path, first: str, second: str) -> str:
+    """The text of a cycle there and back, which is written to a file."""
+    there, back = (f"tip = [[{a}], [{b}]]" for a, b in ((first, second), (second, first)))
+    text = "".join(f"[[segment]]\n{tip}\ntimes = [0, 1]\n" for tip in (there, back))
+    file.write_text(text)
+    return text
+
+
+def test_a_cycle_by_places_of_the_tip(tmp_path: Path):
+    """The tip is there at the ends of both segments, with the orientation where one is given."""
+    robot, file = fb.load("scara"), tmp_path / "cycle.toml"
+    second = '0.2, -0.3, 0.55, "180 deg", 0, 0.4'
+    text = by_places(file, "0.3, 0.2, 0.6", second)
+    cycle = fb.DutyCycle.read(robot, file)
+    assert cycle.closes
+    there, back = (fb.forward_kinematics(robot, x.motion.q[-1]) for x in cycle.segments)
+    assert there[:3, 3] == pytest.approx([0.2, -0.3, 0.55], abs=1e-9)
+    assert there[:2, 0] == pytest.approx([math.cos(0.4), math.sin(0.4)])
+    assert back[:3, 3] == pytest.approx([0.3, 0.2, 0.6], abs=1e-9)
+    for old, new, words in (
+        (second, "3, 0, 0.6", "brings the tip to place 2: it is 2"),
+        (second, "0.2, 0.3, 0.3", "joint3 at 0.377 is beyond its own"),
+        ("tip =", "points =", "points[0] has 3 entries, expected 4"),
+        ("tip =", "#", "or places of the tip"),
+        ("times", "points = []\ntimes", "and one of these"),
+        (second, "0.1", "tip[1] has 1 entries, expected"),
+    ):
+        file.write_text(text.replace(old, new, 1))
+        with pytest.raises(fb.FileError, match=re.escape(words)):
+            fb.DutyCycle.read(robot, file)
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("numpy_kernels")
+def test_a_closed_chain_by_places_of_its_tip(tmp_path: Path):
+    robot, file = fb.load("five_bar"), tmp_path / "cycle.toml"
+    by_places(file, "0.1, 0.7", "0.2, 0.6")
+    cycle = fb.DutyCycle.read(robot, file)
+    assert cycle.closes
+    tips = [fb.forward_kinematics(robot, x.motion.q[-1])[:2, 2] for x in cycle.segments]
+    assert tips == [pytest.approx(x, abs=1e-9) for x in ([0.2, 0.6], [0.1, 0.7])]
+
+
 def test_rates_that_jump_are_told():
     """At 1 rad/s out and at 1 rad/s back: the torque of turning at once is in no sample."""
     model = fb.planar("R").bind(l1=1.0, m1=2.0, lc1=0.5, I1=0.0)
