@@ -19,6 +19,7 @@ from freebody.design.known_wrenches import known_wrenches, undetermined
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model
+from freebody.model.placement import Placement
 from freebody.outputs.display import Tabled, TextTable, counted
 
 if TYPE_CHECKING:
@@ -100,7 +101,12 @@ def bearing_loads(
     """
     done = duty_cycles("bearing_loads", model, cycles)
     kinds = [body.kind.motion for body in model.bodies]
-    turning = [k for k, motion in enumerate(kinds) if motion is not None and motion.turns]
+    inner = {k for last in range(len(kinds)) for k in _on_one_axis(model, last)[:-1]}
+    turning = [
+        k
+        for k, motion in enumerate(kinds)
+        if motion is not None and motion.turns and k not in inner
+    ]
     names = [model.bodies[k].joint.name for k in turning]
     given = dict(bearings or {})
     for name, bearing in given.items():
@@ -111,6 +117,20 @@ def bearing_loads(
     if not turning:
         raise FreebodyError(f"bearing_loads: no joint of {model.name!r} turns about one axis.")
     return _assembled(model, done, turning, names, given)
+
+
+def _on_one_axis(model: Model, k: int) -> list[int]:
+    """Numbers of the bodies whose joints together are the bearing of body k, itself the last: where
+    a joint follows several, those that share its axis, with nothing between."""
+    found, body = [k], model.bodies[k]
+    while body.joint.mimic and body.parent >= 0:
+        before = model.bodies[body.parent]
+        apart = before.inertias or body.joint.placement != Placement()
+        if apart or not before.joint.mimic or before.joint.axis != body.joint.axis:
+            break
+        found.insert(0, body.parent)
+        body = before
+    return found
 
 
 def _assembled(
@@ -171,10 +191,8 @@ def _carried(model: Model, segment: Segment, turning: list[int]) -> dict[str, Ar
     found = {name: loads[name][:, turning] for name in _CARRIED}
     if d == 2:
         found |= dict.fromkeys(("axial_force", "tilting_moment"), 0.0 * found["radial_force"])
-    rates = [
-        np.asarray(model.coordinates[k].rates(tuple(q.T), tuple(qd.T))[0], dtype=float)
-        for k in turning
-    ]
+    each = [np.asarray(at.rates(tuple(q.T), tuple(qd.T))[0]) for at in model.coordinates]
+    rates = [np.sum([each[part] for part in _on_one_axis(model, k)], axis=0) for k in turning]
     return {**found, "rate": np.stack(rates, axis=-1), "seconds": seconds}
 
 

@@ -164,13 +164,19 @@ def load_table(
     FreebodyError, UnknownNameError
     """
     checked_reference(reference, ("world", "child"))
-    place = model.frame().name if at is None else at
+    place, remarks = model.frame().name if at is None else at, ()
     if at is None or at not in model.reaction_names:
         fixed = {frame.name for frame in model.frames if not frame.parent}
         place = place if place in fixed else fixed_frame(model, place, "load_table").name
-    return _tabled(
+        if _carries_alone(model, place):
+            remarks = (
+                f"Of what is carried in {place!r} alone: links and loops that end there cannot be "
+                f"told from it. The name of a joint has all behind it.",
+            )
+    found = _tabled(
         "load_table", model, cycles, place, reference, lambda x: _behind(model, x, place, reference)
     )
+    return replace(found, notices=(*remarks, *found.notices))
 
 
 def _tabled(
@@ -270,11 +276,17 @@ def _behind(model: Model, segment: Segment, place: str, reference: Axes) -> Arra
 _SEAM = "flange, apart from its link"
 
 
-def _with_seam(model: Model, place: str) -> Model:
-    """The open chain of a model, where the place is a body's own frame, or a loop ends behind it,
-    with what is carried there in a frame fixed to it, so that it can be told from the body."""
+def _carries_alone(model: Model, place: str) -> bool:
+    """Whether a place is a body's own frame, or a loop ends behind it, so that only what is carried
+    in it can be told from the body."""
     frame, ends = model.frame(place), {name for loop in model.loops for name in loop.frames}
-    if frame.parent and ends.isdisjoint(behind(model, place)):
+    return not (frame.parent and ends.isdisjoint(behind(model, place)))
+
+
+def _with_seam(model: Model, place: str) -> Model:
+    """The open chain of a model, with what is carried at a place of that kind in a frame fixed to
+    it."""
+    if not _carries_alone(model, place):
         return model.opened
     found = model.opened.with_frame(_SEAM, frame=place)
 

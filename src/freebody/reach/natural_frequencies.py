@@ -259,6 +259,8 @@ def _modes_of_loops(
     """Squares and modes at postures (m, nq), of which the first has this number, of a closed
     chain."""
     at, tree = joints.moving, joints.model.opened
+    if not len(q):
+        return np.zeros((0, 0)), np.zeros((0, 0, tree.nv))
     found = loop_motions(function, joints, q, static_torque(tree, q), drives_hold=True)
     N = found.ways
     moving = N[:, at]

@@ -76,6 +76,46 @@ def test_loads_that_rigid_bodies_do_not_determine_are_not_told():
     assert sure.notices == ()
 
 
+def test_a_joint_that_follows_several_has_one_bearing():
+    """The hand of a palletiser: its bearing turns as the forearm does against the hand, the sum of
+    shoulder and elbow, and wears at that speed."""
+    arm = fb.load(text=LEVEL, format="toml")
+    motion = loop(arm)
+    found = fb.bearing_loads(arm, motion, {"wrist": CROSSED})
+    assert found.data.joint.values.tolist() == ["shoulder", "elbow", "wrist"]
+    assert found.data.rate.sel(joint="wrist").values == pytest.approx(-motion.qd.sum(axis=1))
+
+
+LEVEL = """
+name = "level hand"
+link = [
+  { name = "base" }, { name = "upper", mass = 3 }, { name = "fore", mass = 2 },
+  { name = "hand", mass = 1, com = [0.1, 0, 0] },
+]
+[[joint]]
+name = "shoulder"
+kind = "revolute"
+axis = "y"
+parent = "base"
+child = "upper"
+[[joint]]
+name = "elbow"
+kind = "revolute"
+axis = "y"
+parent = "upper"
+child = "fore"
+origin = [0, 0, 0.8]
+[[joint]]
+name = "wrist"
+kind = "revolute"
+axis = "y"
+parent = "fore"
+child = "hand"
+origin = [0.7, 0, 0]
+mimic = { joints = { shoulder = -1, elbow = -1 } }
+"""
+
+
 def test_what_is_refused():
     arm = fb.load("scara")
     motion = fb.default_motion(arm, samples=41)

@@ -101,6 +101,20 @@ def test_the_energy_of_a_cycle_without_losses_comes_back():
     assert real.summary["motor_work"].sum() > 1.2 * real.summary["motor_braking"].sum()
 
 
+def test_a_gear_loses_in_the_direction_in_which_power_flows():
+    """A weight is lifted slowly for m g h/η, and gives m g h η' as it sinks."""
+    arm = fb.planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[0.0])
+    gear = fb.Gear("L", efficiency=0.8, back_efficiency=0.5, inertia=0.0, mass=0.0, ratio=40.0)
+    light = fb.Motor("M", 0.0, 5.0, 15.0, 400.0, 0.0)
+    up, down = (fb.quintic(arm, x, [0.0, 300.0]) for x in ([[0.0], [1.0]], [[1.0], [0.0]]))
+    (name,) = arm.joint_names
+    height = 0.5 * math.sin(1.0)
+    found = fb.drive_loads(arm, [up, down], {name: (light, gear)}).summary
+    work, braking = (found[x].values[:, 0] for x in ("motor_work", "motor_braking"))
+    assert work == pytest.approx([2.0 * 9.81 * height / 0.8, 0.0], rel=1e-5, abs=1e-9)
+    assert braking == pytest.approx([0.0, 2.0 * 9.81 * height * 0.5], rel=1e-5, abs=1e-9)
+
+
 def test_each_cycle_counts_by_itself():
     """Two cycles have the RMS values of each, and the larger is used of the limit."""
     arm = fb.load("2R")

@@ -89,6 +89,7 @@ def test_a_flange_bears_what_it_carries(name: str):
     own = fb.load_table(robot, fb.Segment(motion, carried, push, dwell=1.0))
     R = fb.forward_kinematics(robot, motion.q)[:, :3, :3]
     assert np.allclose(R @ own.wrench[:-1, :3, None], found.wrench[:-1, :3, None])
+    assert ("alone" in "".join(own.notices)) == (name == "bricard")
 
 
 def test_rows_are_the_samples_where_each_is_greatest():
