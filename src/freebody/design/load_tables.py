@@ -24,7 +24,7 @@ from freebody.spatial import of_dimension
 from freebody.trees.kinematics import forward_kinematics
 from freebody.trees.public_calls import checked_reference, wrenches_by_frame
 
-Axes = Literal["world", "child"]
+LoadAxes = Literal["world", "child"]
 _COMPONENTS = {2: ("fx", "fy", "m"), 3: ("fx", "fy", "fz", "mx", "my", "mz")}
 
 
@@ -36,7 +36,7 @@ class LoadTable(Tabled, ByValue):
     model: Model
     place: str
     """"floor", or the name of a joint or frame."""
-    axes: Axes
+    axes: LoadAxes
     """Axes of the components: the world's, or those of the joint's child, of the frame."""
     wrench: Array
     """(T, 6), in the plane (T, 3): force (N), then moment (N m) about the place's origin, at the
@@ -135,7 +135,7 @@ def floor_loads(model: Model, cycles: Cycles) -> LoadTable:
 
 
 def load_table(
-    model: Model, cycles: Cycles, at: str | None = None, *, reference: Axes = "child"
+    model: Model, cycles: Cycles, at: str | None = None, *, reference: LoadAxes = "child"
 ) -> LoadTable:
     """Forces and moments on a robot's flange by what it carries, or at a joint by all behind it,
     over duty cycles: each component at its greatest, with the others of that instant.
@@ -184,7 +184,7 @@ def _tabled(
     model: Model,
     cycles: Cycles,
     place: str,
-    axes: Axes,
+    axes: LoadAxes,
     wrench: Callable[[Segment], Array],
 ) -> LoadTable:
     """The table of wrenches (T, 6 or 3) that a function gives of each segment."""
@@ -257,7 +257,7 @@ def _moment(at: Array, force: Array) -> Array:
 
 
 # ------------------------------------------------------------ flanges and joints
-def _behind(model: Model, segment: Segment, place: str, reference: Axes) -> Array:
+def _behind(model: Model, segment: Segment, place: str, reference: LoadAxes) -> Array:
     """Wrenches (T, 6 or 3) of what is behind a place on what is before it; NaN where a closed chain
     leaves a component open."""
     q, qd, qdd, wrenches, _ = segment.states()

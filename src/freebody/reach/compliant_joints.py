@@ -20,7 +20,8 @@ from freebody.trees.position_rates import Index
 from freebody.trees.public_calls import JointVector
 
 Stiffness = JointVector | None
-"""Of drives: (..., nv), by name, or one number for all of one coordinate (N m/rad, N/m)."""
+"""The stiffness of drives: (..., nv), by name, or one number for all of one coordinate, N m/rad and
+N/m."""
 
 
 @dataclass(frozen=True)

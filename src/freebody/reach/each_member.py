@@ -13,22 +13,22 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.model.model import Model
 
-Found = TypeVar("Found")
+MemberResult = TypeVar("MemberResult")
 
 
 @dataclass(frozen=True)
-class Members(Generic[Found]):
-    """What was found for each member of a family of this shape, in the order of its entries."""
+class MemberResults(Generic[MemberResult]):
+    """The results for each member of a family of this shape, in the order of its entries."""
 
     family: tuple[int, ...]
-    results: Sequence[Found]
+    results: Sequence[MemberResult]
 
     @property
-    def first(self) -> Found:
+    def first(self) -> MemberResult:
         """The result of the first member."""
         return self.results[0]
 
-    def stacked(self, part: Callable[[Found], Array], core: int) -> Array:
+    def stacked(self, part: Callable[[MemberResult], Array], core: int) -> Array:
         """An array of all results (..., *family, core axes), of arrays (..., core axes)."""
         parts = [np.asarray(part(one)) for one in self.results]
         whole = np.stack(parts, axis=parts[0].ndim - core)
@@ -37,8 +37,8 @@ class Members(Generic[Found]):
 
 
 def of_members(
-    model: Model, given: Mapping[str, Any], found: Callable[[Model, dict[str, Any]], Found]
-) -> Members[Found]:
+    model: Model, given: Mapping[str, Any], found: Callable[[Model, dict[str, Any]], MemberResult]
+) -> MemberResults[MemberResult]:
     """The results of a function for each member of a family, with its part of the arguments.
 
     given: vectors (..., *family, n), and what all members share: vectors (n,), mappings of such
@@ -46,7 +46,7 @@ def of_members(
     """
     family = model.family
     rows = {name: _rows(name, value, family) for name, value in given.items()}
-    return Members(
+    return MemberResults(
         family,
         [
             found(model[at], {name: of(at) for name, of in rows.items()})

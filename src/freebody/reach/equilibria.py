@@ -71,7 +71,7 @@ class Equilibria(Keeps):
     # ------------------------------------------------------------ in proportion
     @cached_property
     def _linear(self) -> Array:
-        """By how much coordinates yield to weights and to loads (n, nv, 2)."""
+        """The ways (n, nv, 2) by which coordinates yield to weights and to loads."""
         joints, tree = self.joints, self.joints.model.opened
         weight = static_torque(tree, self.q)
         pull = static_torque(tree, self.q, self.loads) - weight if self.loads else 0.0 * weight
@@ -178,8 +178,7 @@ def _eigenvalues(K: Array) -> Array:
 
 
 def _displacement(T0: Array, T1: Array) -> Array:
-    """By how much frames (n, dim + 1, dim + 1) are displaced: (n, six), m, then the rotation
-    vector."""
+    """The displacements (n, six) of frames (n, dim + 1, dim + 1): m, then the rotation vector."""
     d = T0.shape[-1] - 1
     turn = T1[:, :d, :d] @ np.swapaxes(T0[:, :d, :d], -1, -2)
     if d == 3:
@@ -189,5 +188,5 @@ def _displacement(T0: Array, T1: Array) -> Array:
 
 
 def _shift(T0: Array, T1: Array) -> Array:
-    """By how much the origins of frames are displaced, (n, dim)."""
+    """The displacements (n, dim) of the origins of frames."""
     return T1[:, :-1, -1] - T0[:, :-1, -1]

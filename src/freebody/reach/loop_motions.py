@@ -128,7 +128,7 @@ class _Decomposed:
 def _left_to_loops(
     function: str, joints: CompliantJoints, A: Array, wanted: Array, samples: Index
 ) -> Array:
-    """What the loops give (n, nv) of the scaled torques that a tree needs at rest: all but the
+    """The part (n, nv) that loops give of the scaled torques that a tree needs at rest: all but the
     smallest ones of drives, springs and what stands still that have their power."""
     model = joints.model
     acting = np.setdiff1d(
