@@ -104,7 +104,7 @@ AREAS = (
         ("inverse/**/*.py", "reach/*.py", "algorithms/closed_form_inverse/*.py"),
         ("inverse_kinematics", "inverse_velocity", "singularities", "inverse_ways", "branches",
          "calibrated_arms", "dexterity", "payload_map", "workspace", "reach_diagrams",
-         "compliance"),
+         "compliance", "compliant_loops"),
     ),
     Area(
         "motions",
@@ -120,7 +120,7 @@ AREAS = (
     Area(
         "design",
         ("design/*.py",),
-        ("parts", "duty_cycle", "size", "size_command", "bearings", "stops"),
+        ("parts", "duty_cycle", "size", "size_command", "bearings", "load_tables", "stops"),
     ),
     Area(
         "simulation",

@@ -9,13 +9,14 @@ from freebody.any_chain.reactions import reactions as reactions
 from freebody.capacity.load_diagram import load_diagram as load_diagram
 from freebody.capacity.payload import payload as payload
 from freebody.design.bearings import bearing_loads as bearing_loads
-from freebody.design.bearings import floor_loads as floor_loads
 from freebody.design.catalogue import PartCatalogue as PartCatalogue
 from freebody.design.catalogue import catalogue as catalogue
 from freebody.design.data_sheets import mean_load as mean_load
 from freebody.design.drive_loads import drive_loads as drive_loads
 from freebody.design.duty_cycle import DutyCycle as DutyCycle
 from freebody.design.duty_cycle import Segment as Segment
+from freebody.design.load_tables import floor_loads as floor_loads
+from freebody.design.load_tables import load_table as load_table
 from freebody.design.parts import Bearing as Bearing
 from freebody.design.parts import Gear as Gear
 from freebody.design.parts import Motor as Motor

@@ -25,6 +25,8 @@ PAGES = (
     + sorted(ROOT.glob("proof/*.md"))
 )
 BLOCK = re.compile(r"^(<!-- no-run: .+ -->\n)?```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE = re.compile(r"# ([\w-]+\.toml)\n")
+"""The first line of a block that is a file, which the examples behind it read."""
 FLAGS = doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS | doctest.REPORT_NDIFF
 LOCAL_LINK = re.compile(r"\]\((?!https?:|mailto:)([^)#\s]*)(?:#([^)\s]+))?\)")
 
@@ -42,7 +44,8 @@ def examples(page: Path):
     text = page.read_text(encoding="utf-8")
     for block in BLOCK.finditer(text):
         exempt, language, body = block.groups()
-        if not exempt and language in ("python", "pycon", "console"):
+        runs = language in ("python", "pycon", "console") or FILE.match(body)
+        if not exempt and runs:
             yield language, text.count("\n", 0, block.start(3)), body
 
 
@@ -71,6 +74,8 @@ def test_examples_run(
             run_doctest(text, names, page.name, line)
         elif language == "python":
             exec(compile("\n" * line + text, page, "exec"), names)
+        elif file := FILE.match(text):
+            Path(file[1]).write_text(text, encoding="utf-8")
         else:
             for command in re.findall(r"^\$ (freebody .*)$", text, re.MULTILINE):
                 assert run(shlex.split(command)[1:]) == 0, command

@@ -37,6 +37,7 @@ NOT_OF_STATES = frozenset(
         "losses",
         "notes_figure",
         "load_diagram",
+        "load_table",
         "parameters",
         "payload",
         "quantities",

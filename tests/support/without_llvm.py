@@ -125,6 +125,7 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "size": lambda: fb.size(arm, motion, parts, joints=arm.joint_names[:1]),
         "bearing_loads": lambda: fb.bearing_loads(arm, motion),
         "floor_loads": lambda: fb.floor_loads(arm, motion),
+        "load_table": lambda: fb.load_table(arm, motion),
         "quintic": lambda: fb.quintic(arm, [Q, MOVED], **LIMITS),
         "trapezoid": lambda: fb.trapezoid(arm, [Q, MOVED], **LIMITS),
         "s_curve": lambda: fb.s_curve(arm, [Q, MOVED], jerk=9.0, **LIMITS),

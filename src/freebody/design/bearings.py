@@ -1,5 +1,5 @@
 """`bearing_loads`: what the bearings of joints carry over duty cycles, and how long given ones
-live; `floor_loads`: what a robot asks of its foundation."""
+live."""
 
 from __future__ import annotations
 
@@ -9,19 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.any_chain.dynamics import joint_wrenches
 from freebody.arrays import Array
 from freebody.by_value import ByValue
 from freebody.design.data_sheets import mean_load
 from freebody.design.drive_loads import cycle_notices, doubt_notices
 from freebody.design.duty_cycle import Cycles, DutyCycle, Segment, duty_cycles
 from freebody.design.joint_loads import joint_loads
+from freebody.design.known_wrenches import known_wrenches, undetermined
 from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, KindError, UnknownNameError
 from freebody.model.model import Model
+from freebody.model.placement import Placement
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.spatial import of_dimension
-from freebody.trees.kinematics import forward_kinematics
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +55,7 @@ class BearingLoads(Tabled, ByValue):
         return f"Bearings of {self.model.name!r}: {joints}{shortest}"
 
     def _table(self) -> TextTable:
-        rows, worst = [], self.summary.max("cycle")
+        rows, worst = [], self.summary.max("cycle", skipna=False)
         for name in map(str, worst.joint.values):
             of, lives = worst.sel(joint=name), self.summary["bearing_life"].sel(joint=name)
             given = name in self.bearings
@@ -94,6 +93,7 @@ def bearing_loads(
     BearingLoads
         Of every joint that turns about one axis. Equivalent loads are taken at each sample, with
         the factors of that moment, and averaged as bearings wear (Palmgren and Miner; ISO 281).
+        NaN at a joint of a closed chain whose load rigid bodies do not determine.
 
     Raises
     ------
@@ -101,7 +101,12 @@ def bearing_loads(
     """
     done = duty_cycles("bearing_loads", model, cycles)
     kinds = [body.kind.motion for body in model.bodies]
-    turning = [k for k, motion in enumerate(kinds) if motion is not None and motion.turns]
+    inner = {k for last in range(len(kinds)) for k in _on_one_axis(model, last)[:-1]}
+    turning = [
+        k
+        for k, motion in enumerate(kinds)
+        if motion is not None and motion.turns and k not in inner
+    ]
     names = [model.bodies[k].joint.name for k in turning]
     given = dict(bearings or {})
     for name, bearing in given.items():
@@ -112,6 +117,20 @@ def bearing_loads(
     if not turning:
         raise FreebodyError(f"bearing_loads: no joint of {model.name!r} turns about one axis.")
     return _assembled(model, done, turning, names, given)
+
+
+def _on_one_axis(model: Model, k: int) -> list[int]:
+    """Numbers of the bodies whose joints together are the bearing of body k, itself the last: where
+    a joint follows several, those that share its axis, with nothing between."""
+    found, body = [k], model.bodies[k]
+    while body.joint.mimic and body.parent >= 0:
+        before = model.bodies[body.parent]
+        apart = before.inertias or body.joint.placement != Placement()
+        if apart or not before.joint.mimic or before.joint.axis != body.joint.axis:
+            break
+        found.insert(0, body.parent)
+        body = before
+    return found
 
 
 def _assembled(
@@ -149,9 +168,10 @@ def _assembled(
         },
         {"joint": names},
     )
-    return BearingLoads(
-        model, given, data, summary, (*doubt_notices(model), *cycle_notices(cycles))
-    )
+    open_ones = [x for x, r in zip(names, data["radial_force"].values.T, strict=True)
+                 if np.isnan(r).any()]  # fmt: skip
+    notices = (*doubt_notices(model), *cycle_notices(cycles), *undetermined(open_ones))
+    return BearingLoads(model, given, data, summary, notices)
 
 
 _UNITS = {
@@ -165,14 +185,14 @@ def _carried(model: Model, segment: Segment, turning: list[int]) -> dict[str, Ar
     """Loads and rates (T, joints) of the joints, and seconds (T,)."""
     q, qd, qdd, wrenches, seconds = segment.states()
     loaded, d = segment.carried_by(model), model.dim
-    reactions = joint_wrenches(loaded, q, qd, qdd, wrenches, reference="child")
-    reactions = reactions[:, : len(model.bodies)]  # those of loops stand behind
-    loads = joint_loads(loaded, reactions[..., :d], reactions[..., d:])
-    found = {name: np.nan_to_num(loads[name][:, turning]) for name in _CARRIED}
-    rates = [
-        np.asarray(model.coordinates[k].rates(tuple(q.T), tuple(qd.T))[0], dtype=float)
-        for k in turning
-    ]
+    held = known_wrenches(loaded, q, qd, qdd, wrenches, "child")
+    held = held[:, : len(model.bodies)]  # those of loops stand behind
+    loads = joint_loads(loaded, held[..., :d], held[..., d:])
+    found = {name: loads[name][:, turning] for name in _CARRIED}
+    if d == 2:
+        found |= dict.fromkeys(("axial_force", "tilting_moment"), 0.0 * found["radial_force"])
+    each = [np.asarray(at.rates(tuple(q.T), tuple(qd.T))[0]) for at in model.coordinates]
+    rates = [np.sum([each[part] for part in _on_one_axis(model, k)], axis=0) for k in turning]
     return {**found, "rate": np.stack(rates, axis=-1), "seconds": seconds}
 
 
@@ -200,99 +220,3 @@ def _wear(
         **found, "equivalent_load": mean, "bearing_life": life, "static_safety": safety,
         "moment_share": share,
     }  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class FloorLoads(Tabled, ByValue):
-    """Forces and moments that a robot exerts on its foundation, at the origin of its base, world
-    axes, over duty cycles."""
-
-    model: Model
-    wrench: Array
-    """(T, 6), in the plane (T, 3): force (N), then moment (N m), at the samples of all cycles, one
-    after another."""
-    greatest: Array
-    """(6, 6), in the plane (3, 3): for each component the wrench at the sample where that one is
-    greatest in magnitude."""
-
-    def _title(self) -> str:
-        d = self.model.dim
-        force = np.linalg.norm(self.wrench[:, :d], axis=1).max()
-        moment = np.linalg.norm(self.wrench[:, d:], axis=1).max()
-        return f"Floor of {self.model.name!r}: at most {force:.4g} N and {moment:.4g} N m"
-
-    def _table(self) -> TextTable:
-        names = ("fx", "fy", "fz", "mx", "my", "mz") if self.model.dim == 3 else ("fx", "fy", "m")
-        units = [f"{name} (N{' m' if name[0] == 'm' else ''})" for name in names]
-        rows = [
-            (name, *(f"{x:.4g}" for x in row))
-            for name, row in zip(names, self.greatest, strict=True)
-        ]
-        return TextTable(("greatest", *units), rows)
-
-
-def floor_loads(model: Model, cycles: Cycles) -> FloorLoads:
-    """Forces and moments that a robot exerts on its foundation over duty cycles: each component at
-    its greatest, with the others of that instant; the weight of its base included.
-
-    Parameters
-    ----------
-    model
-        The robot with its drives, on a fixed base.
-    cycles
-        A DutyCycle or a Motion, or a list of those.
-
-    Returns
-    -------
-    FloorLoads
-        At the origin of the base, world axes.
-
-    Raises
-    ------
-    FreebodyError
-        A base that is free or carries a strut, a closed chain.
-    """
-    done = duty_cycles("floor_loads", model, cycles)
-    if any(b.parent < 0 and b.kind.frees(model.dim) for b in model.bodies):
-        raise FreebodyError(
-            f"floor_loads: the base of {model.name!r} is free and stands on nothing."
-        )
-    model.require_tree("floor_loads", "fb.reactions of the joints and loops that end at the base")
-    for strut in model.tree.struts:
-        if any(model.tree.frames[name][0] < 0 for name in strut.frames):
-            raise FreebodyError(
-                f"floor_loads: strut {strut.name!r} of {model.name!r} ends at the base, and what "
-                f"it exerts there is not counted; take model.without('struts')."
-            )
-    parts = [_on_floor(model, segment) for cycle in done for segment in cycle.segments]
-    wrench = np.concatenate(parts)
-    return FloorLoads(model, wrench, wrench[np.abs(wrench).argmax(axis=0)])
-
-
-def _on_floor(model: Model, segment: Segment) -> Array:
-    """Wrenches (T, 6 or 3): the opposite of what the base exerts on the first bodies, and the
-    weight of the base."""
-    q, qd, qdd, wrenches, _ = segment.states()
-    loaded, d = segment.carried_by(model), model.dim
-    reactions = joint_wrenches(loaded, q, qd, qdd, wrenches)
-    total = np.zeros((len(q), reactions.shape[-1]))
-    for k, body in enumerate(model.bodies):
-        if body.parent < 0:
-            force, moment = -reactions[:, k, :d], -reactions[:, k, d:]
-            at = forward_kinematics(loaded, q, body.name)[:, :d, d]
-            total[:, :d] += force
-            total[:, d:] += moment + _moment(at, force)
-    gravity = np.asarray(model.gravity, dtype=float)
-    for mass in loaded.tree.base:
-        weight = np.broadcast_to(float(mass.m) * gravity, (len(q), d))
-        total[:, :d] += weight
-        total[:, d:] += _moment(
-            np.broadcast_to(np.asarray(mass.c, dtype=float), (len(q), d)), weight
-        )
-    return total
-
-
-def _moment(at: Array, force: Array) -> Array:
-    """Moments (T, 3 or 1) of forces (T, dim) at points (T, dim)."""
-    found = of_dimension(at.shape[1]).moment(tuple(at.T), tuple(force.T))
-    return np.stack([np.asarray(x) for x in found], axis=-1)

@@ -13,6 +13,7 @@ import numpy as np
 
 from freebody.arrays import Array, as_floats
 from freebody.by_value import ByValue
+from freebody.design.tip_places import TipPlaces
 from freebody.errors import FreebodyError, KindError, UnknownNameError, shown
 from freebody.formats import read_file
 from freebody.formats.toml_table import TomlTable, table_of
@@ -209,15 +210,20 @@ class DutyCycle(Tabled, ByValue):
         segment.
 
         Its keys: `motion`, a CSV file beside it as `read_motion` reads it; or `points`, positions
-        to go through from rest to rest, with their `times` in s or within the model's limits and
-        an `acceleration`; `payload`, a table of the arguments of `Model.with_payload`; `wrench`,
+        of the joints, or `tip`, places of the tip, to go through from rest to rest, with their
+        `times` in s or within the model's limits and an `acceleration`. A place is a point (m,
+        world axes), or with an orientation behind it, roll, pitch and yaw, in the plane one angle;
+        of all positions that reach it the one nearest to the position before, first to the model's
+        home, or the one at which the tip was there before. `payload`, a table of the arguments of
+        `Model.with_payload`; `wrench`,
         tables with `frame`, `force` and `moment`; `dwell` in s. Raises FileError with the line.
         """
         file = Path(path)
         text = read_file.decoded(str(file), read_file.read(file, what="a duty cycle"))
         top = table_of(str(file), text).only("segment")
+        places = TipPlaces(model)
         segments = [
-            _segment(model, table.called(f"[[segment]] {k}"), file.parent)
+            _segment(model, table.called(f"[[segment]] {k}"), file.parent, places)
             for k, table in enumerate(top.tables("segment"), 1)
         ]
         if not segments:
@@ -248,16 +254,24 @@ def _load_words(payload: CarriedLoad) -> str:
     return "none" if mass is None else f"{mass:.4g} kg"
 
 
-def _segment(model: Model, table: TomlTable, folder: Path) -> Segment:
-    table.only("motion", "points", "times", "acceleration", "payload", "wrench", "dwell")
-    if ("motion" in table) == ("points" in table):
-        table.refuse("give the file of a motion, motion = ..., or points to go through.")
+_WAYS = ("motion", "points", "tip")
+"""Keys that say where a segment leads."""
+
+
+def _segment(model: Model, table: TomlTable, folder: Path, places: TipPlaces) -> Segment:
+    table.only(*_WAYS, "times", "acceleration", "payload", "wrench", "dwell")
+    if sum(key in table for key in _WAYS) != 1:
+        table.refuse(
+            "give the file of a motion, motion = ..., or points or places of the tip to go "
+            "through, points = ... or tip = ..., and one of these."
+        )
     try:
         motion = (
             read_motion(model, folder / table.text("motion"))
             if "motion" in table
-            else _planned(model, table)
+            else _planned(model, table, places)
         )
+        places.at = motion.q[-1]
         segment = Segment(
             motion, _payload(table), _wrenches(table, model), table.number("dwell", default=0.0)
         )
@@ -269,17 +283,23 @@ def _segment(model: Model, table: TomlTable, folder: Path) -> Segment:
     return segment
 
 
-def _planned(model: Model, table: TomlTable) -> Motion:
+def _planned(model: Model, table: TomlTable, places: TipPlaces) -> Motion:
+    rows = _points(model, table) if "points" in table else places.reached(table)
+    times = table.vector("times", len(rows)) if "times" in table else None
+    motion = quintic(model, rows, times, acceleration=table.number("acceleration", "number", None))
+    if "tip" in table:
+        places.require_there(table, motion)
+    return motion
+
+
+def _points(model: Model, table: TomlTable) -> list[list[float]]:
+    """Positions of the joints, of a closed chain of the driven ones."""
     size = len(model.driven_names) if model.loops else model.nq
     rows = table.listed(table.data["points"], "points", None)
-    points = [
+    return [
         [table.read_number(x, "angle", ("points", i, j)) for j, x in enumerate(row)]
         for i, row in enumerate(table.listed(row, "points", size, i) for i, row in enumerate(rows))
     ]
-    times = None
-    if "times" in table:
-        times = table.vector("times", len(points))
-    return quintic(model, points, times, acceleration=table.number("acceleration", "number", None))
 
 
 _LOAD = ("mass", "com", "box", "cylinder", "inertia", "frame")

@@ -31,7 +31,7 @@ def require_one(name: str, model: Model) -> None:
 
 _OF_FAMILIES = (
     *("parameters", "kernel", "reactions", "simulate", "inverse_kinematics"),
-    *("payload_map", "workspace"),
+    *("payload_map", "workspace", "natural_frequencies", "deflection"),
 )
 """Public functions of families, besides those that look themselves what they are given."""
 

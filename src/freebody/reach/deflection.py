@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.any_chain.dynamics import static_torque
-from freebody.arrays import Array, at_sample
+from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.errors import SingularError, listed
 from freebody.model.doubt_rules.aspects import MASSES
 from freebody.model.doubts import Doubt, attribute, doubts_on, in_one_line, named
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.reach.compliant_joints import (
-    CompliantJoints,
-    compliant_joints,
-    has_springs,
-    tangent,
-)
+from freebody.reach.compliant_joints import Stiffness, compliant_joints, turning
+from freebody.reach.each_member import of_members
+from freebody.reach.equilibria import Equilibria
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.trees.kinematics import jacobian
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -34,8 +28,6 @@ from freebody.trees.public_calls import (
 if TYPE_CHECKING:
     import xarray as xr
 
-_SOFT = 1e-12
-"""Stiffness of some motion, relative to the largest, that is none."""
 _FAR = 0.1
 """rad: joints that yield further do not yield as the undeflected robot says."""
 
@@ -45,9 +37,11 @@ class Deflection(Tabled, ByValue):
     """How far a frame is displaced at each posture (...), its drives standing still.
 
     displacement: (..., six), of the frame's origin (m), then the rotation vector (rad; in the plane
-    the angle), world axes. by_gravity, by_wrenches: its two parts. joints: (..., nv), by how much
-    each coordinate yields, rad (m); 0 of those that stand still. joint_names: (nv,). frame: its
-    name. doubts: those on the robot's masses.
+    the angle), world axes; NaN where no equilibrium was found. by_gravity: by the weight alone;
+    by_wrenches: what the loads add. joints: (..., nv), by how much each coordinate yields, rad (m);
+    0 of those that stand still. joint_names: (nv,). frame: its name. iterated: whether the robot
+    has yielded until all balanced, or in proportion to the loads. doubts: those on the robot's
+    masses. notices: in which units one stiffness counts.
     """
 
     by_gravity: Array
@@ -57,8 +51,13 @@ class Deflection(Tabled, ByValue):
     frame: str
     turns: tuple[bool, ...]
     """Whether each coordinate is an angle."""
+    off: Array
+    """(...), m, by which the answer in proportion to the loads misses: of an iterated one exactly,
+    else by one step of the iteration."""
+    iterated: bool = False
     doubts: tuple[Doubt, ...] = ()
-    _aside = ("doubts",)
+    notices: tuple[str, ...] = ()
+    _aside = ("doubts", "notices")
 
     @property
     def displacement(self) -> Array:
@@ -73,8 +72,8 @@ class Deflection(Tabled, ByValue):
 
     @property
     def far(self) -> np.ndarray:
-        """(...), whether an angle yields by more than 0.1 rad: the displacement, which is linear in
-        the loads, is then only a hint."""
+        """(...), whether an angle yields by more than 0.1 rad: a displacement in proportion to the
+        loads is then only a hint."""
         return np.asarray((np.abs(self.joints[..., list(self.turns)]) > _FAR).any(axis=-1))
 
     def to_xarray(self) -> xr.Dataset:
@@ -89,6 +88,7 @@ class Deflection(Tabled, ByValue):
                 "by_gravity": (at, self.by_gravity, "m|rad", f"{of} by its weight"),
                 "by_wrenches": (at, self.by_wrenches, "m|rad", f"{of} by the wrenches"),
                 "joints": ((*dims, "coordinate"), self.joints, "rad|m", "yield of the joints"),
+                "off": (dims, self.off, "m", "miss of the answer in proportion to the loads"),
             },
             {
                 "component": (("component",), np.array(rows), "1", "component"),
@@ -99,25 +99,45 @@ class Deflection(Tabled, ByValue):
 
     def _title(self) -> str:
         count = self.distance.size
-        most = f", up to {1e3 * self.distance.max():.4g} mm" if count else ""
+        known = self.distance[np.isfinite(self.distance)]
+        most = f", up to {1e3 * known.max():.4g} mm" if known.size else ""
         return (
             f"Deflection: {counted(count, 'posture')}{most} at frame {self.frame!r}"
             f"{named(self.doubts)}"
         )
 
     def _table(self) -> TextTable:
-        if not self.distance.size:
-            return TextTable((), ())
-        worst = np.unravel_index(np.argmax(self.distance), self.distance.shape)
+        known = np.isfinite(self.distance)
         rows = []
-        for name, turns, x in zip(self.joint_names, self.turns, self.joints[worst], strict=True):
-            told = f"{np.degrees(x):.4g} deg" if turns else f"{1e3 * x:.4g} mm"
-            rows.append((name, told))
-        notes = [in_one_line(self.doubts)] if self.doubts else []
-        if self.far.any():
-            count = counted(int(self.far.sum()), "posture")
-            notes.append(f"Linear in the loads, which is only a hint in {count}: angles > 0.1 rad.")
+        if known.any():
+            size = np.where(known, self.distance, -1.0)
+            worst = np.unravel_index(np.argmax(size), size.shape)
+            for name, turns, x in zip(
+                self.joint_names, self.turns, self.joints[worst], strict=True
+            ):
+                told = f"{np.degrees(x):.4g} deg" if turns else f"{1e3 * x:.4g} mm"
+                rows.append((name, told))
+        notes = [*([in_one_line(self.doubts)] if self.doubts else []), *self.notices]
+        notes += self._how_far_off(known)
         return TextTable(("joint, where it is largest", "yields"), rows, notes)
+
+    def _how_far_off(self, known: np.ndarray) -> list[str]:
+        """Sentences on how good the answer is."""
+        notes = []
+        if known.any():
+            miss = f"{1e3 * self.off[known].max():.3g} mm"
+            notes.append(
+                f"All balances; in proportion to the loads it would miss by up to {miss}."
+                if self.iterated
+                else f"In proportion to the loads: misses by about {miss}, at most."
+            )
+        if self.far.any() and not self.iterated:
+            count = counted(int(self.far.sum()), "posture")
+            notes.append(f"That is only a hint in {count}: angles > 0.1 rad; take iterate=True.")
+        if not known.all():
+            count = counted(int((~known).sum()), "posture")
+            notes.append(f"No equilibrium was found near {count} (nan): the springs give way.")
+        return notes
 
 
 def deflection(
@@ -126,7 +146,8 @@ def deflection(
     wrenches: FrameWrenchTable = None,
     frame: str | None = None,
     *,
-    stiffness: JointVector | None = None,
+    stiffness: Stiffness = None,
+    iterate: bool = False,
 ) -> Deflection:
     """How far a frame of a robot is displaced by the robot's weight and by loads: the drives stand
     still, and the joints yield.
@@ -134,77 +155,86 @@ def deflection(
     Parameters
     ----------
     model
-        An open chain, whose flexible joints (`Model.with_flexible_joint`), springs of passive
-        joints and struts yield. What it carries (`Model.with_payload`) is part of its weight.
+        A robot, an open chain or a closed one, or a family of robots, whose flexible joints
+        (`Model.with_flexible_joint`), springs of passive joints and struts yield. What it carries
+        (`Model.with_payload`) is part of its weight.
     q
-        (..., nq), where the robot would be without weight and loads.
+        (..., nq), where the robot would be without weight and loads, loops closed; of a family
+        (..., *family, nq).
     wrenches
         {frame: (..., six)} exerted on the robot by its surroundings, or one at the tip: force, then
-        moment, world axes (N, N m).
+        moment, world axes (N, N m), which keep their direction.
     frame
         Name of the frame that is displaced; default the tip.
     stiffness
         (..., nv) or {joint: k}, N m/rad (N/m): between the motor of each joint, which stands still,
-        and its link. Infinite, or of a drive left out of the mapping: rigid.
+        and its link. Infinite, or of a drive left out of the mapping: rigid. One number is that of
+        every driven joint of one coordinate.
+    iterate
+        Whether the robot yields until springs, weights and loads balance where it then is.
 
     Returns
     -------
     Deflection
         Linear in the loads: torques, stiffnesses and Jacobian J are those at q, so that the frame
         moves by J K⁻¹ (Jᵀ w - g), with w the loads and g the torques that hold weights and tensed
-        springs.
+        springs; `off` tells by how much that misses. With `iterate` the equilibrium itself, by
+        Newton's method from there; NaN where none was found, or none that is stable.
 
     Raises
     ------
     FreebodyError
-        Nothing yields; a closed chain; joints with quaternions.
+        Nothing yields.
     SingularError
-        A joint that nothing holds.
+        A joint that nothing holds; a closed chain at a singular position among others.
+    LoopError
+        Open loops.
     ShapeError, NotFiniteError, UnknownNameError
     """
+    if model.family:
+        return _of_family(model, q, wrenches, frame, stiffness, iterate)
     function = "deflection"
     joints = compliant_joints(function, model, stiffness, None, resting=True)
     at = finite_vector(function, model, "q", q)
     loads = wrenches_by_frame(function, model, wrenches)
     told = {f"wrenches[{name!r}]": load for name, load in loads.items()}
     batch = common_batch(function, {"q": at, "stiffness": joints.given, **told})
+    flat = [
+        np.broadcast_to(x, (*batch, x.shape[-1])).reshape(-1, x.shape[-1])
+        for x in (at, joints.given, *loads.values())
+    ]
     name = model.frame(frame).name
-    weight = static_torque(joints.model, at)[..., joints.moving]
-    pull = np.zeros_like(weight)
-    if loads:
-        pull = static_torque(joints.model, at, loads)[..., joints.moving] - weight
-    sides = np.stack(np.broadcast_arrays(weight, pull), axis=-1)
-    parts = np.zeros((*batch, model.nv, 2))
-    parts[..., joints.moving, :] = -_yielded(function, joints, at, sides)
-    moved = jacobian(model, at, name) @ parts
-    return Deflection(
-        moved[..., 0],
-        moved[..., 1],
-        parts.sum(axis=-1),
-        model.velocity_names,
-        name,
-        tuple(x for b in model.bodies if b.joint.mimic is None for x in b.kind.angular),
-        doubts_on(model, MASSES),
+    rest = Equilibria(
+        function, replace(joints, given=flat[1]), flat[0], dict(zip(loads, flat[2:], strict=True))
     )
+    weight, whole, off = rest.displaced(name, iterate)
+    by_gravity, by_wrenches, yielded = (
+        x.reshape(*batch, x.shape[-1])
+        for x in (weight.displacement, whole.displacement - weight.displacement, whole.joints)
+    )
+    return Deflection(
+        by_gravity, by_wrenches, yielded, model.velocity_names, name, tuple(turning(model)),
+        off.reshape(batch), iterate, doubts_on(model, MASSES), joints.notices,
+    )  # fmt: skip
 
 
-def _yielded(function: str, joints: CompliantJoints, q: Array, torques: Array) -> Array:
-    """K⁻¹ times torques (..., k, m); refuses stiffnesses that leave a motion to nothing."""
-    if not has_springs(joints.model):
-        _require_held(function, joints, joints.given)
-        return torques / joints.given[..., None]
-    K = tangent(joints, q, weightless=True)
-    symmetric = 0.5 * (K + np.swapaxes(K, -1, -2))
-    _require_held(function, joints, np.asarray(np.linalg.eigvalsh(symmetric), dtype=float))
-    return np.asarray(np.linalg.solve(K, torques), dtype=float)
-
-
-def _require_held(function: str, joints: CompliantJoints, values: Array) -> None:
-    """Refuse eigenvalues (..., k) of stiffnesses of which one is none."""
-    loose = np.argwhere(values.min(axis=-1) <= _SOFT * np.abs(values).max(axis=-1))
-    if len(loose):
-        raise SingularError(
-            f"{function}: nothing holds all of {listed(map(repr, joints.names), 8)} of "
-            f"{joints.model.name!r}{at_sample(loose[0])}: a joint has no spring, or one that "
-            f"pushes away. Give passive joints springs."
-        )
+def _of_family(
+    model: Model,
+    q: JointVector,
+    wrenches: FrameWrenchTable,
+    frame: str | None,
+    stiffness: Stiffness,
+    iterate: bool,
+) -> Deflection:
+    given = {"q": q, "wrenches": wrenches, "stiffness": stiffness}
+    parts = of_members(
+        model, given, lambda one, own: deflection(one, frame=frame, iterate=iterate, **own)
+    )
+    return replace(
+        parts.first,
+        by_gravity=parts.stacked(lambda x: x.by_gravity, 1),
+        by_wrenches=parts.stacked(lambda x: x.by_wrenches, 1),
+        joints=parts.stacked(lambda x: x.joints, 1),
+        off=parts.stacked(lambda x: x.off, 0),
+        doubts=doubts_on(model, MASSES),
+    )

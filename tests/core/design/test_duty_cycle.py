@@ -101,6 +101,20 @@ def test_the_energy_of_a_cycle_without_losses_comes_back():
     assert real.summary["motor_work"].sum() > 1.2 * real.summary["motor_braking"].sum()
 
 
+def test_a_gear_loses_in_the_direction_in_which_power_flows():
+    """A weight is lifted slowly for m g h/η, and gives m g h η' as it sinks."""
+    arm = fb.planar("R", l=[1.0], lc=[0.5], m=[2.0], I=[0.0])
+    gear = fb.Gear("L", efficiency=0.8, back_efficiency=0.5, inertia=0.0, mass=0.0, ratio=40.0)
+    light = fb.Motor("M", 0.0, 5.0, 15.0, 400.0, 0.0)
+    up, down = (fb.quintic(arm, x, [0.0, 300.0]) for x in ([[0.0], [1.0]], [[1.0], [0.0]]))
+    (name,) = arm.joint_names
+    height = 0.5 * math.sin(1.0)
+    found = fb.drive_loads(arm, [up, down], {name: (light, gear)}).summary
+    work, braking = (found[x].values[:, 0] for x in ("motor_work", "motor_braking"))
+    assert work == pytest.approx([2.0 * 9.81 * height / 0.8, 0.0], rel=1e-5, abs=1e-9)
+    assert braking == pytest.approx([0.0, 2.0 * 9.81 * height * 0.5], rel=1e-5, abs=1e-9)
+
+
 def test_each_cycle_counts_by_itself():
     """Two cycles have the RMS values of each, and the larger is used of the limit."""
     arm = fb.load("2R")
@@ -197,6 +211,49 @@ def test_a_cycle_from_a_file(tmp_path: Path):
         (tmp_path / "cycle.toml").write_text(text.replace(old, new, 1))
         with pytest.raises(fb.FileError, match=re.escape(words)):
             fb.DutyCycle.read(arm, tmp_path / "cycle.toml")
+
+
+def by_places(file: Path, first: str, second: str) -> str:
+    """The text of a cycle there and back, which is written to a file."""
+    there, back = (f"tip = [[{a}], [{b}]]" for a, b in ((first, second), (second, first)))
+    text = "".join(f"[[segment]]\n{tip}\ntimes = [0, 1]\n" for tip in (there, back))
+    file.write_text(text)
+    return text
+
+
+def test_a_cycle_by_places_of_the_tip(tmp_path: Path):
+    """The tip is there at the ends of both segments, with the orientation where one is given."""
+    robot, file = fb.load("scara"), tmp_path / "cycle.toml"
+    second = '0.2, -0.3, 0.55, "180 deg", 0, 0.4'
+    text = by_places(file, "0.3, 0.2, 0.6", second)
+    cycle = fb.DutyCycle.read(robot, file)
+    assert cycle.closes
+    there, back = (fb.forward_kinematics(robot, x.motion.q[-1]) for x in cycle.segments)
+    assert there[:3, 3] == pytest.approx([0.2, -0.3, 0.55], abs=1e-9)
+    assert there[:2, 0] == pytest.approx([math.cos(0.4), math.sin(0.4)])
+    assert back[:3, 3] == pytest.approx([0.3, 0.2, 0.6], abs=1e-9)
+    for old, new, words in (
+        (second, "3, 0, 0.6", "brings the tip to place 2: it is 2"),
+        (second, "0.2, 0.3, 0.3", "joint3 at 0.377 is beyond its own"),
+        ("tip =", "points =", "points[0] has 3 entries, expected 4"),
+        ("tip =", "#", "or places of the tip"),
+        ("times", "points = []\ntimes", "and one of these"),
+        (second, "0.1", "tip[1] has 1 entries, expected"),
+    ):
+        file.write_text(text.replace(old, new, 1))
+        with pytest.raises(fb.FileError, match=re.escape(words)):
+            fb.DutyCycle.read(robot, file)
+
+
+@pytest.mark.long
+@pytest.mark.usefixtures("numpy_kernels")
+def test_a_closed_chain_by_places_of_its_tip(tmp_path: Path):
+    robot, file = fb.load("five_bar"), tmp_path / "cycle.toml"
+    by_places(file, "0.1, 0.7", "0.2, 0.6")
+    cycle = fb.DutyCycle.read(robot, file)
+    assert cycle.closes
+    tips = [fb.forward_kinematics(robot, x.motion.q[-1])[:2, 2] for x in cycle.segments]
+    assert tips == [pytest.approx(x, abs=1e-9) for x in ([0.2, 0.6], [0.1, 0.7])]
 
 
 def test_rates_that_jump_are_told():

@@ -35,6 +35,17 @@ def test_a_printed_example_of_a_strain_wave_gear():
     assert fb.mean_load([-x for x in torque], -rpm, time, 3.0) == pytest.approx(mean, rel=1e-12)
 
 
+def test_a_printed_selection_of_a_strain_wave_gear():
+    """Harmonic Drive, CSF/CSG catalogue, Selection Example: 400, 320, 200 and 0 N m during 0.3, 3,
+    0.4 and 0.2 s at 7, 14, 7 and 0 rpm have a mean of 319 N m at 12 rpm (the fractions are cut
+    off); CSF-40-120 of 294 N m at 2000 rpm and 7000 h lasts 7610 h at 319 N m and 12·120 rpm."""
+    torque, time, rpm = [400, 320, 200, 0], [0.3, 3, 0.4, 0.2], np.array([7, 14, 7, 0])
+    gear = strain_wave(ratio=120.0, rated_torque=294.0)
+    assert math.floor(gear.mean_torque(torque, rpm * RPM, time)) == 319
+    assert math.floor(rpm @ time / sum(time)) == 12
+    assert math.floor(gear.life(319.0, 12 * 120 * RPM)) == 7610
+
+
 def test_the_life_of_gears_by_hand():
     """Equation 20.2 of Harmonic Drive AG; twice the speed halves it, twice the torque leaves an
     eighth."""
@@ -66,6 +77,22 @@ def test_the_load_and_life_of_bearings_by_hand():
     assert ball.life(1000.0, 100 * RPM) == pytest.approx(1e6 / 6000 * (10 / 1.5) ** 3)
     with pytest.raises(fb.FreebodyError, match="carries no tilting moment"):
         ball.equivalent_load(1.0, 0.0, 1.0)
+
+
+def test_printed_examples_of_ball_bearings():
+    """A bearing 6208 of C = 22.4 kN under 3.2 kN at 650 rpm: 343 million turns, 8795 h
+    (Antifriction Bearings, example 1, scribd.com/document/365728687). Loads of X = 1, Y = 1.5 that
+    change with speed and shock wear as 5767 N do, so 15 000 h take C = 49.2 kN (Khurmi and Gupta,
+    A Textbook of Machine Design, chapter 27)."""
+    small = fb.Bearing("6208", "radial", 22_400.0, x=1.0, y=0.0, e=1.0)
+    assert f"{small.life(3200.0, 650 * RPM):.0f}" == "8795"
+    assert f"{small.life(3200.0, 650 * RPM) * 650 * 60 / 1e6:.0f}" == "343"
+    share, rpm = np.array([0.1, 0.1, 0.2, 0.6]), np.array([400, 500, 600, 800])
+    radial, thrust, shock = [2000, 1500, 1000, 1200], [1200, 1000, 1500, 2000], [3, 1.5, 2, 1]
+    bearing = fb.Bearing("215", "radial", 49_200.0, x=1.0, y=1.5, e=0.0)
+    mean = fb.mean_load(shock * bearing.equivalent_load(radial, thrust), rpm, share, 3.0)
+    assert f"{mean:.0f}" == "5767"
+    assert bearing.life(mean, float(share @ rpm) * RPM) == pytest.approx(15_000, rel=1e-3)
 
 
 def test_a_mean_load_is_that_of_equal_wear():

@@ -99,6 +99,31 @@ def test_the_front_of_one_joint_is_exact():
     )
 
 
+def test_the_front_of_two_joints_has_nothing_worse_than_all_pairs_have():
+    """Every pair at the tip with every pair at the base, which carries it: each choice that was
+    found is one of which no other is better in everything, and the lightest, the cheapest and the
+    safest are among them."""
+    arm = fb.load("2R")
+    duty, catalogue = cycles(arm, 2), parts(14, 6, seed=1)
+    found = fb.size(arm, duty, catalogue, life=LIFE)
+    inner, outer = arm.joint_names
+    every = []
+    for margin, *pair in candidates(found, outer, {}):
+        carried: Any = {outer: pair}
+        for other, *drive in candidates(found, inner, carried):
+            both = (*pair, *drive)
+            every.append((sum(x.mass for x in both), price(*both), -min(margin, other)))
+    all_pairs = np.array(every)
+    assert len(all_pairs) > 100
+    mine = np.array([[x.mass, x.price, -x.margin] for x in found.choices])
+    least = 1e-9 * np.abs(mine).max(axis=0)
+    for one in mine:
+        assert not (
+            (all_pairs <= one + least).all(axis=1) & (all_pairs < one - least).any(axis=1)
+        ).any()
+    assert mine.min(axis=0) == pytest.approx(all_pairs.min(axis=0), rel=1e-12)
+
+
 def test_choices_keep_every_limit_and_their_model_is_the_robot():
     arm = fb.load("ur5e").without("friction")
     duty, catalogue = cycles(arm, 2), parts(20, 8)

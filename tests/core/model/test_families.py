@@ -219,11 +219,11 @@ ONE_ROBOT = {
         "inverse_acceleration",
         "free_body_diagram",
     ),
-    *("kinematic_diagram", "dexterity", "ellipsoids", "linearize", "deflection"),
-    "natural_frequencies",
+    *("kinematic_diagram", "dexterity", "ellipsoids", "linearize"),
 }
-WHOLE_RUNS = {"simulate", "inverse_kinematics"}
-"""Of test_simulate_many.py, test_calibrated_arms.py: they return more than arrays."""
+WHOLE_RUNS = {"simulate", "inverse_kinematics", "deflection", "natural_frequencies"}
+"""Of test_simulate_many.py, test_calibrated_arms.py, test_compliant_loops.py: they return more than
+arrays."""
 OF_STRUCTURE = {"neutral", "random_state", "parameters", "integrate", "difference"}
 """Functions of no number of a model."""
 
