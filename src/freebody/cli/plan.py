@@ -90,7 +90,7 @@ def plan(
     ] = None,
     tip_speed: Annotated[float | None, _limit("Limit of the tip's speed, m/s.")] = None,
     duration: Annotated[
-        float | None, _limit("Seconds along the path of the tip. Default: as fast as limits allow.")
+        float | None, _limit("Seconds that the motion takes. Default: as fast as limits allow.")
     ] = None,
     velocity: Annotated[
         float | None, _limit("Limit of each joint, rad/s or m/s, beside the robot's own.")
@@ -145,6 +145,7 @@ def plan(
     try:
         if planner is not None:
             motion = planner.plan(model, q, times, **limits, step=step)
+            motion = motion if duration is None else _slowed(motion, duration, times is not None)
         else:
             motion = path.motion(model, q[0], **limits, step=step)
     except MissingArgumentError as problem:
@@ -153,6 +154,21 @@ def plan(
     file = write_motion(model, motion, out, "knots" if step is None else "samples")
     told = in_a_line(model, wrenches)
     _print(model, motion, file, options.again(context), told, of_tip=path.given)
+
+
+def _slowed(motion: Motion, duration: float, timed: bool) -> Motion:
+    """The motion through waypoints run more slowly along its path, so that it takes a duration."""
+    if timed:
+        raise FreebodyError(
+            "--duration and a column t both say when; leave out one of them (freebody study --speed "
+            "runs a motion more slowly)."
+        )
+    if not duration >= motion.duration * (1.0 - _ROUNDING):
+        raise FreebodyError(
+            f"--duration {duration:g} s is too short: within the limits the motion takes "
+            f"{motion.duration:.4g} s at least."
+        )
+    return motion.faster(motion.duration / duration)
 
 
 def _of_old_spelling(speed: float, tip_speed: float | None) -> float:
@@ -263,7 +279,7 @@ class TipPathOptions:
             raise FreebodyError("--line and --arc are two paths; plan them one after the other.")
         if self.line is not None or self.arc is not None:
             return True
-        for name in ("pose", "task", "radius", "tip_speed", "duration"):
+        for name in ("pose", "task", "radius", "tip_speed"):
             if getattr(self, name) is not None:
                 option = name.replace("_", "-")
                 raise FreebodyError(f"--{option} belongs to a path of the tip: --line or --arc.")

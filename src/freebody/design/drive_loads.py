@@ -3,6 +3,7 @@ that is, how long the gears live, and the model that carries them."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -76,7 +77,7 @@ class DriveLoads(Tabled, ByValue):
     @cached_property
     def model(self) -> Model:
         """The robot with the drives: their masses as loads, their rotors, gears and, but in closed
-        chains, losses in its joints."""
+        chains, losses in its joints; and as limits of the joints what the drives give at most."""
         return _fitted(self.robot, self.joints, self.drives)
 
     @property
@@ -312,7 +313,8 @@ def _summary(
 
 def _fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) -> Model:
     """The model with drives: their masses where they ride, rotors, gears and, in open chains,
-    losses."""
+    losses; the motor's peak torque as limit of effort, and the slower of file and drive as limit of
+    speed, so that a study of the robot judges the drives."""
     found = model
     for joint in joints:
         motor, gear = drives[joint.name]
@@ -324,6 +326,12 @@ def _fitted(model: Model, joints: Sequence[DriveJoint], drives: ChosenDrives) ->
         found = found.with_drive(
             joint.name, rotor=motor.inertia + gear.inertia, gear=gear.factor, **_LOSSLESS | geared
         )
+        fastest = min(motor.max_speed, gear.max_speed or math.inf) / gear.factor
+        limits = {
+            "effort": motor.peak_torque * gear.factor,
+            "velocity": min(fastest, float(model.limits.velocity[joint.column])),
+        }
+        found = found.bind({f"{joint.name}.limits.{name}": x for name, x in limits.items()})
     return found
 
 

@@ -89,6 +89,19 @@ def test_motors_give_what_the_robot_with_its_drives_needs():
     assert found.model.mass == pytest.approx(arm.mass + 5 * 2.0)  # the first rides on the ground
 
 
+def test_a_study_of_the_robot_with_its_drives_judges_them():
+    """Its joints have the limits of the motors, and of speed no more than before."""
+    arm = fb.load("ur5e").bind({"elbow_joint.limits.velocity": 1.0})
+    pairs = dict.fromkeys(arm.joint_names, (MOTOR, GEAR))
+    cycle = fb.DutyCycle([fb.Segment(swing(arm, 0.1))])
+    fitted = fb.drive_loads(arm, cycle, pairs).model
+    assert fitted.limits.effort == pytest.approx(50.0 * MOTOR.peak_torque)
+    slowest = np.minimum(arm.limits.velocity, MOTOR.max_speed / 50.0)
+    assert fitted.limits.velocity == pytest.approx(slowest)
+    assert fitted.limits.velocity[2] == 1.0
+    assert np.array_equal(fitted.limits.lower, arm.limits.lower)
+
+
 def test_the_energy_of_a_cycle_without_losses_comes_back():
     arm = fb.load("2R")
     ideal = fb.Gear("I", efficiency=1.0, inertia=1e-4, mass=0.0, ratio=30.0)
