@@ -28,6 +28,7 @@ from freebody.motion.ranges import ranges
 from freebody.motion.ranges import ranges as allowed
 from freebody.outputs.number_text import significant
 from freebody.reach.payload_map import payload_map
+from freebody.report.page_tables import EVERYDAY
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS
 from freebody.trees.kinematics import forward_kinematics
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
 
 _TOGETHER = 8  # curves that one picture holds
 _MAP = 520.0  # height of a map, pixels
+_HERO = (460.0, 400.0)  # of the robot, pixels
 
 
 @dataclass(frozen=True)
@@ -61,7 +63,7 @@ def robot(study: Study) -> CaptionedDrawing:
     if study.tip is not None:
         path = study.data["tip_position"].values[:: max(1, count // 240)]
         words = f" Orange: the path of {study.tip}."
-    drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), 640, 540)
+    drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), *_HERO)
     return CaptionedDrawing(
         drawing.text(css=False),
         f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion.{words}",
@@ -140,9 +142,7 @@ def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
     yield _single(study, f"Speed of {study.tip}", "speed", speed, "m/s")
     smallest = data["smallest_singular_value"]
     curve = {"smallest singular value": smallest.values}
-    yield _plot(
-        study, "Smallest singular value", curve, "1/rad", legend=False, now=singularity.time
-    )
+    yield _plot(study, "Smallest singular value", curve, "1/rad", names=False, now=singularity.time)
 
 
 def gravity(study: Study) -> Iterator[CaptionedDrawing]:
@@ -156,7 +156,7 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
     if mass is None:
         return
     least = int(np.argmin(mass))
-    curve = _plot(study, "Largest payload at rest", {"payload": mass}, "kg", legend=False)
+    curve = _plot(study, "Largest payload at rest", {"payload": mass}, "kg", names=False)
     words = f"At least {significant(float(mass[least]))} kg, at t = {study.motion.t[least]:.3g} s."
     yield CaptionedDrawing(curve.svg, words)
     found = lifting_over_plane(study)
@@ -196,7 +196,7 @@ def drift(study: Study) -> Iterator[CaptionedDrawing]:
         replay.drift_time,
         curve,
         "rad, m",
-        legend=False,
+        names=False,
         log=True,
     )
     yield CaptionedDrawing(plot(what).text(css=False))
@@ -237,16 +237,17 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
 
 def _single(study: Study, title: str, name: str, curve: np.ndarray, unit: str) -> CaptionedDrawing:
     """A plot of a single curve with its peak marked."""
-    return _plot(study, title, {name: curve}, unit, legend=False, peaks=True)
+    return _plot(study, title, {name: curve}, unit, names=False, peaks=True)
 
 
 def _plot(
     study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *,
     limits: tuple[float, ...] = (),
-    legend: bool = True, peaks: bool = False, now: float | None = None,
+    names: bool = True, peaks: bool = False, now: float | None = None,
 ) -> CaptionedDrawing:  # fmt: skip
     at = study.worst.time if now is None else now
-    what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, legend)
+    also = EVERYDAY.get(unit)
+    what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, names, also=also)
     return CaptionedDrawing(plot(what).text(css=False))
 
 
