@@ -18,6 +18,8 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.by_value import ByValue
+from freebody.capacity.time_scaling import effort_limits, pace
+from freebody.capacity.torque_parts import torque_parts
 from freebody.errors import FreebodyError, listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
@@ -26,14 +28,12 @@ from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.planning.planning_limits import SLACK
-from freebody.motion.ranges import position_columns, ranges
+from freebody.motion.ranges import CLOSE, position_columns, ranges
 from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import rounded_down
 from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.reach.payload_map import NO_SLOPE, given_efforts, refuse_passive
-from freebody.report.results import CLOSE
-from freebody.report.series import torque_parts
-from freebody.report.time_scaling import effort_limits, pace
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -88,16 +88,21 @@ class LargestPayload(Tabled, ByValue):
     _aside = ("doubts",)
 
     @property
+    def told(self) -> bool:
+        """Whether a mass can be told of: no doubt bars it, and no joint is too fast or beyond its
+        range."""
+        beyond = self.too_fast or self.outside or barring(self.doubts)
+        return bool(self.mass.size) and not beyond
+
+    @property
     def carries(self) -> bool:
         """Whether something is carried everywhere, no joint is too fast or beyond its range, and no
         doubt bars to say so."""
-        carried = bool(self.mass.size) and bool((self.mass > 0.0).all())
-        return carried and not (self.too_fast or self.outside or barring(self.doubts))
+        return self.told and bool((self.mass > 0.0).all())
 
     @property
-    def card(self) -> str:
-        """One line: how much is carried, what limits it, and how much faster without it; of several
-        motions or postures the least."""
+    def remark(self) -> str:
+        """What limits the least of the masses and when, or why none is told of."""
         if not self.mass.size:
             return "nothing is carried anywhere: there are no postures"
         if found := barring(self.doubts):
@@ -106,18 +111,35 @@ class LargestPayload(Tabled, ByValue):
             return f"not {self._where()}: {listed(self.outside, 4)} would leave the position range"
         if self.too_fast:
             return f"not at this speed: {listed(self.too_fast, 4)} would exceed the speed limit"
-        at = np.unravel_index(np.argmin(self.mass), self.mass.shape)
-        where, mass, time = self._where(), float(self.mass[at]), float(self.time[at])
+        at = self._least
         if self.joint[at] < 0:
-            return f"carries any mass {where}: no drive limits it"
-        name = self.joint_names[self.joint[at]]
+            return "no drive limits it"
+        name, time = self.joint_names[self.joint[at]], float(self.time[at])
         when = "" if np.isnan(time) else f" at t = {time:.3g} s"
         if self.overloaded[at]:
-            return f"carries nothing {where} · {name} is overloaded without payload{when}"
-        told = [f"carries {mass:.3g} kg {where}", f"{name} limits{when}"]
+            return f"{name} is overloaded without payload{when}"
+        return f"{name} limits{when}"
+
+    @property
+    def card(self) -> str:
+        """One line: how much is carried, what limits it, and how much faster without it; of several
+        motions or postures the least."""
+        if not self.told:
+            return self.remark
+        where, at = self._where(), self._least
+        if self.joint[at] < 0:
+            return f"carries any mass {where}: {self.remark}"
+        if self.overloaded[at]:
+            return f"carries nothing {where} · {self.remark}"
+        told = [f"carries {rounded_down(float(self.mass[at]))} kg {where}", self.remark]
         if np.isfinite(self.faster) and self.faster >= 1.0:
-            told.append(f"{self.faster:.2g} times as fast possible without it")
+            told.append(f"{rounded_down(self.faster, 2)} times as fast possible without it")
         return " · ".join(told)
+
+    @property
+    def _least(self) -> tuple[np.intp, ...]:
+        """Where the least of the masses is."""
+        return np.unravel_index(np.argmin(self.mass), self.mass.shape)
 
     def _where(self) -> str:
         motions = not np.isnan(self.time).all()

@@ -125,6 +125,7 @@ def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None
         in_a_line(found.model, found.wrenches, found.speed),
     )
     out.print(*above, sep="\n")
+    terminal.table(found.card._table())
     shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values
     table = drive_table(found.model, found.summary)
     terminal.table(table, red=[k for k, share in enumerate(shares) if share > 1])

@@ -18,6 +18,9 @@ from freebody.trees.position_rates import Index
 Flags = NDArray[np.bool_]
 """Array of truth values."""
 
+CLOSE = 1e-9
+"""Share of a limit: what is beyond it by less is on it, and so within."""
+
 
 @dataclass(frozen=True)
 class Ranges:

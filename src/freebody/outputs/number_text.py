@@ -52,6 +52,15 @@ def compared(
     return texts
 
 
+def rounded_down(value: float, digits: int = 3) -> str:
+    """A number of at least 0 in the form in which one types it, with at most `digits` digits and
+    rounded down, for what can be promised."""
+    if value == 0.0:
+        return "0"
+    scale = 10.0 ** (digits - 1 - math.floor(math.log10(value)))
+    return f"{math.floor(value * scale * (1 + 1e-12)) / scale:.{digits}g}"
+
+
 def rounded_up(value: float, digits: int = 4) -> str:
     """A positive number in the form in which one types it, with at most `digits` digits and rounded
     up, for least values that a user has to give."""

@@ -3,15 +3,95 @@ numbers differ from its file's."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 
+from freebody.arrays import Array
+from freebody.by_value import ByValue
 from freebody.model.description import CHANGED
 from freebody.model.model import Model
 from freebody.model.number_editors import TENSOR
 from freebody.model.parameters import Quantity
 from freebody.model.quantity_reader import VALUES
 from freebody.model.tree import Attached
+from freebody.outputs.display import Tabled, TextTable
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadCase(Tabled, ByValue):
+    """What a robot carries in a study, what pulls at it, how it is mounted and how fast it is
+    run."""
+
+    payload: float
+    """The mass of all that it carries (kg)."""
+    gravity: Array
+    """The field, (dim,), m/s², world axes."""
+    free: bool
+    """Whether the base is free."""
+    wrenches: Mapping[str, Array]
+    """Constant ones on the robot by frame, (six,), N and N m, world axes."""
+    speed: float
+    """How many times as fast as given the motion is run."""
+    words: Mapping[str, str]
+    """Each in words: `load_case`."""
+    command: str
+    """The command line that makes the study again; empty where none made it."""
+
+    @property
+    def rows(self) -> tuple[tuple[str, str, str, str], ...]:
+        """The load case as rows of texts: label, value, unit, remark."""
+        words = self.words
+        found = [
+            ("payload", f"{self.payload:.4g}", "kg", words["load"]),
+            ("gravity", ", ".join(map(_number, self.gravity)), "m/s²", words["mounting"]),
+            ("tip", "", "", words["tip"]),
+        ]
+        if self.wrenches:
+            found.append(("wrench", "", "", words["wrenches"]))
+        found.append(("speed", f"{self.speed:.4g}", "times as given", ""))
+        if "changed" in words:
+            found.append(("changed", "", "", words["changed"]))
+        if self.command:
+            found.append(("again", self.command, "", ""))
+        return tuple(found)
+
+    def _title(self) -> str:
+        return "Load case: " + " ".join(self.words.values())
+
+    def _table(self) -> TextTable:
+        return TextTable(("", "value", "unit", "remark"), self.rows)
+
+
+def case_of(
+    model: Model, wrenches: Mapping[str, Array], speed: float = 1.0, command: str = ""
+) -> LoadCase:
+    """The load case of a study of a model."""
+    return LoadCase(
+        payload=carried_mass(model),
+        gravity=np.asarray(model.gravity, dtype=float),
+        free=_free(model),
+        wrenches=dict(wrenches),
+        speed=speed,
+        words=load_case(model, wrenches, speed),
+        command=command,
+    )
+
+
+def _parts(model: Model) -> list[Attached]:
+    return [*model.base_inertias, *(part for body in model.bodies for part in body.inertias)]
+
+
+def carried_mass(model: Model) -> float:
+    """The mass (kg) of all loads of a model."""
+    loads = (part.inertia.mass for part in _parts(model) if part.load)
+    return float(sum(VALUES.quantity(mass) for mass in loads))
+
+
+def _free(model: Model) -> bool:
+    return any(body.parent < 0 and body.kind.frees(model.dim) for body in model.bodies)
 
 
 def load_case(
@@ -25,15 +105,14 @@ def load_case(
     They tell the model as it is, not how it was made, so that equal models have equal words but for
     what was changed by name.
     """
-    parts = [*model.base_inertias, *(part for body in model.bodies for part in body.inertias)]
-    loads = "; ".join(_load(model, part) for part in parts if part.load)
-    free = any(body.parent < 0 and body.kind.frees(model.dim) for body in model.bodies)
+    base = "free" if _free(model) else "fixed"
+    loads = "; ".join(_load(model, part) for part in _parts(model) if part.load)
     field = ", ".join(_number(x) for x in np.moveaxis(model.gravity, -1, 0))
     changed = [notice.text for notice in model.notices if notice.kind == CHANGED]
     found = {
         "load": f"{loads}." if loads else "none.",
         "tip": model.tip_reason,
-        "mounting": f"base {'free' if free else 'fixed'}, gravity ({field}) m/s² in world axes.",
+        "mounting": f"base {base}, gravity ({field}) m/s² in world axes.",
     }
     if wrenches:
         found["wrenches"] = f"{_pulls(model, wrenches)}, exerted on the robot, world axes."

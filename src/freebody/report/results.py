@@ -8,11 +8,9 @@ from typing import Literal
 
 from freebody.arrays import Array
 from freebody.model.doubts import Doubt
+from freebody.motion.ranges import CLOSE
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
 from freebody.outputs.number_text import compared
-
-CLOSE = 1e-9
-"""Share of a limit: what is beyond it by less is on it, and so within."""
 
 VerdictOutcome = Literal["feasible", "not feasible", "not judged"]
 
@@ -65,6 +63,18 @@ class LimitUse:
         return compared(self.value, self.limit)
 
 
+@dataclass(frozen=True)
+class PaceLimit:
+    """The limit that a motion reaches first where it is run faster, or slower until all are
+    kept."""
+
+    quantity: str
+    """speed, torque or force."""
+    coordinate: str
+    time: float
+    """When, in the motion as it is studied (s)."""
+
+
 @dataclass(frozen=True, repr=False)
 class MotionVerdict(Tabled):
     """Whether the robot can make the motion, as far as its description shows; the first line of a
@@ -82,6 +92,9 @@ class MotionVerdict(Tabled):
     """Run so many times as fast the motion reaches its first limit of speed or torque: above 1 it
     can be sped up so far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no
     limit depends on it; NaN: unknown, or passive joints would not follow."""
+    factor_limit: PaceLimit | None = None
+    """What is at its limit at the factor; of a factor of 0 what no slowing helps; None without
+    one."""
 
     def _title(self) -> str:
         return f"Verdict: {self.text}"

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebody.algorithms.kinematics import joint_poses, world_poses
-from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches, static_torque
+from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
+from freebody.capacity.torque_parts import torques
 from freebody.design.joint_loads import joint_loads
 from freebody.figures.skeleton import mass_and_centre
 from freebody.loops import forces as closed
-from freebody.loops.forces import drive_torques
 from freebody.model.doubt_rules.aspects import DYNAMIC
 from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
@@ -26,12 +26,6 @@ from freebody.model.tree import Tree
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import angular, with_drive
 from freebody.motion.smooth_friction import (
-    friction_torque,
-    lost_torque,
-    motor_springs,
-    rotor_torque,
-    strut_damping,
-    viscous_torque,
     without_friction,
 )
 from freebody.report import jacobians
@@ -86,65 +80,8 @@ def coordinates(model: Model, t: Array | None = None) -> dict[str, Any]:
     return named if t is None else {**times, **named}
 
 
-def torque_parts(
-    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
-) -> xr.Dataset:
-    """The part of `Study.data` that needs no reactions: motion and torques with their parts."""
-    found = _motion(model, motion) | torques(model, motion, wrenches)
-    return dataset(found, coordinates(model, motion.t))
-
-
 def _motion(model: Model, motion: Motion) -> _ArraysByName:
     return {"q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
-
-
-def torques(
-    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
-) -> _ArraysByName:
-    """The drives' torque, and the parts that sum to it, each computed by a formula of its own;
-    wrenches: constant ones on the robot, by frame."""
-    q, qd, qdd = motion.q, motion.qd, motion.qdd
-    M = dynamics.mass_matrix(model, q)
-    C = dynamics.coriolis_matrix(model, q, qd)
-    gravity = dynamics.gravity_torque(model, q)
-    springs = static_torque(model.opened, q) - gravity - friction_torque(model, q, 0.0 * qd)
-    # of followers with a ratio that changes a rotor turns faster also at constant rates
-    rotors, swung = rotor_torque(model, q, 0.0 * qd, qdd), rotor_torque(model, q, qd, 0.0 * qdd)
-    inertial = np.einsum("tij,tj->ti", M, qdd) - rotors
-    coriolis = np.einsum("tij,tj->ti", C, qd) - swung
-    viscous, dampers = viscous_torque(model, q, qd), np.zeros(qd.shape)
-    if model.struts:
-        dampers = strut_damping(model, q, qd)
-    sent = inertial + coriolis + gravity + springs - motor_springs(model, q, qd) + dampers
-    pulls = {"tau_wrenches": pull_torque(model, q, wrenches)} if wrenches else {}
-    lost = lost_torque(model, qd, sum(pulls.values(), sent))
-    parts = {
-        "tau": inverse_dynamics(model, q, qd, qdd, wrenches),
-        "tau_inertial": inertial,
-        "tau_coriolis": coriolis,
-        "tau_gravity": gravity,
-        "tau_friction": friction_torque(model, q, qd) + lost,
-        "tau_viscous": viscous + dampers,
-        "tau_springs": springs,
-        "tau_rotors": rotors + swung,
-        **pulls,
-    }
-    if model.loops:  # what the drives feel of each part through the loops
-        parts |= {
-            name: drive_torques("study", model, q, value)
-            for name, value in parts.items()
-            if name != "tau"
-        }
-    return parts
-
-
-def pull_torque(model: Model, q: Array, wrenches: Mapping[str, Array]) -> Array:
-    """Torques that balance wrenches on a robot (..., nv), its loops cut: -Jᵀ w."""
-    pulled = [
-        np.einsum("...ij,i->...j", kinematics.jacobian(model.opened, q, frame), w)
-        for frame, w in wrenches.items()
-    ]
-    return -np.sum(pulled, axis=0)
 
 
 def _reactions(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None) -> _ArraysByName:

@@ -11,6 +11,8 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
+from freebody.capacity.time_scaling import at_pace, effort_limits, pace
+from freebody.capacity.torque_parts import torque_parts
 from freebody.design.joint_loads import joint_loads
 from freebody.errors import KindError
 from freebody.model.model import Model
@@ -22,8 +24,6 @@ from freebody.motion.files.motion_tables import MotionTable, motion_from_table
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.ranges import Flags, angular, ranges, with_drive
 from freebody.report.results import percent
-from freebody.report.series import torque_parts
-from freebody.report.time_scaling import at_pace, effort_limits, pace
 from freebody.trees.position_rates import Index
 
 Smooth = bool | float | None
@@ -133,7 +133,7 @@ def _compared(
     """A sentence on the peak torques of both motions where they differ, the most changed first;
     empty where none does."""
     mine, theirs = (
-        np.abs(torque_parts(model, m, wrenches)["tau"].values).max(axis=0) for m in (studied, other)
+        np.abs(torque_parts(model, m, wrenches)["tau"]).max(axis=0) for m in (studied, other)
     )
     turns = angular(model)
     driven, largest = with_drive(model), np.maximum(mine, theirs)

@@ -20,8 +20,10 @@ from freebody.motion.files.motion_tables import MotionTable
 from freebody.motion.motion import Motion
 from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.report.card import Card, card
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
+from freebody.report.load_case import LoadCase, case_of
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
@@ -68,6 +70,8 @@ class Study(Tabled, ByValue):
     """Checks of freebody on itself: quantities computed in two ways."""
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
+    card: Card
+    """What the robot carries on this path, how much faster it can go, and what gives out first."""
     replay: Replay | None
     replay_skipped: str
     """Reason why there is no replay; empty if there is one."""
@@ -99,6 +103,11 @@ class Study(Tabled, ByValue):
         return replace(found, notes=[self.verdict.text, *self.warnings])
 
     @property
+    def load_case(self) -> LoadCase:
+        """What the robot carries, what pulls at it, how it is mounted, and how fast it is run."""
+        return case_of(self.model, self.wrenches, self.speed, self.command)
+
+    @property
     def checked(self) -> bool:
         """Whether all of freebody's `checks` on itself passed."""
         return all(check.passed for check in self.checks)
@@ -117,7 +126,7 @@ class Study(Tabled, ByValue):
 
     def save(self, directory: str | os.PathLike[str], *, report: bool = False) -> list[Path]:
         """The paths of the files written into a folder: study.nc (time series and summary), CSV
-        tables and manifest.json.
+        tables, card.json and manifest.json.
 
         report: report.html as well. Units stand in the headers. Each file is whole; the manifest,
         which comes last, lists their checksums. Raises FileError for a folder that cannot be
@@ -195,6 +204,8 @@ def study(
         data = series(model, followed, loads)
         found = summary(model, followed, data)
         judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
+    with clock.part("payload", 0.35):
+        carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):
         poses = () if model.loops else worst_poses(model)
     with clock.part("replay", 0.5):
@@ -215,6 +226,7 @@ def study(
         singularity=None if model.tip is None else singularity(model, model.tip, data),
         checks=checked,
         verdict=judged,
+        card=carded,
         replay=replay,
         replay_skipped=skipped,
         notices=(*map(str, readings(model)), *map(str, model.doubts), *warned),

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import dataclasses
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -11,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import freebody
+from freebody.lazy import by_field
 from freebody.model.doubts import attribute
 from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
@@ -25,7 +29,7 @@ if TYPE_CHECKING:
 
     from freebody.report.study import Study
 
-DATA, REPORT = "study.nc", "report.html"
+DATA, CARD, REPORT = "study.nc", "card.json", "report.html"
 
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows of a table."""
@@ -50,7 +54,7 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
 
 def makers(study: Study, report: bool) -> Makers:
     """Functions that make the files of a study: study.nc, motion.csv, torques.csv, reactions.csv,
-    summary.csv, reactions_summary.csv, checks.csv, and report.html if asked for."""
+    summary.csv, reactions_summary.csv, checks.csv, card.json, and report.html if asked for."""
     tables: dict[str, Callable[[], _HeadAndRows]] = {
         "motion.csv": lambda: motion_table(study.model, study.motion),
         "torques.csv": lambda: _torques(study),
@@ -61,6 +65,7 @@ def makers(study: Study, report: bool) -> Makers:
     }
     made: dict[str, Callable[[], str | bytes]] = {DATA: lambda: netcdf(study)}
     made |= {name: partial(_csv, table) for name, table in tables.items()}
+    made[CARD] = lambda: card_text(study)
     return made | ({REPORT: lambda: page(study)} if report else {})
 
 
@@ -87,6 +92,30 @@ def dataset(study: Study) -> xr.Dataset:
         times = {"drift_time": ("drift_time", replay.drift_time, {"units": "s"})}
         whole.update(variables.dataset(found, times))
     return whole
+
+
+def card_text(study: Study) -> str:
+    """Verdict, card and load case as JSON: numbers in SI units, null where one is not known or has
+    no end, and the rows of both as texts."""
+    told = {
+        "robot": study.model.name,
+        "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
+        "card": by_field(study.card),
+        "load_case": by_field(study.load_case),
+        "rows": [*study.card.rows, *study.load_case.rows],
+    }
+    return json.dumps(_plain(told), indent=1) + "\n"
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it."""
+    if isinstance(value, Mapping):
+        return {key: _plain(x) for key, x in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [_plain(x) for x in value]
+    if dataclasses.is_dataclass(value):
+        return _plain(by_field(value))
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def netcdf(study: Study) -> bytes:

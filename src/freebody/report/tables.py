@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 from markupsafe import Markup, escape
 
+from freebody.motion.ranges import CLOSE
 from freebody.outputs.number_text import decade, fixed, significant, superscript
-from freebody.report.results import CLOSE
 
 _NOISE = 1e-9  # of the largest in a column: rounding, printed as 0
 

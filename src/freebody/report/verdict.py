@@ -14,15 +14,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from freebody.capacity.time_scaling import Pace, effort_limits, pace, parts
 from freebody.errors import listed
 from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, SPEEDS
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
-from freebody.report.results import CLOSE, LimitUse, MotionVerdict, VerdictOutcome, percent
-from freebody.report.time_scaling import Pace, effort_limits, pace, parts
+from freebody.motion.ranges import CLOSE, Ranges, position_columns, ranges
+from freebody.outputs.number_text import rounded_down
+from freebody.report.results import LimitUse, MotionVerdict, PaceLimit, VerdictOutcome, percent
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,8 +59,11 @@ def verdict(
             "out."
         )
     sentences += [capital(doubt.text) for doubt in doubts.every if not doubt.of.bars]
-    factor = float("nan") if doubts.wrong or loose or not told else run.factor
-    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor)
+    reason = " ".join(sentences)
+    if doubts.wrong or loose or not told:
+        return MotionVerdict(outcome, reason, tuple(told), doubts.every, float("nan"))
+    limit = PaceLimit(run.quantity, run.coordinate, run.time) if run.coordinate else None
+    return MotionVerdict(outcome, reason, tuple(told), doubts.every, run.factor, limit)
 
 
 class _WeighedDoubts:
@@ -240,8 +244,8 @@ def _paces(
     if any(use.exceeded and use.quantity != "position" for use in uses):
         rest = "; the other problems remain" if out or undriven else ""
         return [
-            f"It would keep the limits of speed and torque at {_down(run.factor)} times its speed "
-            f"({1 / run.factor:.3g} times the duration){rest}."
+            f"It would keep the limits of speed and torque at {rounded_down(run.factor)} times its "
+            f"speed ({1 / run.factor:.3g} times the duration){rest}."
         ]
     if out or undriven:
         return ["Slowing down does not help."]
@@ -254,18 +258,17 @@ def _paces(
             else "It cannot be run any faster."
         ]
     if partly:  # what is not given may well be exceeded before
-        return [f"They would be kept up to {_down(run.factor)} times that speed."]
-    return [f"It could be run up to {_down(run.factor)} times as fast."]
+        return [f"They would be kept up to {rounded_down(run.factor)} times that speed."]
+    return [f"It could be run up to {rounded_down(run.factor)} times as fast."]
 
 
 def _held_too_much(model: Model, run: Pace) -> str:
     """A sentence on torques that exceed a limit however slow the motion is."""
-    held = np.where(with_drive(model), np.nan_to_num(run.held), 0.0)
-    k = int(np.argmax(held))
+    k = model.velocity_names.index(run.coordinate)
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
     return (
         f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-        f"{percent(float(held[k]))} of {model.velocity_names[k]}'s limit at t = "
+        f"{percent(float(run.held[k]))} of {run.coordinate}'s limit at t = "
         f"{run.held_time[k]:.3g} s."
     )
 
@@ -289,9 +292,3 @@ def _holds_more(model: Model) -> bool:
 
 def _holds(law: DriveLaw) -> bool:
     return law.energy is not None or law.losses is not None or law.power == 0
-
-
-def _down(factor: float) -> str:
-    """A factor as text with three digits, rounded down."""
-    scale = 10.0 ** (2 - int(np.floor(np.log10(factor))))
-    return f"{np.floor(factor * scale * (1 + 1e-12)) / scale:.3g}"

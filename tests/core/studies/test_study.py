@@ -3,6 +3,7 @@ what was computed."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import xarray as xr
 
 import freebody as fb
 from freebody import FreebodyError, MissingValueError, UnknownNameError
+from freebody.report import study_files
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -187,6 +189,47 @@ def test_progress_is_told():
     assert [done for _, done in told] == sorted(done for _, done in told)
 
 
+def test_the_card_tells_what_is_at_its_limit(arm: fb.Study):
+    """The payload, and the pace, at which the named joint has used up its limit, and no other."""
+    card, model, motion = arm.card, arm.model, arm.motion
+    loaded = model.with_payload(card.payload)
+    tau = np.abs(fb.inverse_dynamics(loaded, motion.q, motion.qd, motion.qdd))
+    share = tau / model.limits.effort
+    k, j = np.unravel_index(np.argmax(share), share.shape)
+    assert share[k, j] == pytest.approx(1.0, abs=1e-4)
+    assert model.velocity_names[j] == card.payload_joint
+    assert motion.t[k] == pytest.approx(card.payload_time, abs=0.02)
+    fast = motion.faster(card.faster)
+    speed = np.abs(fast.qd).max(axis=0) / model.limits.velocity
+    torque = np.abs(fb.inverse_dynamics(model, fast.q, fast.qd, fast.qdd)) / model.limits.effort
+    used = {"speed": speed, "torque": torque.max(axis=0)}
+    assert max(x.max() for x in used.values()) == pytest.approx(1.0, abs=1e-4)
+    first = model.velocity_names[int(np.argmax(used[card.faster_quantity]))]
+    assert first == card.faster_joint
+    assert used[card.faster_quantity].max() == pytest.approx(1.0, abs=1e-4)
+    most = max((use for use in arm.verdict.uses if use.quantity != "position"),
+               key=lambda use: use.fraction)  # fmt: skip
+    assert card.first == most
+    labels = [row.label for row in card.rows]
+    assert labels == ["carries", "can be run", "gives out first"]
+
+
+def test_the_card_names_what_it_does_not_know(tmp_path: Path):
+    """Never a number where a doubt bars it, and in JSON neither."""
+    study = fb.study(fb.load("2R"), speed=2.0, wrenches=[0.0, -5.0, 0.0])
+    told = {row.label: row for row in study.card.rows}
+    assert told["carries"] == ("carries", "–", "", "not known: no drive has an effort limit")
+    assert told["can be run"][1] == told["gives out first"][1] == "–"
+    case = study.load_case
+    assert (case.speed, case.payload, case.command) == (2.0, 0.0, "")
+    np.testing.assert_array_equal(case.wrenches["tip"], [0.0, -5.0, 0.0])
+    kept = json.loads(study_files.card_text(study))
+    assert kept["card"]["payload"] is kept["card"]["faster"] is None
+    assert kept["load_case"]["gravity"] == [0.0, -9.81]
+    assert kept["load_case"]["wrenches"] == {"tip": [0.0, -5.0, 0.0]}
+    assert kept["rows"] == [list(row) for row in (*study.card.rows, *case.rows)]
+
+
 def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
     written = arm.save(tmp_path / "new" / "folder")
     assert [path.name for path in written] == [
@@ -197,6 +240,7 @@ def test_files_hold_what_was_computed(arm: fb.Study, tmp_path: Path):
         "summary.csv",
         "reactions_summary.csv",
         "checks.csv",
+        "card.json",
         "manifest.json",
     ]
     with xr.open_dataset(written[0]) as data:

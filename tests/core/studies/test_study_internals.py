@@ -15,6 +15,7 @@ import pytest
 from scipy.linalg import expm
 
 import freebody as fb
+from freebody.capacity.time_scaling import pace
 from freebody.design.joint_loads import joint_loads
 from freebody.math import cos, sin
 from freebody.report import page, page_figures
@@ -23,7 +24,6 @@ from freebody.report.checks import checks
 from freebody.report.driven_runs import land
 from freebody.report.replay import BOUND, amplification, exponentials, pieces
 from freebody.report.summary import parted
-from freebody.report.time_scaling import pace
 from freebody.scalars.time_derivatives import Jet, parts
 from freebody.spatial import space
 from freebody_textbook.in_studies import shown

@@ -18,10 +18,10 @@ not seen. Speeds are looked at between the samples of the motion too, torques at
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -29,7 +29,7 @@ from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import Ranges, with_drive
+from freebody.motion.ranges import CLOSE, Ranges, angular, with_drive
 from freebody.motion.smooth_friction import (
     ChangingFriction,
     lost_parts,
@@ -37,10 +37,9 @@ from freebody.motion.smooth_friction import (
     motor_springs,
     viscous_torque,
 )
-from freebody.report.results import CLOSE
 
-if TYPE_CHECKING:
-    import xarray as xr
+MotionTorques = Mapping[Any, Any]
+"""Times, states and parts of torques by name, as `torque_parts` gives them; or a study's data."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +53,13 @@ class Pace:
     """
 
     factor: float
+    coordinate: str
+    """The one that reaches its limit at the factor, or cannot be slowed into it; empty without
+    one."""
+    quantity: str
+    """speed, torque or force: what then is at the limit."""
+    time: float
+    """Time in the motion as it is given at which that is so (s)."""
     held: Array
     """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN
     without a limit."""
@@ -61,17 +67,18 @@ class Pace:
     """Times (nv,) at which a limit holds each coordinate back, s."""
 
 
-def pace(model: Model, motion: Motion, data: xr.Dataset, velocity: Array, effort: Array) -> Pace:
-    """The pace at which a motion with `Study.data` may be run under limits (nv,), infinite where
+def pace(model: Model, motion: Motion, data: MotionTorques, velocity: Array, effort: Array) -> Pace:
+    """The pace at which a motion with `torque_parts` may be run under limits (nv,), infinite where
     there are none."""
-    fast = motion.peaks.velocity.size
+    peaks = motion.peaks.velocity
+    fast = peaks.size
     with np.errstate(divide="ignore"):
         each = np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf)
     quickest = float(each.min(initial=np.inf))
     limited = np.isfinite(effort)
     bound = np.where(limited, effort * (1 + CLOSE), 0.0)
     torque_at = _torque_at(model, data)
-    if ChangingFriction(model, data["q"].values, data["qd"].values).acts:
+    if ChangingFriction(model, _array(data, "q"), _array(data, "qd")).acts:
         factor = _searched(
             lambda k: bool((np.abs(torque_at(k))[:, limited] <= bound[limited]).all()), quickest
         )
@@ -82,17 +89,36 @@ def pace(model: Model, motion: Motion, data: xr.Dataset, velocity: Array, effort
         ]
         low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
         factor = _within(low, high, quickest)
-    c = torque_at(0.0)
-    share = np.where(limited, np.abs(c) / np.where(limited, effort, 1.0), np.nan)
+    held, held_time = _used(torque_at(0.0), effort, _array(data, "time"))
+    if not np.isfinite(factor):
+        return Pace(factor, "", "", np.nan, held, held_time)
+    share, time = _used(torque_at(factor), effort, _array(data, "time"))
+    j = int(np.argmax(np.nan_to_num(share)))
+    what, when = "torque" if angular(model)[j] else "force", float(time[j])
+    if factor > 0.0:
+        speed = factor / each
+        i = int(np.argmax(speed))
+        if speed[i] >= np.nan_to_num(share[j]):
+            j, what, when = i, "speed", float(peaks.size_at[i])
+    return Pace(factor, model.velocity_names[j], what, when, held, held_time)
+
+
+def _used(torque: Array, effort: Array, t: Array) -> tuple[Array, Array]:
+    """(the largest share (nv,) of limits that torques (T, nv) use, NaN without a limit; when)."""
+    limited = np.isfinite(effort)
+    share = np.where(limited, np.abs(torque) / np.where(limited, effort, 1.0), np.nan)
     k = np.argmax(np.nan_to_num(share), axis=0)
-    t = data["time"].values
-    return Pace(factor, np.take_along_axis(share, k[None], axis=0)[0], t[k])
+    return np.take_along_axis(share, k[None], axis=0)[0], t[k]
 
 
-def _torque_at(model: Model, data: xr.Dataset) -> Callable[[float], Array]:
+def _array(data: MotionTorques, name: str) -> Array:
+    return np.asarray(data[name])
+
+
+def _torque_at(model: Model, data: MotionTorques) -> Callable[[float], Array]:
     """k -> the torques (T, nv) at a pace; at 0 those of slow motion."""
     (a, b, c), sent = parts(model, data), _transmitted(model, data)
-    q, qd = data["q"].values, data["qd"].values
+    q, qd = _array(data, "q"), _array(data, "qd")
     changing = ChangingFriction(model, q, qd)
     constant = c - changing.at_pace(1.0)
 
@@ -104,36 +130,36 @@ def _torque_at(model: Model, data: xr.Dataset) -> Callable[[float], Array]:
     return torque
 
 
-def parts(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
+def parts(model: Model, data: MotionTorques) -> tuple[Array, Array, Array]:
     """The parts (a, b, c), arrays (T, nv), of the torques that grow with the square of the pace,
     with the pace, and not at all; without losses of the transmitted torque."""
-    get = {name: data[f"tau_{name}"].values for name in _PARTS}
+    get = {name: _array(data, f"tau_{name}") for name in _PARTS}
     square, linear, constant = _transmitted(model, data)
-    lost = lost_torque(model, data["qd"].values, square + linear + constant)
+    lost = lost_torque(model, _array(data, "qd"), square + linear + constant)
     friction = get["friction"] - get["viscous"] - lost
-    at_motor = motor_springs(model, data["q"].values, data["qd"].values)
+    at_motor = motor_springs(model, _array(data, "q"), _array(data, "qd"))
     return square + get["rotors"], get["viscous"], constant + at_motor + friction
 
 
 _PARTS = ("rotors", "viscous", "friction")
 
 
-def _transmitted(model: Model, data: xr.Dataset) -> tuple[Array, Array, Array]:
+def _transmitted(model: Model, data: MotionTorques) -> tuple[Array, Array, Array]:
     """The parts of the transmitted torque that grow with the square of the pace, with the pace (as
     the damping of struts does), and not at all."""
-    get = {name: data[f"tau_{name}"].values for name in _SENT}
-    q, qd = data["q"].values, data["qd"].values
+    get = {name: _array(data, f"tau_{name}") for name in _SENT}
+    q, qd = _array(data, "q"), _array(data, "qd")
     dampers = get["viscous"] - viscous_torque(model, q, qd)
     held = get["gravity"] + get["springs"] - motor_springs(model, q, qd)
     if "tau_wrenches" in data:
-        held = held + data["tau_wrenches"].values
+        held = held + _array(data, "tau_wrenches")
     return get["inertial"] + get["coriolis"], dampers, held
 
 
 _SENT = ("inertial", "coriolis", "viscous", "gravity", "springs")
 
 
-def _ways(model: Model, data: xr.Dataset) -> Iterator[tuple[list[Array], list[Array]]]:
+def _ways(model: Model, data: MotionTorques) -> Iterator[tuple[list[Array], list[Array]]]:
     """Pairs of coefficients: (a, b, c) of the torque as a polynomial of the pace, and those of a
     polynomial that is positive where the first is valid; with losses two pairs, by the direction of
     power."""
@@ -141,7 +167,7 @@ def _ways(model: Model, data: xr.Dataset) -> Iterator[tuple[list[Array], list[Ar
     if not lossy_joints(model.bodies):
         yield [a, b, c], [0.0 * a, 0.0 * b, 0.0 * c + 1.0]
         return
-    (square, linear, constant), rate = _transmitted(model, data), data["qd"].values
+    (square, linear, constant), rate = _transmitted(model, data), _array(data, "qd")
     driving, driven = lost_parts(model)
     sense = np.where(rate < 0.0, -1.0, 1.0)
     for way, lost in ((sense, driving), (-sense, -driven)):

@@ -1,0 +1,161 @@
+"""The card of a study: what the robot carries on this path, how much faster it can go, and what
+gives out first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from freebody.arrays import Array
+from freebody.capacity.payload import LargestPayload, payload
+from freebody.errors import listed
+from freebody.model.model import Model
+from freebody.motion.motion import Motion
+from freebody.motion.ranges import ranges, with_drive
+from freebody.outputs.display import Tabled, TextTable
+from freebody.outputs.number_text import rounded_down
+from freebody.report.load_case import carried_mass
+from freebody.report.results import LimitUse, MotionVerdict
+
+_UNKNOWN = "–"
+
+
+class CardRow(NamedTuple):
+    """A row of a card: what it is, its value as text ("–" where it is not known) with the unit, and
+    what else is to be said."""
+
+    label: str
+    value: str
+    unit: str
+    remark: str
+
+
+@dataclass(frozen=True, repr=False)
+class Card(Tabled):
+    """What a robot can do along the motion of a study, beside what it does."""
+
+    payload: float
+    """The largest mass at the tip, besides what is carried (kg); infinite where no drive limits it,
+    NaN where it is not known."""
+    payload_joint: str
+    """The joint that limits it; empty without one."""
+    payload_time: float
+    """When it does (s); NaN without."""
+    payload_remark: str
+    """What limits the payload, or why it is not known."""
+    faster: float
+    """How many times as fast the motion can be run, as it is loaded; below 1 it has to be slower, 0
+    where no slowing helps, infinite where no limit depends on it, NaN where it is not known."""
+    faster_joint: str
+    """The joint that is then at its limit; empty without one."""
+    faster_quantity: str
+    """What of it: speed, torque or force."""
+    faster_remark: str
+    """What then is at its limit, or why nothing is known."""
+    first: LimitUse | None
+    """The limit of speed, torque or power that the motion uses most, or exceeds most, or a range
+    that it leaves; None where none can be told of."""
+
+    @property
+    def rows(self) -> tuple[CardRow, ...]:
+        """The card as rows of texts: label, value, unit, remark."""
+        first = self.first
+        return (
+            CardRow("carries", *_number(self.payload, "kg"), self.payload_remark),
+            CardRow(
+                "has to be slowed down to" if self.faster < 1.0 else "can be run",
+                *_number(self.faster, "times as fast"),
+                self.faster_remark,
+            ),
+            CardRow("gives out first", _UNKNOWN, "", "no limit can be told of")
+            if first is None
+            else CardRow(
+                "gives out first", f"{first.coordinate}, {first.quantity}", "", first.text
+            ),
+        )
+
+    def _title(self) -> str:
+        return "Card: " + " · ".join(_line(row) for row in self.rows)
+
+    def _table(self) -> TextTable:
+        return TextTable(("", "value", "unit", "remark"), self.rows)
+
+
+def _line(row: CardRow) -> str:
+    return " ".join(x for x in (row.label, row.value, row.unit) if x)
+
+
+def _number(x: float, unit: str) -> tuple[str, str]:
+    if np.isnan(x):
+        return _UNKNOWN, ""
+    return ("any", "") if np.isinf(x) else (rounded_down(x), unit)
+
+
+def card(
+    model: Model, motion: Motion, judged: MotionVerdict, wrenches: Mapping[str, Array] | None
+) -> Card:
+    """The card of a motion with its verdict, under constant wrenches on the robot by frame."""
+    reason = _no_payload(model)
+    found = None if reason else payload(model, motion, wrenches=wrenches)
+    mass, joint, time = (np.nan, "", np.nan) if found is None else _carried(found)
+    limit = judged.factor_limit
+    return Card(
+        payload=mass,
+        payload_joint=joint,
+        payload_time=time,
+        payload_remark=reason if found is None else _besides(model) + found.remark,
+        faster=judged.factor,
+        faster_joint=limit.coordinate if limit else "",
+        faster_quantity=limit.quantity if limit else "",
+        faster_remark=_pace_words(judged),
+        first=next((use for use in judged.uses if _gives_out(use)), None),
+    )
+
+
+def _gives_out(use: LimitUse) -> bool:
+    """Whether a limit is one that gives out: within its range no position does."""
+    return use.exceeded or use.quantity != "position"
+
+
+def _carried(found: LargestPayload) -> tuple[float, str, float]:
+    """(mass, the joint that limits it, when), where a mass is to be told of."""
+    if not found.told:
+        return np.nan, "", np.nan
+    k = int(found.joint)
+    return float(found.mass), "" if k < 0 else found.joint_names[k], float(found.time)
+
+
+def _besides(model: Model) -> str:
+    """Words on what the robot carries already; empty where it is nothing."""
+    carried = carried_mass(model)
+    return f"besides the {carried:.4g} kg that it carries; " if carried else ""
+
+
+def _no_payload(model: Model) -> str:
+    """Why no largest payload is known; empty where one is."""
+    if model.tip is None:
+        return "not known: the robot has no single tip; name one"
+    if model.passive and not model.loops:
+        return f"not known: nothing drives {listed(map(repr, model.passive_names), 4)}"
+    if not (np.isfinite(ranges(model).effort) & with_drive(model)).any():
+        return "not known: no drive has an effort limit"
+    return ""
+
+
+def _pace_words(judged: MotionVerdict) -> str:
+    limit, factor = judged.factor_limit, judged.factor
+    if np.isnan(factor):
+        return "not known: see the verdict"
+    if limit is None:
+        return "no limit depends on the speed"
+    when = f"at t = {limit.time:.3g} s"
+    if factor == 0.0:
+        return (
+            f"no slowing helps: held still, {limit.coordinate} is beyond its limit of "
+            f"{limit.quantity} {when}"
+        )
+    share = "" if judged.outcome != "not judged" else ", of the limits that are given"
+    return f"{limit.coordinate} is then at its limit of {limit.quantity} {when}{share}"
