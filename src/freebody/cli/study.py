@@ -14,6 +14,7 @@ from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
 from freebody.outputs.number_text import compared
+from freebody.outputs.pdf import browser
 
 if TYPE_CHECKING:
     from freebody.report.study import Study
@@ -53,6 +54,12 @@ def study(
             "or auto to choose the cutoff from the noise.",
         ),
     ] = None,
+    pdf: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The report as PDF too, printed by a Chromium, Chrome or Edge."
+        ),
+    ] = None,
 ) -> None:
     """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report
     and as data.
@@ -65,6 +72,8 @@ def study(
         from freebody.report.study import study as study_of
 
         cutoff = _cutoff(smooth)
+        if pdf is not None:
+            browser()  # refused before anything is computed
         model = robot.load()
         prepare(directory)
         found = study_of(
@@ -78,7 +87,12 @@ def study(
         found = replace(found, command=options.again(context))
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
+        if pdf is not None and failure is None:
+            progress("PDF", 0.9)
+            found.to_pdf(pdf)
     _print(found, directory, failure)
+    if pdf is not None and failure is None:
+        terminal.out().print(f"PDF:    {pdf}", soft_wrap=True)
     if failure:
         raise failure
     if found.finding:

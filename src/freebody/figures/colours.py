@@ -78,6 +78,11 @@ serif;font-size:15px}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}
 .fig .curveline{fill:none;stroke:@link-edge;stroke-width:2}
+.fig .contour{fill:none;stroke:@paper;stroke-width:1}
+.fig .contour-text{fill:@ink;font-size:11px;font-weight:600;stroke:@paper;stroke-width:3.5px;
+stroke-linejoin:round;paint-order:stroke}
+.fig .stick{fill:none;stroke:@link-edge;stroke-width:5;stroke-linecap:round}
+.fig .joint{fill:@paper;stroke:@link-edge;stroke-width:1.5}
 .fig .axisline{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:9 3 2 3}
 """
 _ARROWS = (

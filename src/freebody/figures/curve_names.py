@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -48,7 +49,7 @@ def named_curves(
     heights = np.array([_height(points - (left, top), xs) for points in curves.values()])
     for points in curves.values():
         inside = (points - (left, top))[np.isfinite(points).all(axis=1)]
-        for a, b in zip(inside, inside[1:], strict=False):
+        for a, b in pairwise(inside):
             crowd.keep_clear(complex(*a), complex(*b))
     wanted = [
         Wanted(name, "", _anchors(heights, k, xs, crowd.height), width(name, SIZE))

@@ -1,5 +1,5 @@
-"""Curves over time as small SVG pictures: axes with units, one curve for each quantity with its name
-beside it, its peak marked, limits dashed."""
+"""Curves over time as small SVG pictures: axes with units, curves with their names beside them, a
+peak marked, limits dashed."""
 
 from __future__ import annotations
 

@@ -26,9 +26,9 @@ from freebody.outputs import files
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
 from freebody.outputs.page_head import SHEETS, math_style, policy
+from freebody.outputs.pdf import pdf
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
-from freebody.report.load_case import load_case
 from freebody.report.summary import energy_text
 from freebody.report.tables import typeset
 
@@ -39,6 +39,11 @@ if TYPE_CHECKING:
 def write(study: Study, path: Path) -> Path:
     """The path of the HTML page that is written."""
     return files.write(path, page(study))
+
+
+def write_pdf(study: Study, path: Path) -> Path:
+    """The path of the PDF of the page that is written."""
+    return files.write(path, pdf(page(study)))
 
 
 def page(study: Study) -> str:
@@ -53,7 +58,7 @@ def page(study: Study) -> str:
             study=study,
             model=study.model,
             facts=_facts(study),
-            case=load_case(study.model, study.wrenches, study.speed),
+            case=study.load_case,
             notices=_notices(study),
             doubts={doubt.kind: doubt.of.bars for doubt in study.verdict.doubts},
             robot=figures.robot(study),

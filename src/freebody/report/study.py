@@ -143,6 +143,17 @@ class Study(Tabled, ByValue):
 
         return write(self, Path(path))
 
+    def to_pdf(self, path: str | os.PathLike[str]) -> Path:
+        """The path of the report that is written as PDF, printed by a Chromium, Chrome or Edge that
+        is at hand.
+
+        Raises FreebodyError where there is none, or where it fails, FileError for a file that
+        cannot be written.
+        """
+        from freebody.report.page import write_pdf
+
+        return write_pdf(self, Path(path))
+
 
 def study(
     model: Model,
