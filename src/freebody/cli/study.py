@@ -54,6 +54,14 @@ def study(
             "or auto to choose the cutoff from the noise.",
         ),
     ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A CSV file of the torques that were measured during the motion, shown beside the "
+            "computed ones: t (s) and the joints (N m, N).",
+        ),
+    ] = None,
     pdf: Annotated[
         Path | None,
         typer.Option(
@@ -82,6 +90,7 @@ def study(
             wrenches=robot.wrenches(model),
             smooth=cutoff,
             speed=robot.speed,
+            measured=measured,
             progress=lambda text, done: progress(text, 0.7 * done),
         )
         found = replace(found, command=options.again(context))

@@ -29,7 +29,6 @@ class CurveName:
     """A name that stands beside its curve: the middle of its line of text, pixels."""
 
     name: str
-    number: int
     at: complex
 
 
@@ -60,14 +59,14 @@ def named_curves(
     found = iter(boxes)
     placed: list[CurveName] = []
     standing: list[Box] = crowd.boxes[:before]
-    for k, want in enumerate(wanted):
+    for want in wanted:
         if not want.anchors:
             continue
         own = next(found)
         if _reads_well(own, want, standing, points, crowd):
             standing.append(own)
             middle = complex((own[0] + own[2]) / 2, own[3] - RULE["below"])
-            placed.append(CurveName(want.text, k, corner + middle))
+            placed.append(CurveName(want.text, corner + middle))
     return placed
 
 

@@ -55,7 +55,7 @@ class PlaneMap:
         return ticks(float(low), float(high), _LEVELS)
 
 
-def plane_map(what: PlaneMap, wide: float = 430.0, tallest: float = 460.0) -> Picture:
+def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Picture:
     """Picture of a map with its axes, contours and the robot."""
     steps = what.across[1] - what.across[0], what.up[1] - what.up[0]
     there = np.isfinite(what.values)
@@ -76,7 +76,7 @@ def plane_map(what: PlaneMap, wide: float = 430.0, tallest: float = 460.0) -> Pi
     body = [words("name", 6 + 16j, escape(what.title))]
     body += _coloured(what, levels, steps, at)
     texts: list[str] = []
-    placed: list[complex] = []
+    placed = [at(a) + share * (at(b) - at(a)) for a, b in what.links for share in (0.0, 0.5, 1.0)]
     for level in levels:
         segments = [(at(a), at(b)) for a, b in contour(what.across, what.up, what.values, level)]
         if segments:

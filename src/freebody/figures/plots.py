@@ -45,8 +45,15 @@ class Plot:
     log: bool = False
     across: str = "t in s"
     """The title of the horizontal axis."""
+    colours: Mapping[str, int] | None = None
+    """The colour of each curve by name; default their order."""
     also: tuple[float, str] | None = None
     """A second unit, on an axis at the right, and how many of it are one of `unit`."""
+
+    def colour(self, name: str) -> int:
+        """The number of a curve's colour."""
+        number = list(self.curves).index(name) if self.colours is None else self.colours[name]
+        return number % SERIES
 
 
 def plot(what: Plot) -> Picture:
@@ -64,26 +71,28 @@ def plot(what: Plot) -> Picture:
         if low <= level <= high:
             body.append(axes.level("limit", level, f"limit {significant(level)}"))
     drawn: dict[str, Array] = {}
-    for k, (name, curve) in enumerate(what.curves.items()):
+    for name, curve in what.curves.items():
         pieces = []
         for run in _runs(curve):
             x, y = axes.x(what.t[run]), axes.y(curve[run])
             needed = thin(x, y)
             pieces += [np.stack([x, y], axis=-1)[needed], np.full((1, 2), np.nan)]
-            body.append(line(f"curve s{k % SERIES}", path((x + 1j * y)[needed].tolist()), name))
+            d = path((x + 1j * y)[needed].tolist())
+            body.append(line(f"curve s{what.colour(name)}", d, name))
         drawn[name] = np.concatenate(pieces) if pieces else np.full((1, 2), np.nan)
     peak = _peak(axes, what) if what.peaks and not what.log else None
     if peak is not None:
         body.append(peak.svg)
     placed = named_curves(drawn, box, [peak.box] if peak else []) if what.names else []
     for label in placed:
-        css = f"num halo f{label.number % SERIES}"
+        css = f"num halo f{what.colour(label.name)}"
         body.append(words(css, label.at, escape(label.name), "middle"))
     rows = _legend(what, {label.name for label in placed})
     for k, row in enumerate(rows):
-        for number, name, x in row:
+        for name, x in row:
             at = complex(x, h + 11 + _ROW * k)
-            body.append(line(f"curve s{number % SERIES}", f"M{at.real:.1f} {at.imag - 4:.1f}h14"))
+            d = f"M{at.real:.1f} {at.imag - 4:.1f}h14"
+            body.append(line(f"curve s{what.colour(name)}", d))
             body.append(words("num", at + 19, escape(name)))
     tall = h + _ROW * len(rows) + (4 if rows else 0)
     return Picture("".join(body), w, tall, f"{what.title}, {what.unit} over time")
@@ -273,17 +282,17 @@ def _peak(axes: _Axes, what: Plot) -> _Peak | None:
     return _Peak(mark + beside, (inside - half, y - 11, inside + half, y + 4))
 
 
-def _legend(what: Plot, placed: Collection[str]) -> list[list[tuple[int, str, float]]]:
-    """(number, name, x) of the curves without a name beside them, in rows that fit."""
-    rows: list[list[tuple[int, str, float]]] = []
+def _legend(what: Plot, placed: Collection[str]) -> list[list[tuple[str, float]]]:
+    """(name, x) of the curves without a name beside them, in rows that fit."""
+    rows: list[list[tuple[str, float]]] = []
     x = math.inf
-    for number, name in enumerate(what.curves if what.names else ()):
+    for name in what.curves if what.names else ():
         if name in placed:
             continue
         needed = width(name, SIZE) + 40
         if x + needed > what.size[0]:
             rows.append([])
             x = 8.0
-        rows[-1].append((number, name, x))
+        rows[-1].append((name, x))
         x += needed
     return rows

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 
 _TOGETHER = 8  # curves that one picture holds
+_SEEN = 1e-4  # of the largest: a part that is smaller is no line of its own
+_NOISE = 1e-9  # of the largest torque: what is smaller is rounding
 _HERO = (460.0, 400.0)  # of the robot, pixels
 
 
@@ -73,15 +75,25 @@ def motion(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def torques(study: Study) -> Iterator[CaptionedDrawing]:
-    """Plots of each coordinate's torque with its parts and limits."""
+    """Plots of each coordinate's torque with the parts that it has there, its limits, and what was
+    measured."""
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
+    if "tau_measured" in data:
+        shown["tau_measured"] = "measured"
+    colours = {words: k for k, words in enumerate(shown.values())}
     units = data["effort_unit"].values
     for name in study.model.driven_names:
         k = study.model.velocity_names.index(name)
         curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
+        there = _SEEN * np.abs(curves["total"]).max()
+        curves = {
+            words: curve
+            for words, curve in curves.items()
+            if words == "total" or np.nanmax(np.abs(curve), initial=0.0) > there
+        }
         bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
-        yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True)
+        yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True, colours=colours)
 
 
 def parts(study: Study) -> dict[str, str]:
@@ -134,7 +146,10 @@ def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
 
 def gravity(study: Study) -> Iterator[CaptionedDrawing]:
     """Plots of the torques that gravity causes."""
-    yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
+    load = np.abs(study.data["tau_gravity"].values).max(axis=0)
+    felt = load > _NOISE * np.abs(study.data["tau"].values).max()
+    names = [x for x, there in zip(study.model.velocity_names, felt, strict=True) if there]
+    yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit", names)
 
 
 def lifting(study: Study) -> Iterator[CaptionedDrawing]:
@@ -193,14 +208,17 @@ def drift(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def _overlays(
-    study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit"
-) -> Iterator[CaptionedDrawing]:
-    """Plots of a variable for coordinates of one unit together, at most eight in each."""
+    study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit",
+    only: Collection[str] | None = None,
+) -> Iterator[CaptionedDrawing]:  # fmt: skip
+    """Plots of a variable for coordinates of one unit together, at most eight in each; only: those
+    that are shown, default all."""
     array = study.data[variable]
     dim = "position" if "position" in array.dims else "coordinate"
     groups: dict[str, list[str]] = {}
     for name, unit in _units(study, array, dim, unit_name):
-        groups.setdefault(unit, []).append(name)
+        if only is None or name in only:
+            groups.setdefault(unit, []).append(name)
     for unit, names in groups.items():
         for group in _groups(names):
             curves = {short: array.sel({dim: name}).values for name, short in group}
@@ -234,10 +252,13 @@ def _plot(
     study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *,
     limits: tuple[float, ...] = (),
     names: bool = True, peaks: bool = False, now: float | None = None,
+    colours: dict[str, int] | None = None,
 ) -> CaptionedDrawing:  # fmt: skip
     at = study.worst.time if now is None else now
     also = EVERYDAY[unit] if unit.startswith("rad") and unit in EVERYDAY else None
-    what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, names, also=also)
+    what = Plot(
+        title, study.motion.t, curves, unit, limits, at, peaks, names, colours=colours, also=also
+    )
     return CaptionedDrawing(plot(what).text(css=False))
 
 

@@ -133,6 +133,20 @@ def work(study: Study) -> ReportTable:
     return _by_coordinate("Work of each drive over the motion", study, names, columns)
 
 
+def measured(study: Study) -> ReportTable | None:
+    """The table of how far the computed torques are from the measured ones; None where nothing was
+    measured."""
+    if "measured_rms_difference" not in study.summary:
+        return None
+    columns = {
+        "RMS computed": "rms_torque",
+        "RMS difference": "measured_rms_difference",
+        "of measured": "measured_difference_share",
+    }
+    names = study.model.driven_names
+    return _by_coordinate("Computed less measured torque", study, names, columns)
+
+
 def ranges(study: Study) -> ReportTable | None:
     """The table of the range that each coordinate with a position moves through, and of its limits;
     None where none has one."""
@@ -335,7 +349,7 @@ def _axes(study: Study, name: str) -> list[str]:
     return [str(axis) for axis in study.data[name].values]
 
 
-TABLES = (drives, work, ranges, bodies, gravity, gravity_poses, reactions, checks)
+TABLES = (drives, measured, work, ranges, bodies, gravity, gravity_poses, reactions, checks)
 """Tables of the page, by the names of their functions."""
 
 

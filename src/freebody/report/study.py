@@ -24,6 +24,7 @@ from freebody.report.card import Card, card
 from freebody.report.checks import checks
 from freebody.report.jacobians import singularity
 from freebody.report.load_case import LoadCase, case_of
+from freebody.report.measured import Measured, compared_with
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
@@ -163,6 +164,7 @@ def study(
     wrenches: FrameWrenchTable = None,
     smooth: Smooth = False,
     speed: float = 1.0,
+    measured: Measured | None = None,
     progress: Progress | None = None,
 ) -> Study:
     """The dynamic study of a robot along a motion.
@@ -185,13 +187,17 @@ def study(
         torques is reported in any case, with the torques with and without it.
     speed
         How many times as fast the motion is run along its path, after it was smoothed.
+    measured
+        Torques that were measured during the motion, (t, tau) with t (k,) in the motion's time and
+        tau (k, nv), N m and N, or a CSV file (see `read_torques`): shown beside the computed ones,
+        with the RMS difference.
     progress
         Called with a text and the fraction done.
 
     Raises
     ------
     FreebodyError
-        A robot without movable joints.
+        A robot without movable joints; torques measured at another time or speed.
     MissingValueError
         A robot with open parameters.
     """
@@ -200,6 +206,11 @@ def study(
             f"study: {model.name!r} has no movable joint; there is no motion to study."
         )
     model.require_values("the study")
+    if measured is not None and speed != 1.0:
+        raise FreebodyError(
+            f"study: the torques were measured at the pace of the motion, not {speed:g} times as "
+            f"fast; leave out speed or measured."
+        )
     clock = _Clock(progress)
     if tip is not None:
         model = model.replace(tip=tip)
@@ -207,14 +218,17 @@ def study(
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
+        sampled, noisy = filtered(model, given(model, motion, loads), smooth, loads)
         if speed != 1.0:
             sampled = sampled.faster(speed)
         followed = with_peaks(model, sampled, loads)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)
         found = summary(model, followed, data)
-        judged = verdict(model, followed, data, found, noisy=bool(measured) and not smooth)
+        if measured is not None:
+            series_of, off = compared_with(model, followed, data, measured)
+            data, found = data.assign(series_of), found.assign(off)
+        judged = verdict(model, followed, data, found, noisy=bool(noisy) and not smooth)
     with clock.part("payload", 0.35):
         carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):
@@ -224,7 +238,7 @@ def study(
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay, loads)
     beyond = limit_notices(model, found, judged.uses)
-    warned = (*measured, *followed.notices, *_driven(model), *beyond)
+    warned = (*noisy, *followed.notices, *_driven(model), *beyond)
     clock.say("done", 1.0)
     return Study(
         model=model,

@@ -34,7 +34,7 @@ DATA, CARD, REPORT = "study.nc", "card.json", "report.html"
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows of a table."""
 
-_DRIVES = ("tau", *variables.PARTS, "power")
+_DRIVES = ("tau", "tau_measured", *variables.PARTS, "power")
 
 
 def save(study: Study, directory: Path, report: bool) -> list[Path]:

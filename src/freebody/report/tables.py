@@ -94,7 +94,7 @@ class ReportTable:
         """How many of the page's columns the table needs at least, 3 for all that there are."""
         wide = 0.0
         for k, head in enumerate(self.heads):
-            texts = [head.text, head.unit, *(row[k].text for row in self.rows)]
+            texts = [head.text, head.unit, *(_whole_text(row[k]) for row in self.rows)]
             longest = max(map(len, texts)) * _LETTER
             wide += _BETWEEN + (max(longest, _CELL) if head.number and head.text else longest)
         return min(3, math.ceil(wide / _COLUMN))
@@ -103,6 +103,13 @@ class ReportTable:
     def whole(self) -> bool:
         """Whether the table stays together on one sheet of paper."""
         return len(self.rows) <= _WHOLE
+
+
+def _whole_text(cell: Cell) -> str:
+    """The text of a cell with the unit behind it."""
+    return (
+        f"{cell.text} {cell.unit}" if isinstance(cell, PrintedNumber) and cell.unit else cell.text
+    )
 
 
 def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> ReportTable:

@@ -1,0 +1,82 @@
+"""Measured torques beside those that a study computes, with how far apart they are."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from freebody.arrays import Array, as_floats, refuse_not_finite
+from freebody.errors import FreebodyError, KindError, ShapeError
+from freebody.model.model import Model
+from freebody.motion.files.csv_files import read_torques
+from freebody.motion.motion import Motion, vector_of_times
+from freebody.motion.ranges import with_drive
+from freebody.report.summary import mean
+from freebody.report.variables import dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Measured = tuple[ArrayLike, ArrayLike] | str | os.PathLike[str]
+"""Times (k,) and torques (k, nv), or a CSV file with them, see `read_torques`."""
+
+_FEWEST = 3  # samples that a difference can be told from
+
+
+def measured_torques(model: Model, measured: Measured) -> tuple[Array, Array]:
+    """Times (k,), increasing, and torques (k, nv) as they were measured, N m and N."""
+    if isinstance(measured, str | os.PathLike):
+        return read_torques(model, measured)
+    if not isinstance(measured, tuple) or len(measured) != 2:
+        raise KindError(
+            "study",
+            "measured",
+            measured,
+            "times and torques, (t, tau), or a CSV file",
+            "t has shape (k,), tau (k, nv), N m and N.",
+        )
+    t = vector_of_times(measured[0])
+    tau = as_floats("study", "measured torques", measured[1])
+    if tau.shape != (len(t), model.nv):
+        raise ShapeError(
+            "study", "measured torques", tau.shape, f"({len(t)}, {model.nv})", "a row for each time"
+        )
+    refuse_not_finite("study", "measured torques", tau, 1, model.velocity_names)
+    return t, tau
+
+
+def compared_with(
+    model: Model, motion: Motion, data: xr.Dataset, measured: Measured
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """The measured torques at the samples of a study, straight between those that were measured,
+    NaN before and after and where nothing drives; and how far the computed ones are from them.
+
+    Raises FreebodyError where the two have too little time in common.
+    """
+    t, tau = measured_torques(model, measured)
+    inside = (motion.t >= t[0]) & (motion.t <= t[-1])
+    if inside.sum() < _FEWEST:
+        raise FreebodyError(
+            f"study: the torques were measured from t = {t[0]:.6g} s to {t[-1]:.6g} s, the motion "
+            f"lasts from {motion.t[0]:.6g} s to {motion.t[-1]:.6g} s; they have fewer than "
+            f"{_FEWEST} samples in common. Count both from the same instant."
+        )
+    driven = with_drive(model)
+    found = np.full((len(motion.t), model.nv), np.nan)
+    for k in np.flatnonzero(driven):
+        found[inside, k] = np.interp(motion.t[inside], t, tau[:, k])
+    own, at = found[inside], motion.t[inside]
+    off = np.sqrt(mean(at, (data["tau"].values[inside] - own) ** 2))
+    size = np.sqrt(mean(at, own**2))
+    summed: dict[str, Any] = {
+        "measured_rms_difference": off,
+        "measured_difference_share": np.divide(
+            off, size, out=np.full(len(off), np.nan), where=size > 0
+        ),
+    }
+    named = {name: data[name] for name in ("time", "coordinate")}
+    series = dataset({"tau_measured": found}, named)
+    return series, dataset(summed, {"coordinate": data["coordinate"]})
