@@ -67,6 +67,7 @@ _RULES = """
 .fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
 .fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}
 .fig .curve{fill:none;stroke-width:1.7;stroke-linejoin:round}
+.fig .faint{stroke-width:1;stroke-opacity:.5}
 .fig .peak{stroke:@paper;stroke-width:1.2}
 .fig .limit{fill:none;stroke:@limit;stroke-width:1.2;stroke-dasharray:6 3}
 .fig .now{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:2 3}

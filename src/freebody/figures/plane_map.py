@@ -108,7 +108,7 @@ def contour(x: Array, y: Array, values: Array, level: float) -> Iterator[tuple[A
                 p, q = (np.array([x[j + ring[k][1]], y[i + ring[k][0]]]) for k in (a, b))
                 ends.append(p + share * (q - p))
         # of a saddle the middle tells which corners belong together
-        if len(ends) == 4 and (own.mean() > 0) == (own[0] > 0):
+        if len(ends) == 4 and (own.mean() > 0) != (own[0] > 0):
             ends = [*ends[1:], ends[0]]
         yield from zip(ends[::2], ends[1::2], strict=True)
 

@@ -47,6 +47,8 @@ class Plot:
     """The title of the horizontal axis."""
     colours: Mapping[str, int] | None = None
     """The colour of each curve by name; default their order."""
+    faint: Collection[str] = ()
+    """Names of curves drawn behind the others, thin: measured ones, with their noise."""
     also: tuple[float, str] | None = None
     """A second unit, on an axis at the right, and how many of it are one of `unit`."""
 
@@ -71,6 +73,7 @@ def plot(what: Plot) -> Picture:
         if low <= level <= high:
             body.append(axes.level("limit", level, f"limit {significant(level)}"))
     drawn: dict[str, Array] = {}
+    behind = len(body)
     for name, curve in what.curves.items():
         pieces = []
         for run in _runs(curve):
@@ -78,7 +81,11 @@ def plot(what: Plot) -> Picture:
             needed = thin(x, y)
             pieces += [np.stack([x, y], axis=-1)[needed], np.full((1, 2), np.nan)]
             d = path((x + 1j * y)[needed].tolist())
-            body.append(line(f"curve s{what.colour(name)}", d, name))
+            css = f"curve s{what.colour(name)}"
+            if name in what.faint:
+                body.insert(behind, line(f"{css} faint", d, name))
+            else:
+                body.append(line(css, d, name))
         drawn[name] = np.concatenate(pieces) if pieces else np.full((1, 2), np.nan)
     peak = _peak(axes, what) if what.peaks and not what.log else None
     if peak is not None:

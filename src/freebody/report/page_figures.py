@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 
+MEASURED = "measured"
+"""What a measured curve is called."""
 _TOGETHER = 8  # curves that one picture holds
 _SEEN = 1e-4  # of the largest: a part that is smaller is no line of its own
 _NOISE = 1e-9  # of the largest torque: what is smaller is rounding
@@ -80,7 +82,7 @@ def torques(study: Study) -> Iterator[CaptionedDrawing]:
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
     if "tau_measured" in data:
-        shown["tau_measured"] = "measured"
+        shown["tau_measured"] = MEASURED
     colours = {words: k for k, words in enumerate(shown.values())}
     units = data["effort_unit"].values
     for name in study.model.driven_names:

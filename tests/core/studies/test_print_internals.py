@@ -177,14 +177,28 @@ def test_names_of_parameters_are_legible_formulas(name: str):
 
 @pytest.mark.parametrize("name", ["j_{}", "j_{1}", "a_b", "j_{", "_{<&>}"])
 def test_curves_are_called_what_their_joints_are(name: str):
-    """The legend shows a name letter by letter and leaves it room; braces after a bar made the page
-    of a study fail."""
+    """A name stands beside its curve letter by letter, or in a legend that leaves it room where
+    curves are on one another; braces after a bar made the page of a study fail."""
     t = np.linspace(0.0, 1.0, 5)
-    body = plot(Plot("Torque", t, {name: t, "next": t}, "N m")).body
-    drawn = [x for x in ET.fromstring(f"<g>{body}</g>") if x.get("class") == "num"]
-    first, second = (x for x in drawn if x.text in (name, "next"))
-    assert first.text == name
-    assert float(second.get("x", 0)) - float(first.get("x", 0)) > 40 + 4 * len(name)
+
+    def named(second: np.ndarray) -> list[ET.Element]:
+        body = plot(Plot("Torque", t, {name: t, "next": second}, "N m")).body
+        texts = ET.fromstring(f"<g>{body}</g>").iter("text")
+        return [x for x in texts if x.text in (name, "next")]
+
+    beside = named(-t)
+    assert [(x.text, x.get("class")) for x in beside] == [
+        (name, "num halo f0"),
+        ("next", "num halo f1"),
+    ]
+    legend = plot(Plot("Torque", t, {name: t, "next": -t}, "N m", size=(150.0, 90.0)))
+    first, second = (
+        x for x in ET.fromstring(f"<g>{legend.body}</g>").iter("text") if x.get("class") == "num"
+    )
+    assert (first.text, second.text) == (name, "next")
+    assert float(second.get("y", 0)) > float(first.get("y", 0)) or float(
+        second.get("x", 0)
+    ) - float(first.get("x", 0)) > 40 + 4 * len(name)
 
 
 @pytest.mark.parametrize("text", ["j_{}", "m_{a<b}", "2 θ_12 & x_{1,2}"])
