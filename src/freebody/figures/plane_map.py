@@ -3,7 +3,7 @@ in which most values lie, and the robot as a line drawing."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 
@@ -25,6 +25,9 @@ _APART = 26.0  # pixels: so far numbers on contours keep from each other
 _EDGE = 16.0
 
 Segment = tuple[complex, complex]
+Place = Sequence[float] | Array
+OnPage = Callable[[Place], complex]
+"""The pixels of a place (2,) in the plane, m."""
 
 
 @dataclass(frozen=True)
@@ -68,8 +71,8 @@ def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Pi
     size = scale * (high - low)
     box = (_LEFT, _TOP, _LEFT + size[0], _TOP + size[1])
 
-    def at(place: Sequence[float]) -> complex:
-        x, y = place
+    def at(place: Place) -> complex:
+        x, y = float(place[0]), float(place[1])
         return complex(_LEFT + scale * (x - low[0]), _TOP + scale * (high[1] - y))
 
     levels = what.levels
@@ -113,7 +116,9 @@ def contour(x: Array, y: Array, values: Array, level: float) -> Iterator[tuple[A
         yield from zip(ends[::2], ends[1::2], strict=True)
 
 
-def _coloured(what: PlaneMap, levels: Sequence[float], steps: Sequence[float], at) -> list[str]:
+def _coloured(
+    what: PlaneMap, levels: Sequence[float], steps: Sequence[float], at: OnPage
+) -> list[str]:
     colours = np.full(what.values.shape, -1)
     there = np.isfinite(what.values)
     colours[there] = np.searchsorted(levels, what.values[there], side="right")
@@ -143,7 +148,9 @@ def _number(
     return [words("contour-text", best + 4j, escape(text), "middle")]
 
 
-def _axes(what: PlaneMap, ends: tuple[Array, Array], box: tuple[float, ...], at) -> list[str]:
+def _axes(
+    what: PlaneMap, ends: tuple[Array, Array], box: tuple[float, ...], at: OnPage
+) -> list[str]:
     (left, top, right, bottom), (low, high) = box, ends
     out = [line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")]
     across, up = (ticks(float(low[k]), float(high[k]), 5) for k in (0, 1))
