@@ -150,3 +150,26 @@ def test_the_commands_study_under_a_wrench(tmp_path: Path, monkeypatch, capsys):
     page = Path("s/report.html").read_text("utf-8")
     assert f"<dt>Wrenches</dt><dd>{told}</dd>" in page
     assert "tau_wrenches" in Path("s/torques.csv").read_text("utf-8").splitlines()[0]
+
+
+def test_a_duty_cycle_in_the_place_of_a_motion(tmp_path: Path, monkeypatch, capsys):
+    """One option, whatever the file holds, and whatever it is called."""
+    monkeypatch.chdir(tmp_path)
+    Path("cycle.toml").write_text(
+        "[[segment]]\npoints = [[0, 0], [1, 0.5]]\ntimes = [0, 0.8]\npayload = { mass = 1 }\n"
+        "dwell = 0.2\n[[segment]]\npoints = [[1, 0.5], [0, 0]]\ntimes = [0, 1]\n"
+    )
+    assert run(["study", "2R", "--cycle", "cycle.toml", "--speed", "0.5", "--out", "out"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "Duty cycle: cycle.toml." in said
+    assert "Segment 1. Load: payload, 1 kg at (0, 0) m in tip" in said
+    assert "Segment 2. Load: none." in said
+    assert "In 3.8 s the drives do" in said
+    assert Path("out/segment-2/report.html").is_file()
+    case = json.loads(Path("out/card.json").read_text("utf-8"))["load_cases"]
+    assert [x["payload"] for x in case] == [1.0, 0.0]
+    asked = ["payload", "2R", "--effort", "90,40", "--motion", "cycle.toml"]
+    assert run(asked) == 0
+    assert "on each of 2 paths" in capsys.readouterr().out
+    asked = ["study", "2R", "--cycle", "cycle.toml", "--out", "o", "--smooth", "auto"]
+    assert "smooth is for one motion" in error(capsys, *asked)

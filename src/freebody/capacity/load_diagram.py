@@ -39,10 +39,10 @@ _HIGH = 1.6
 class LoadDiagram(Tabled, ByValue):
     """The largest payload over the offset of its centre of mass.
 
-    offsets: (k,), m along an axis of the frame. by_joint: (k, nv), kg, at which each drive alone
+    offsets: (k,), m along an axis of the frame. by_joint: (k, K), kg, at which each joint alone
     reaches its limit, infinite where none does. joint: (k,), index of the one that limits, -1
-    without one. joint_names: (nv,). frame, along: its name and the axis. doubts: those on the
-    robot's masses, drives and effort limits.
+    without one. joint_names: (K,), as of `fb.payload`. frame, along: its name and the axis.
+    doubts: those on the robot's masses, drives and effort limits.
     """
 
     offsets: Array
@@ -168,13 +168,13 @@ def load_diagram(
     ]
     if not found[0].mass.size:
         raise FreebodyError(f"{function}: there are no postures; give at least one.")
-    by_joint = np.array([x.by_joint.reshape(-1, model.nv).min(axis=0) for x in found])
+    by_joint = np.array([x.by_joint.reshape(-1, len(x.joint_names)).min(axis=0) for x in found])
     free = np.isinf(by_joint.min(axis=-1))
     return LoadDiagram(
         places,
         by_joint,
         np.where(free, -1, np.argmin(by_joint, axis=-1)).astype(int),
-        model.velocity_names,
+        found[0].joint_names,
         found[0].frame,
         axis,
         found[0].doubts,

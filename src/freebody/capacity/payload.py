@@ -1,11 +1,5 @@
-"""`payload`: the largest mass that a robot carries along a motion, or holds at postures.
-
-At given positions, rates and accelerations the torque that a joint transmits is affine in the mass
-of a load of given shape and place, t = t₀ + m t₁: t₁ is what a kilogram adds. The drive gives in
-addition what friction and rotor take, which no mass changes, and what the gear loses of t, a part
-that depends on the way of the power alone. So the torque of the drive rises or falls with m all the
-way, and the mass at which it reaches its limit has a closed form.
-"""
+"""`payload`: the largest mass that a robot carries along a motion, in a duty cycle, or at
+postures."""
 
 from __future__ import annotations
 
@@ -15,25 +9,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.any_chain.effort_limits import chosen_efforts
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.capacity.time_scaling import effort_limits, pace
+from freebody.capacity.reached_masses import LoadedCase, along
+from freebody.capacity.segments import LoadedSegment, loaded_segments
+from freebody.capacity.time_scaling import motion_pace
 from freebody.capacity.torque_parts import torque_parts
-from freebody.errors import FreebodyError, listed
+from freebody.design.duty_cycle import DutyCycle
+from freebody.errors import listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
 from freebody.model.doubts import Doubt, attribute, barring, doubts_on, in_one_line
-from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion, require_motion
 from freebody.motion.planning.planning_limits import SLACK
 from freebody.motion.ranges import CLOSE, position_columns, ranges
-from freebody.motion.smooth_friction import lost_torque, motor_springs, rotor_torque
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.outputs.number_text import rounded_down
 from freebody.reach.labelled_maps import axes_of, labelled
-from freebody.reach.payload_map import NO_SLOPE, given_efforts, refuse_passive
+from freebody.reach.payload_map import refuse_passive
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -44,20 +39,6 @@ from freebody.trees.public_calls import (
 if TYPE_CHECKING:
     import xarray as xr
 
-_ROUNDING = 1e-13
-"""Change of a torque, as a part of it, that is none."""
-_BETWEEN = 65
-"""Instants that are looked at in the two intervals beside the one that limits."""
-_BESIDE = 1e-6
-"""Share of an interval: so far from a jump of the accelerations its two sides are looked at."""
-_FEW = 8
-"""Samples for each break of a motion with few breaks."""
-_BLOCK = 65536
-"""Samples at once."""
-
-_MotionStates = tuple[Array, Array, Array]
-"""Positions, rates and accelerations of samples."""
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LargestPayload(Tabled, ByValue):
@@ -65,12 +46,13 @@ class LargestPayload(Tabled, ByValue):
     carries already.
 
     mass: (...), kg; 0 where a drive is overloaded without any, infinite where none limits it.
-    by_joint: (..., nv), the mass at which each drive alone reaches its limit. joint: (...), index
-    of the one that limits, -1 without one. time: (...), s, when it does; NaN for postures.
+    by_joint: (..., K), the mass at which each joint alone reaches its limit: coordinates, then
+    joints that follow others and have limits of their own. joint: (...), index of the one that
+    limits, -1 without one. time: (...), s, when it does; NaN for postures.
     overloaded: (...), whether a drive is overloaded without payload. too_fast: names of joints
     whose speed exceeds its limit on a motion, whatever the mass. outside: names of joints that
     leave their ranges on a motion or at a posture. faster: how many times as fast one
-    motion may be run without payload; NaN for several, and for postures. joint_names: (nv,). frame:
+    motion may be run without payload; NaN for several, and for postures. joint_names: (K,). frame:
     where the payload is. doubts: those on the robot's masses, drives and effort limits.
     """
 
@@ -111,7 +93,7 @@ class LargestPayload(Tabled, ByValue):
             return f"not {self._where()}: {listed(self.outside, 4)} would leave the position range"
         if self.too_fast:
             return f"not at this speed: {listed(self.too_fast, 4)} would exceed the speed limit"
-        at = self._least
+        at = self.least
         if self.joint[at] < 0:
             return "no drive limits it"
         name, time = self.joint_names[self.joint[at]], float(self.time[at])
@@ -126,7 +108,7 @@ class LargestPayload(Tabled, ByValue):
         motions or postures the least."""
         if not self.told:
             return self.remark
-        where, at = self._where(), self._least
+        where, at = self._where(), self.least
         if self.joint[at] < 0:
             return f"carries any mass {where}: {self.remark}"
         if self.overloaded[at]:
@@ -137,8 +119,8 @@ class LargestPayload(Tabled, ByValue):
         return " · ".join(told)
 
     @property
-    def _least(self) -> tuple[np.intp, ...]:
-        """Where the least of the masses is."""
+    def least(self) -> tuple[np.intp, ...]:
+        """The indices of the least of the masses."""
         return np.unravel_index(np.argmin(self.mass), self.mass.shape)
 
     def _where(self) -> str:
@@ -184,7 +166,7 @@ class LargestPayload(Tabled, ByValue):
 
 def payload(
     model: Model,
-    motion: Motion | Sequence[Motion] | JointVector,
+    motion: Motion | DutyCycle | Sequence[Motion] | JointVector,
     *,
     com: Sequence[float] | None = None,
     box: Sequence[float] | None = None,
@@ -201,7 +183,8 @@ def payload(
     model
         An open chain with a drive in every joint, or a closed one.
     motion
-        A Motion, several of them in a list, or positions q (..., nq) at which the robot stands.
+        A Motion, several of them in a list, or positions q (..., nq) at which the robot stands; or
+        a DutyCycle: for each segment, what it carries besides its payload, its rest included.
     com, box, cylinder
         Where the payload's centre of mass is in the frame's axes, (dim,) m, default its origin, and
         its shape, as for `Model.with_payload`; its inertia grows with its mass.
@@ -211,7 +194,8 @@ def payload(
         Constant ones exerted on the robot, {frame: (six,)}, world axes.
     effort
         (nv,), the largest torques and forces of the drives, N m and N, infinite where there is no
-        limit; default the joints' effort limits.
+        limit; default the joints' effort limits. Those of joints that follow others count in any
+        case.
 
     Returns
     -------
@@ -238,180 +222,73 @@ def payload(
     for what, given in shape.items():
         refuse_labelled(f"{function}: {what}", given)
     kilogram = {"mass": 1.0, **shape}
-    limits = _efforts(model, effort)
-    loads = wrenches_by_frame(function, model, wrenches, single=True) or None
-    case = _Case(model, _carrying(model, kilogram, name), limits, loads)
-    motions = _motions(model, motion)
-    if motions is None:
+    limits = chosen_efforts(function, model, effort)
+    loads = wrenches_by_frame(function, model, wrenches, single=True)
+    case = LoadedCase.of(model, kilogram, name, limits, loads or None)
+    motions, faster, doubted = _motions(model, motion), np.nan, (model,)
+    if isinstance(motion, DutyCycle):
+        segments = loaded_segments(function, model, motion, loads)
+        doubted = tuple(segment.model for segment in segments)
+        each = [_in_segment(x, kilogram, name, limits) for x in segments]
+        mass, over, time = (np.stack(x) for x in zip(*each, strict=True))
+    elif motions is None:
         q = finite_vector(function, model, "q", motion)
         rest = np.zeros((*q.shape[:-1], model.nv))
         mass, over = case.masses((q, rest, rest))
-        beyond = _outside(model, q.reshape(-1, model.nq))
-        time, fast, faster = np.full(q.shape[:-1], np.nan), (), np.nan
+        time = np.full(mass.shape, np.nan)
     else:
-        mass, over, time = _along(case, motions)
-        fast, beyond = _too_fast(model, motions), _leave(model, motions)
-        faster = _faster(model, motions[0], limits, loads) if isinstance(motion, Motion) else np.nan
+        mass, over, time = along(case, motions)
         if isinstance(motion, Motion):
             mass, over, time = mass[0], over[0], time[0]
+            data = torque_parts(model, motion, loads)
+            faster = motion_pace(model, motion, data, loads, limits).factor
+    beyond = _outside(model, q.reshape(-1, model.nq)) if motions is None else _leave(model, motions)
     joint = np.argmin(np.where(over, -1.0, mass), axis=-1)
     least = np.asarray(mass.min(axis=-1))
     free = np.isinf(least)
+    aspects = (
+        *(INERTIAL if motions is None else DYNAMIC),
+        *([EFFORTS] if effort is None else ()),
+    )
     return LargestPayload(
         least,
         mass,
         np.where(free, -1, joint).astype(int),
-        np.where(free, np.nan, np.take_along_axis(time, joint[..., None], axis=-1)[..., 0])
-        if motions is not None
-        else time,
+        np.where(free, np.nan, np.take_along_axis(time, joint[..., None], axis=-1)[..., 0]),
         np.asarray(over.any(axis=-1)),
-        fast,
+        () if motions is None else _too_fast(model, motions),
         tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad),
         faster,
-        model.velocity_names,
+        case.names,
         name,
-        doubts_on(
-            model,
-            *(INERTIAL if motions is None else DYNAMIC),
-            *([EFFORTS] if effort is None else ()),
-        ),
+        tuple(dict.fromkeys(x for one in doubted for x in doubts_on(one, *aspects))),
     )
 
 
-@dataclass(frozen=True)
-class _Case:
-    """A robot without and with a kilogram, the limits of its drives (nv,), and wrenches on it."""
-
-    model: Model
-    carrying: Model
-    effort: Array
-    wrenches: Mapping[str, Array] | None
-
-    def masses(self, states: _MotionStates) -> tuple[Array, np.ndarray]:
-        """(masses (..., nv) at which each drive reaches its limit, 0 of one that is overloaded
-        without, infinite where a mass changes nothing; whether it is overloaded)."""
-        shape, n = states[0].shape[:-1], self.model.nv
-        flat = [x.reshape(-1, x.shape[-1]) for x in states]
-        mass, over = np.empty((len(flat[0]), n)), np.empty((len(flat[0]), n), dtype=bool)
-        for first in range(0, len(flat[0]), _BLOCK):
-            some = slice(first, first + _BLOCK)
-            mass[some], over[some] = self._masses(*(x[some] for x in flat))
-        return mass.reshape(*shape, n), over.reshape(*shape, n)
-
-    def _masses(self, q: Array, qd: Array, qdd: Array) -> tuple[Array, np.ndarray]:
-        model, at, loads = self.model, (q, qd, qdd), self.wrenches
-        tau = inverse_dynamics(model, *at, loads)
-        lossy = bool(lossy_joints(model.bodies))
-        sent, rest = tau, np.zeros_like(tau)
-        carrying = self.carrying
-        if lossy:
-            bare, carrying = model.without("friction"), carrying.without("friction")
-            whole = inverse_dynamics(bare, *at, loads)
-            sent = whole - rotor_torque(model, q, qd, qdd) - motor_springs(model, q, qd)
-            rest = tau - sent - lost_torque(model, qd, sent)
-            slope = inverse_dynamics(carrying, *at, loads) - whole
-        else:
-            whole = tau
-            slope = inverse_dynamics(carrying, *at, loads) - tau
-        rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True)
-        slope[np.abs(slope) <= np.maximum(rounding, NO_SLOPE)] = 0.0
-        bound = np.where(np.isfinite(self.effort), self.effort, 0.0)
-        most = np.sign(slope) * bound - rest
-        if lossy:  # of what is transmitted at the limit, by the way of its power
-            lost = lost_torque(model, qd, most)
-            most = most / (1.0 + lost / np.where(most == 0.0, 1.0, most))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            mass = np.where(slope == 0.0, np.inf, (most - sent) / slope)
-        over = np.isfinite(self.effort) & (np.abs(tau) > bound * (1.0 + CLOSE))
-        mass = np.where(np.isfinite(self.effort), np.maximum(mass, 0.0), np.inf)
-        return np.where(over, 0.0, mass), over
-
-
-def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
-    name = "carried"
-    taken = {part.link for body in model.bodies for part in body.inertias}
-    while name in taken:
-        name += "_"
-    return model.with_payload(**kilogram, frame=frame, name=name)
-
-
-def _efforts(model: Model, effort: JointVector | None) -> Array:
-    """(nv,) limits of the drives, infinite where there is none."""
-    if effort is not None:
-        given = given_efforts("payload", model, effort)
-        driven = np.isin(np.arange(model.nv), model.driven)
-        return np.where(driven, given, np.inf)
-    found = effort_limits(model, ranges(model))
-    if not np.isfinite(found).any():
-        raise FreebodyError(
-            f"payload: no joint of {model.name!r} has an effort limit. Give effort= (--effort), "
-            f"the largest torque or force of each joint ({listed(model.driven_names, 8)})."
-        )
-    return found
+def _in_segment(
+    segment: LoadedSegment, kilogram: Mapping[str, Any], frame: str, limits: Array
+) -> tuple[Array, np.ndarray, Array]:
+    """(masses (K,), whether a joint is overloaded without, when) in a segment of a duty cycle,
+    moving and at rest behind it."""
+    case = LoadedCase.of(segment.model, kilogram, frame, limits, segment.wrenches or None)
+    mass, over, time = (x[0] for x in along(case, [segment.motion]))
+    if segment.dwell == 0.0:
+        return mass, over, time
+    rest = np.zeros(segment.model.nv)
+    held, worse = case.masses((segment.motion.q[-1], rest, rest))
+    end = segment.motion.t[-1]
+    return np.minimum(mass, held), over | worse, np.where(held < mass, end, time)
 
 
 def _motions(model: Model, motion: Any) -> list[Motion] | None:
     """The motions; None for postures."""
+    if isinstance(motion, DutyCycle):
+        return [require_motion("payload", model, x.motion) for x in motion.segments]
     if isinstance(motion, Motion):
         return [require_motion("payload", model, motion)]
     if isinstance(motion, list | tuple) and motion and all(isinstance(x, Motion) for x in motion):
         return [require_motion("payload", model, one) for one in motion]
     return None
-
-
-def _along(case: _Case, motions: Sequence[Motion]) -> tuple[Array, np.ndarray, Array]:
-    """(masses (P, nv), whether a drive is overloaded without (P, nv), when (P, nv)) of motions."""
-    samples = [_samples(one) for one in motions]
-    mass, over, time = _least(case, samples)
-    if case.model.loops:  # between samples its positions are not closed
-        return mass, over, time
-    least = np.take_along_axis(time, np.argmin(mass, axis=-1)[:, None], axis=-1)[:, 0]
-    closer = [_beside(one, float(at)) for one, at in zip(motions, least, strict=True)]
-    near, worse, when = _least(case, closer)
-    return np.minimum(mass, near), over | worse, np.where(near < mass, when, time)
-
-
-_TimedStates = tuple[Array, _MotionStates]
-"""Times and states of samples."""
-
-
-def _least(case: _Case, samples: Sequence[_TimedStates]) -> tuple[Array, np.ndarray, Array]:
-    """The least masses among samples of each motion, whether a drive is overloaded in one, and the
-    times of the least."""
-    q, qd, qdd = (np.concatenate(parts) for parts in zip(*(x[1] for x in samples), strict=True))
-    every, loaded = case.masses((q, qd, qdd))
-    found = []
-    ends = np.cumsum([len(t) for t, _ in samples])
-    for (t, _), end in zip(samples, ends, strict=True):
-        part = slice(end - len(t), end)
-        k = np.argmin(every[part], axis=0)
-        found.append(
-            (np.take_along_axis(every[part], k[None], axis=0)[0], loaded[part].any(axis=0), t[k])
-        )
-    mass, over, time = zip(*found, strict=True)
-    return np.array(mass), np.array(over), np.array(time)
-
-
-def _samples(motion: Motion) -> _TimedStates:
-    """The samples of a motion, and both sides of each jump of its accelerations: of all breaks of
-    its pieces where these are few, which takes less than to find the jumps."""
-    if motion.pieces is None:
-        return motion.t, (motion.q, motion.qd, motion.qdd)
-    breaks = motion.pieces.breaks
-    jumps = breaks[1:-1] if _FEW * len(breaks) <= len(motion.t) else motion.jumps
-    step = _BESIDE * float(np.diff(breaks).min())
-    sides = [motion.at(jumps, jumps + sign * step) for sign in (-1.0, 1.0)]
-    own = (motion.q, motion.qd, motion.qdd)
-    states = tuple(np.concatenate([x, *pair]) for x, *pair in zip(own, *sides, strict=True))
-    return np.concatenate([motion.t, jumps, jumps]), (states[0], states[1], states[2])
-
-
-def _beside(motion: Motion, time: float) -> _TimedStates:
-    """Instants between the samples on either side of one."""
-    k = int(np.argmin(np.abs(motion.t - time)))
-    ends = motion.t[max(k - 1, 0)], motion.t[min(k + 1, len(motion.t) - 1)]
-    t = np.linspace(*ends, _BETWEEN)
-    return t, motion.at(t)
 
 
 def _too_fast(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
@@ -448,10 +325,3 @@ def _leave(model: Model, motions: Sequence[Motion]) -> np.ndarray:
             found = one.peaks.position
             beyond |= _outside(model, np.stack([found.low, found.high]))
     return beyond
-
-
-def _faster(
-    model: Model, motion: Motion, effort: Array, wrenches: Mapping[str, Array] | None
-) -> float:
-    data = torque_parts(model, motion, wrenches)
-    return pace(model, motion, data, ranges(model).velocity, effort).factor

@@ -20,18 +20,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import product
+from itertools import compress, product
 from typing import Any
 
 import numpy as np
 
+from freebody.any_chain.dynamics import inverse_dynamics
+from freebody.any_chain.effort_limits import Followers, effort_limits, followers
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import CLOSE, Ranges, angular, with_drive
+from freebody.motion.ranges import CLOSE, Flags, angular, ranges
 from freebody.motion.smooth_friction import (
     ChangingFriction,
+    friction_torque,
     lost_parts,
     lost_torque,
     motor_springs,
@@ -53,62 +56,203 @@ class Pace:
     """
 
     factor: float
-    coordinate: str
-    """The one that reaches its limit at the factor, or cannot be slowed into it; empty without
-    one."""
-    quantity: str
+    joint: str = ""
+    """The coordinate, or joint that follows one, that reaches its limit at the factor, or cannot be
+    slowed into it; empty without one."""
+    quantity: str = ""
     """speed, torque or force: what then is at the limit."""
-    time: float
+    time: float = float("nan")
     """Time in the motion as it is given at which that is so (s)."""
-    held: Array
-    """(nv,) the largest |c| over the torque limit: what slowing down does not take away; NaN
-    without a limit."""
-    held_time: Array
-    """Times (nv,) at which a limit holds each coordinate back, s."""
+    share: float = float("nan")
+    """What is then used of the limit."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
 
 
-def pace(model: Model, motion: Motion, data: MotionTorques, velocity: Array, effort: Array) -> Pace:
-    """The pace at which a motion with `torque_parts` may be run under limits (nv,), infinite where
-    there are none."""
+def motion_pace(
+    model: Model,
+    motion: Motion,
+    data: MotionTorques,
+    wrenches: Mapping[str, Array] | None = None,
+    effort: Array | None = None,
+) -> Pace:
+    """The pace at which a motion with `torque_parts` may be run under the limits of a model;
+    effort: (nv,), others than its own, infinite where there are none."""
+    return pace([limited(model, motion, data, wrenches, effort)])
+
+
+@dataclass(frozen=True, eq=False)
+class LimitedMotion:
+    """A motion under limits: of speeds, and of torques in groups."""
+
+    names: tuple[str, ...]
+    speed: Array
+    """(nv,) the pace at which each coordinate alone is at its limit of speed."""
+    speed_time: Array
+    torques: tuple[_LimitedTorques, ...]
+    segment: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class _LimitedTorques:
+    """Torques (T, n) with limits (n,), all finite, as functions of the pace: at 0 those of slow
+    motion; polynomials of it, as `_ways` has them, or None where they are none."""
+
+    names: tuple[str, ...]
+    turns: Flags
+    limits: Array
+    time: Array
+    at: Callable[[float], Array]
+    ways: list[tuple[list[Array], list[Array]]] | None
+
+    @property
+    def bound(self) -> Array:
+        return self.limits * (1.0 + CLOSE)
+
+
+def limited(
+    model: Model,
+    motion: Motion,
+    data: MotionTorques,
+    wrenches: Mapping[str, Array] | None = None,
+    effort: Array | None = None,
+    segment: int = 0,
+) -> LimitedMotion:
+    """A motion with `torque_parts` under the limits of a model, as `motion_pace` takes them;
+    segment: of a duty cycle, from 1."""
     peaks = motion.peaks.velocity
-    fast = peaks.size
     with np.errstate(divide="ignore"):
-        each = np.where(fast > 0, velocity * (1 + CLOSE) / fast, np.inf)
-    quickest = float(each.min(initial=np.inf))
-    limited = np.isfinite(effort)
-    bound = np.where(limited, effort * (1 + CLOSE), 0.0)
-    torque_at = _torque_at(model, data)
-    if ChangingFriction(model, _array(data, "q"), _array(data, "qd")).acts:
-        factor = _searched(
-            lambda k: bool((np.abs(torque_at(k))[:, limited] <= bound[limited]).all()), quickest
-        )
-    else:
+        alone = np.where(peaks.size > 0, ranges(model).velocity * (1 + CLOSE) / peaks.size, np.inf)
+    torques = [_own_torques(model, data, effort_limits(model) if effort is None else effort)]
+    if (following := followers(model)) is not None:
+        torques.append(_followers_torques(following, data, wrenches))
+    return LimitedMotion(model.velocity_names, alone, peaks.size_at, tuple(torques), segment)
+
+
+@dataclass(frozen=True, eq=False)
+class HeldStill:
+    """Efforts (K,) that hold a robot still at a posture: of its coordinates, then of followers that
+    have limits of their own; and all limits, infinite where there is none."""
+
+    names: tuple[str, ...]
+    turns: Flags
+    efforts: Array
+    limits: Array
+
+
+def held_still(model: Model, q: Array, wrenches: Mapping[str, Array] | None = None) -> HeldStill:
+    """What holds a robot still at q (nq,), under constant wrenches on it by frame."""
+    rest = np.zeros(model.nv)
+    names, turns = model.velocity_names, angular(model)
+    efforts, limits = inverse_dynamics(model, q, rest, rest, wrenches), effort_limits(model)
+    if (following := followers(model)) is not None:
+        names = (*names, *following.names)
+        turns = np.append(turns, angular(following.freed)[following.columns])
+        efforts = np.append(efforts, following.torques(q, rest, rest, wrenches))
+        limits = np.append(limits, following.limits)
+    return HeldStill(names, turns, efforts, limits)
+
+
+def resting(held: HeldStill, time: float, segment: int) -> LimitedMotion:
+    """A rest at the end of a segment, which is the same at any pace."""
+    some = np.isfinite(held.limits)
+    efforts = held.efforts[None, some]
+    nothing = 0.0 * efforts
+    group = _LimitedTorques(
+        tuple(compress(held.names, some)),
+        held.turns[some],
+        held.limits[some],
+        np.array([time]),
+        lambda k: efforts,
+        [([nothing, nothing, efforts], [nothing, nothing, nothing + 1.0])],
+    )
+    return LimitedMotion((), np.zeros(0), np.zeros(0), (group,), segment)
+
+
+def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTorques:
+    some = np.isfinite(effort)
+    torque = _torque_at(model, data)
+    changing = ChangingFriction(model, _array(data, "q"), _array(data, "qd")).acts
+    ways = [
+        ([x[:, some] for x in torque], [x[:, some] for x in sent])
+        for torque, sent in _ways(model, data)
+    ]
+    return _LimitedTorques(
+        tuple(compress(model.velocity_names, some)),
+        angular(model)[some],
+        effort[some],
+        _array(data, "time"),
+        lambda k: torque(k)[:, some],
+        None if changing else ways,
+    )
+
+
+def _followers_torques(
+    following: Followers, data: MotionTorques, wrenches: Mapping[str, Array] | None
+) -> _LimitedTorques:
+    """The torques that reach followers. What does not rub is a polynomial of the pace, which three
+    of its values tell; a pace of -1 turns the rates round."""
+    q, qd, qdd = (_array(data, name) for name in ("q", "qd", "qdd"))
+    freed, columns = following.freed.opened, following.columns
+
+    def torque(k: float) -> Array:
+        return following.torques(q, k * qd, k**2 * qdd, wrenches)
+
+    def rubbing(k: float) -> Array:
+        return friction_torque(freed, *following.states(q, k * qd, qdd)[:2])[:, columns]
+
+    forth, back, still = (torque(k) - rubbing(k) for k in (1.0, -1.0, 0.0))
+    own, own_rates, _ = following.states(q, qd, qdd)
+    changing = ChangingFriction(freed, own, own_rates)
+    viscous = viscous_torque(freed, own, own_rates)[:, columns]
+    a, b = 0.5 * (forth + back) - still, 0.5 * (forth - back) + viscous
+    c = still + rubbing(1.0) - viscous - changing.at_pace(1.0)[:, columns]
+    return _LimitedTorques(
+        following.names,
+        angular(freed)[columns],
+        following.limits,
+        _array(data, "time"),
+        lambda k: (a * k + b) * k + c + changing.at_pace(k)[:, columns],
+        None if changing.acts else [([a, b, c], [0.0 * a, 0.0 * a, 0.0 * a + 1.0])],
+    )
+
+
+def pace(runs: Sequence[LimitedMotion]) -> Pace:
+    """The pace at which motions may be run, all at the same."""
+    quickest = min(float(run.speed.min(initial=np.inf)) for run in runs)
+    torques = [part for run in runs for part in run.torques]
+    if all(part.ways is not None for part in torques):
         ends = [
-            _broken([x[:, limited] for x in torque], bound[limited], [x[:, limited] for x in sent])
-            for torque, sent in _ways(model, data)
+            _broken(torque, part.bound, sent)
+            for part in torques
+            for torque, sent in part.ways or ()
         ]
         low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
         factor = _within(low, high, quickest)
-    held, held_time = _used(torque_at(0.0), effort, _array(data, "time"))
+    else:
+        factor = _searched(
+            lambda k: all(bool((np.abs(part.at(k)) <= part.bound).all()) for part in torques),
+            quickest,
+        )
     if not np.isfinite(factor):
-        return Pace(factor, "", "", np.nan, held, held_time)
-    share, time = _used(torque_at(factor), effort, _array(data, "time"))
-    j = int(np.argmax(np.nan_to_num(share)))
-    what, when = "torque" if angular(model)[j] else "force", float(time[j])
-    if factor > 0.0:
-        speed = factor / each
-        i = int(np.argmax(speed))
-        if speed[i] >= np.nan_to_num(share[j]):
-            j, what, when = i, "speed", float(peaks.size_at[i])
-    return Pace(factor, model.velocity_names[j], what, when, held, held_time)
+        return Pace(factor)
+    found = [x for run in runs for x in _used(run, factor)]
+    return max(found, key=lambda x: x.share)
 
 
-def _used(torque: Array, effort: Array, t: Array) -> tuple[Array, Array]:
-    """(the largest share (nv,) of limits that torques (T, nv) use, NaN without a limit; when)."""
-    limited = np.isfinite(effort)
-    share = np.where(limited, np.abs(torque) / np.where(limited, effort, 1.0), np.nan)
-    k = np.argmax(np.nan_to_num(share), axis=0)
-    return np.take_along_axis(share, k[None], axis=0)[0], t[k]
+def _used(run: LimitedMotion, factor: float) -> Iterator[Pace]:
+    """The limits of which a motion uses most at a pace: of speed, and of each group of torques."""
+    if factor > 0.0 and len(run.speed):
+        j = int(np.argmin(run.speed))
+        when, share = float(run.speed_time[j]), factor / float(run.speed[j])
+        yield Pace(factor, run.names[j], "speed", when, share, run.segment)
+    for part in run.torques:
+        share = np.abs(part.at(factor)) / part.limits
+        if share.size:
+            k, j = np.unravel_index(np.argmax(share), share.shape)
+            what = "torque" if part.turns[j] else "force"
+            when = float(part.time[k])
+            yield Pace(factor, part.names[j], what, when, float(share[k, j]), run.segment)
 
 
 def _array(data: MotionTorques, name: str) -> Array:
@@ -176,11 +320,6 @@ def _ways(model: Model, data: MotionTorques) -> Iterator[tuple[list[Array], list
             [a + lost * square, b + lost * linear, c + lost * constant],
             [way * square, way * linear, way * constant],
         )
-
-
-def effort_limits(model: Model, allowed: Ranges) -> np.ndarray:
-    """Limits of torque (nv,), infinite for coordinates that nothing drives."""
-    return np.where(with_drive(model), allowed.effort, np.inf)
 
 
 def at_pace(motion: Motion, factor: float, words: str) -> Motion:

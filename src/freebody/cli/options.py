@@ -186,6 +186,8 @@ FILE = (
 """Options of most commands."""
 CASE = (*FILE, *MODEL_CASE)
 """Options of commands that compute with the robot in its load case."""
+WHOLE_CASE = (*CASE, "wrench", "speed", "estimate_inertia")
+"""Options of commands that run the robot along a motion in its load case."""
 _READING |= {name: (option.annotation, None) for name, option in LOAD_CASE.items()}
 
 

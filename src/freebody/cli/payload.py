@@ -7,24 +7,17 @@ from typing import Annotated, Any
 
 import typer
 
-from freebody.cli import numbers, options, terminal
+from freebody.cli import motions, numbers, options, terminal
 from freebody.errors import FreebodyError
 
 EXAMPLE = 'Example: freebody payload ur5e --q "0, -90 deg, 90 deg, 0, 0, 0" --out loads.svg'
 
 
-@options.reading(*options.CASE, "wrench", "speed", "estimate_inertia")
+@options.reading(*options.WHOLE_CASE)
 def payload(
     context: typer.Context,
     robot: options.GivenRobot,
-    motion: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A CSV file of a motion, as for study. Default: over random postures within the "
-            "limits.",
-        ),
-    ] = None,
+    motion: motions.MotionInsteadOfPostures = None,
     q: Annotated[
         str | None,
         typer.Option(metavar="VALUES", help='At rest at this posture, rad and m, or "30 deg".'),
@@ -67,8 +60,8 @@ def payload(
         typer.Option(metavar="MM", parser=numbers.number, help="The farthest offset, mm."),
     ] = 500.0,
 ) -> None:
-    """The largest payload along a motion, at a posture or over many, the drive that limits it, and
-    the load diagram as makers print it.
+    """The largest payload along a motion or in each segment of a duty cycle, at a posture or over
+    many, the drive that limits it, and the load diagram as makers print it.
 
     What --payload tells is carried besides. Exit status 0: something is carried. 1: nothing is, or
     what is doubtful about the robot bars an answer. 2: bad input.
@@ -111,10 +104,7 @@ def _where(
     if motion is not None and q is not None:
         raise FreebodyError("--motion and --q: give a motion or a posture.")
     if motion is not None:
-        from freebody.motion.files.csv_files import read_motion
-
-        path = read_motion(model, motion)
-        return path.faster(robot.speed) if robot.speed != 1.0 else path, f"along {motion}"
+        return motions.read(model, motion, robot.speed), f"along {motion}"
     if robot.speed != 1.0:
         raise FreebodyError("--speed: there is no motion to run faster or slower; give --motion.")
     if q is not None:

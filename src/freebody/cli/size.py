@@ -8,13 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from freebody.cli import numbers, options, terminal
+from freebody.cli import motions, numbers, options, terminal
 from freebody.outputs.display import TextTable
 
 if TYPE_CHECKING:
-    from freebody.design.duty_cycle import DutyCycle
     from freebody.design.size import Sizing
-    from freebody.model.model import Model
 
 EXAMPLE = "Example: freebody size scara --catalogue invented --margin 1.2"
 _MOST = 12
@@ -32,14 +30,7 @@ def size(
             "no maker sells.",
         ),
     ],
-    motion: Annotated[
-        list[Path] | None,
-        typer.Option(
-            metavar="FILE",
-            help="What the robot has to do: a duty cycle (.toml) or a motion (.csv); several, if "
-            "it has to be able to do each. Default: a motion within the limits.",
-        ),
-    ] = None,
+    motion: motions.GivenMotions = None,
     joint: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME", help="A joint to choose for. Default: all that are driven."),
@@ -95,7 +86,7 @@ def size(
         parts = read(catalogue)
         found = chosen(
             model,
-            [_cycle(model, file) for file in motion or ()] or _default(model),
+            [motions.read_cycle(model, file) for file in motion or (None,)],
             parts,
             joints=joint,
             mounts=_mounts(mount),
@@ -121,23 +112,6 @@ def size(
     terminal.out().print(f"again:  {options.again(context)}", soft_wrap=True, highlight=False)
     if not found.choices:
         raise typer.Exit(1)
-
-
-def _cycle(model: Model, file: Path) -> DutyCycle:
-    from freebody.design.duty_cycle import DutyCycle, Segment
-    from freebody.motion.files.csv_files import read_motion
-
-    if file.suffix.lower() == ".toml":
-        return DutyCycle.read(model, file)
-    return DutyCycle([Segment(read_motion(model, file))], source=file.name)
-
-
-def _default(model: Model) -> DutyCycle:
-    from freebody.design.duty_cycle import DutyCycle, Segment
-    from freebody.motion.default_motion import default_motion
-
-    motion = default_motion(model)
-    return DutyCycle([Segment(motion)], source=motion.source)
 
 
 def _mounts(given: list[str] | None) -> dict[str, str | None]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from freebody.cli import options, terminal
+from freebody.cli import motions, options, terminal
 from freebody.errors import FreebodyError, OutputError
 from freebody.formats.read_file import number
 from freebody.outputs.display import counted
@@ -17,6 +17,10 @@ from freebody.outputs.number_text import compared
 from freebody.outputs.pdf import browser
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from freebody.report.cycle_study import CycleStudy
+    from freebody.report.results import Check
     from freebody.report.study import Study
 
 _STYLES = {
@@ -30,18 +34,11 @@ _STYLES = {
 EXAMPLE = "Example: freebody study ur5e --out study-ur5e"
 
 
-@options.reading(*options.CASE, "wrench", "speed", "estimate_inertia")
+@options.reading(*options.WHOLE_CASE)
 def study(
     context: typer.Context,
     robot: options.GivenRobot,
-    motion: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="A CSV file whose header names t (s) and the joints (rad, m; or a unit, "
-            "as in 'joint1 (deg)'). Default: a motion within the limits.",
-        ),
-    ] = None,
+    motion: motions.GivenMotion = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="DIR", help="Folder for report and data. Default: study-ROBOT."),
@@ -69,8 +66,8 @@ def study(
         ),
     ] = None,
 ) -> None:
-    """Study a robot along a motion: torques, powers, reactions, energies and checks, as a report
-    and as data.
+    """Study a robot along a motion or over a duty cycle: torques, powers, reactions, energies and
+    checks, as a report and as data.
 
     Exit status 0: feasible, or not judged because limits are not given. 1: a limit is exceeded,
     masses are missing or doubtful, or a self-check failed. 2: something cannot be read or written.
@@ -86,7 +83,7 @@ def study(
         prepare(directory)
         found = study_of(
             model,
-            motion,
+            None if motion is None else motions.read(model, motion),
             wrenches=robot.wrenches(model),
             smooth=cutoff,
             speed=robot.speed,
@@ -121,7 +118,7 @@ def _cutoff(smooth: str | None) -> bool | float:
     return cutoff
 
 
-def _saved(found: Study, directory: Path) -> FreebodyError | None:
+def _saved(found: Study | CycleStudy, directory: Path) -> FreebodyError | None:
     """The error that kept a study's files from being written, or None; it is raised after the
     findings are printed."""
     try:
@@ -131,46 +128,73 @@ def _saved(found: Study, directory: Path) -> FreebodyError | None:
     return None
 
 
-def _print(found: Study, directory: Path, failure: FreebodyError | None) -> None:
-    from freebody.report.load_case import in_a_line
-    from freebody.report.study_files import DATA, REPORT
-    from freebody.report.summary import drive_table, energy_text
+def _print(found: Study | CycleStudy, directory: Path, failure: FreebodyError | None) -> None:
+    from freebody.report.cycle_study import CycleStudy
+    from freebody.report.summary import drive_table
 
     out = terminal.out()
     for sentence in found.warnings:
         terminal.warn(sentence)
     out.print(found.verdict.text, style=_STYLES[found.verdict.outcome, found.verdict.good])
-    replay = found.replay.text if found.replay else found.replay_skipped
-    above = (
-        f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. Motion: "
-        f"{found.motion.source}.",
-        found.model.tip_reason,
-        in_a_line(found.model, found.wrenches, found.speed),
-    )
-    out.print(*above, sep="\n")
+    whole = isinstance(found, CycleStudy)
+    of = f"Duty cycle: {found.cycle.source}" if whole else f"Motion: {found.motion.source}"
+    out.print(f"{found.model.name}: {counted(found.model.nv, 'coordinate')}. {of}.")
+    out.print(found.model.tip_reason)
+    _print_case(found.segments if whole else (found,))
     terminal.table(found.card._table())
     shares = found.summary["effort_fraction"].sel(coordinate=list(found.model.driven_names)).values
     table = drive_table(found.model, found.summary)
     terminal.table(table, red=[k for k, share in enumerate(shares) if share > 1])
-    sentences = (
-        found.worst.text,
-        energy_text(found.summary, found.motion.duration),
-        *([found.singularity.text] if found.singularity else []),
-        replay,
-    )
-    out.print(*sentences, sep="\n")
-    _print_checks(found)
-    for title, name in (("report: {}", REPORT), ("data:   {} and CSV tables beside it", DATA)):
-        if failure is None or (isinstance(failure, OutputError) and name in failure.written):
-            out.print(title.format(directory / name), soft_wrap=True)
+    if isinstance(found, CycleStudy):
+        terminal.table(found.worst)
+        out.print(found.energy)
+        _print_checks([check for study in found.segments for check in study.checks])
+    else:
+        _print_words(found)
+        _print_checks(found.checks)
+    _print_files(found, directory, failure)
     out.print(f"again:  {found.command}", soft_wrap=True)
 
 
-def _print_checks(found: Study) -> None:
-    failed = [check for check in found.checks if not check.passed]
+def _print_case(studies: Sequence[Study]) -> None:
+    """The load case, of a duty cycle that of each segment."""
+    from freebody.report.load_case import in_a_line
+
+    for k, study in enumerate(studies, 1):
+        about = f"Segment {k}. " if len(studies) > 1 else ""
+        terminal.out().print(about + in_a_line(study.model, study.wrenches, study.speed))
+
+
+def _print_words(found: Study) -> None:
+    from freebody.report.summary import energy_text
+
+    terminal.out().print(
+        found.worst.text,
+        energy_text(found.summary, found.motion.duration),
+        *([found.singularity.text] if found.singularity else []),
+        found.replay.text if found.replay else found.replay_skipped,
+        sep="\n",
+    )
+
+
+def _print_files(found: Study | CycleStudy, directory: Path, failure: FreebodyError | None) -> None:
+    from freebody.report.cycle_study import CycleStudy
+    from freebody.report.study_files import CYCLE, DATA, REPORT
+
+    told = (("report: {}", REPORT), ("data:   {} and CSV tables beside it", DATA))
+    if isinstance(found, CycleStudy):
+        first = f"segment-1/{REPORT}"
+        told = (("report: {}, and of each segment its own", first), ("data:   {}", CYCLE))
+    for title, name in told:
+        if failure is None or (isinstance(failure, OutputError) and name in failure.written):
+            terminal.out().print(title.format(directory / name), soft_wrap=True)
+
+
+def _print_checks(checks: Sequence[Check]) -> None:
+    failed = [check for check in checks if not check.passed]
     out = terminal.out()
     if not failed:
-        out.print(f"Self-checks: freebody's results are consistent in all {len(found.checks)}.")
+        out.print(f"Self-checks: freebody's results are consistent in all {len(checks)}.")
     for check in failed:
         value, bar = compared(check.value, check.bar, digits=3)
         text = f"self-check failed: {check.name}: {value}, allowed {bar}. {check.text}"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from freebody.any_chain.dynamics import static_torque
+from freebody.any_chain.effort_limits import chosen_efforts, followers
 from freebody.arrays import Array, as_floats, check_core, refuse_not_finite
 from freebody.by_value import ByValue
 from freebody.elementary import Scalar, absolute, less, where
@@ -23,7 +24,7 @@ from freebody.reach.labelled_maps import axes_of, labelled
 from freebody.spatial import dot, of_dimension, times, transposed
 from freebody.targets import Kernel, compile_program
 from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length, vector
+from freebody.trees.public_calls import JointVector, finite_vector, refuse_without_length
 from freebody.ways_out.kernel import formula
 
 if TYPE_CHECKING:
@@ -43,7 +44,8 @@ class PayloadMap(Tabled, ByValue):
 
     mass: (...), kg; 0 where a joint is overloaded without any, infinite where none limits it.
     joint: (...), index of the joint that limits it, -1 without one. overloaded: (...), whether that
-    joint is overloaded without payload. joint_names: (nv,). frame: where the mass is. doubts: those
+    joint is overloaded without payload. joint_names: (K,), of the coordinates, then of joints that
+    follow others and have limits of their own. frame: where the mass is. doubts: those
     on the robot's masses and effort limits; where one of them bars a verdict, the masses are what
     its numbers give, and nothing is judged.
     """
@@ -107,10 +109,10 @@ def payload_map(
 
     q: (..., nq), such as `fb.random_state(model, seed, 10**6)[0]`, of a family (..., *family, nq).
     frame: name, default the tip. effort: (nv,), of a family (*family, nv) too, the largest torques
-    and forces, N m and N, infinite where there is no limit; default the joints' effort limits. Of a
-    closed chain, whose positions must satisfy its loops, only driven joints count, and a dictionary
-    may omit the others. point: (dim,), centre of the mass in the frame's axes, m; default its
-    origin.
+    and forces, N m and N, infinite where there is no limit; default the joints' effort limits;
+    those of joints that follow others count in any case. Of a closed chain, whose positions must
+    satisfy its loops, only driven joints count, and a dictionary may omit the others. point:
+    (dim,), centre of the mass in the frame's axes, m; default its origin.
 
     The torques at rest are those of `fb.static_torque`, affine in the mass: g + springs - m Jᵀ g₀
     with the field g₀ (2.41-2.49); friction does not help to hold. Returns PayloadMap. Raises
@@ -124,7 +126,13 @@ def payload_map(
     if model.passive and not model.loops:
         refuse_passive(function, model)
     at = finite_vector(function, model, "q", q)
-    given = _efforts(model) if effort is None else given_efforts(function, model, effort)
+    given, names = chosen_efforts(function, model, effort), model.velocity_names
+    if (following := followers(model)) is not None:
+        names = (*names, *following.names)
+        limits = following.limits
+        shape = np.broadcast_shapes(given.shape[:-1], limits.shape[:-1])
+        both = (np.broadcast_to(x, (*shape, x.shape[-1])) for x in (given, limits))
+        given = np.concatenate([*both], axis=-1)
     name = model.frame(frame).name
     centre = np.zeros(model.dim) if point is None else _point(model, point)
     refuse_without_length(function, model, at)
@@ -135,7 +143,7 @@ def payload_map(
         np.where(free, np.inf, mass),
         np.where(free, -1, joint).astype(int),
         np.asarray(over == 1.0),
-        model.velocity_names,
+        names,
         name,
         doubts_on(model, MASSES, *([EFFORTS] if effort is None else ())),
     )
@@ -154,39 +162,6 @@ def refuse_passive(function: str, model: Model) -> None:
         f"and gives way to the mass, on which the posture then depends. Ask the robot with this "
         f"joint rigid, such as the model before with_flexible_joint: its motors hold as much."
     )
-
-
-def _efforts(model: Model) -> Array:
-    """The joints' effort limits (..., nv), infinite where there are none; refuses a model without
-    any."""
-    written = model.limits.effort
-    efforts = np.where(written == 0.0, np.inf, written)  # 0 in files is "not given"
-    if not np.isfinite(efforts[..., list(model.driven)]).any():
-        raise FreebodyError(
-            f"payload_map: no joint of {model.name!r} has an effort limit. Give effort=, the "
-            f"largest torque or force of each joint ({', '.join(_driven_names(model))})."
-        )
-    return efforts
-
-
-def given_efforts(function: str, model: Model, effort: JointVector) -> Array:
-    """The largest efforts (*family, nv) as a caller gives them, infinite where there is no limit; a
-    mapping may leave out what nothing drives. Refuses what is not positive."""
-    names = model.velocity_names
-    if isinstance(effort, Mapping):
-        effort = dict.fromkeys(set(names) - set(_driven_names(model)), np.inf) | dict(effort)
-    found = vector(function, model, "effort", effort)
-    refuse_not_finite(function, "effort", np.where(np.isposinf(found), 1.0, found), 1, names)
-    if found.shape[:-1] not in ((), model.family) or not (found > 0).all():
-        raise FreebodyError(
-            f"{function}: effort must be one positive number for each of the {model.nv} joints; "
-            f"got {found.tolist()}."
-        )
-    return found
-
-
-def _driven_names(model: Model) -> list[str]:
-    return [model.velocity_names[k] for k in model.driven]
 
 
 def _point(model: Model, point: JointVector) -> Array:
@@ -220,15 +195,26 @@ def _compiled(model: Model, frame: str) -> Kernel:
     pose = formula(model, "forward_kinematics", frame=frame)
     jacobian = formula(model, "jacobian", frame=frame)
     static, d = formula(model, "static_torque"), model.dim
-    field = tuple(map(float, model.gravity))
+    field, following = tuple(map(float, model.gravity)), followers(model)
 
     def largest(q: Any, effort: Any, point: Any) -> HeldLoad:
         arm = times(tuple(row[:d] for row in pose(q)[:d]), point)
         weight = of_dimension(d).moment(arm, field)
-        slopes = [-dot(column, (*field, *weight)) for column in transposed(jacobian(q), model.nv)]
-        return _held(static(q), slopes, effort)
+        pull = (*field, *weight)
+        slopes = [-dot(column, pull) for column in transposed(jacobian(q), model.nv)]
+        torques = [*static(q)]
+        if following is not None:
+            own = tuple(x for at in model.coordinates for x in at.position(tuple(q)))
+            columns = transposed(
+                formula(following.freed, "jacobian", frame=frame)(own), following.freed.nv
+            )
+            held = formula(following.freed, "static_torque")(own)
+            slopes += [-dot(columns[k], pull) for k in following.columns]
+            torques += [held[k] for k in following.columns]
+        return _held(torques, slopes, effort)
 
-    inputs = [Argument("q", (model.nq,)), Argument("effort", (model.nv,)), Argument("point", (d,))]
+    count = model.nv if following is None else model.nv + len(following.names)
+    inputs = [Argument("q", (model.nq,)), Argument("effort", (count,)), Argument("point", (d,))]
     return compile_program(trace("payload_map", largest, inputs, _OUTPUTS))
 
 
@@ -265,14 +251,22 @@ def _by_torques(model: Model, q: Array, frame: str, effort: Array, point: Array)
     else:
         moment = arm[..., :1] * field[..., 1:] - arm[..., 1:] * field[..., :1]
     pull = np.broadcast_to(field, (*moment.shape[:-1], d))
-    torques = static_torque(model, q)
-    loaded = static_torque(model, q, {frame: np.concatenate([pull, moment], axis=-1)})
+    weight = {frame: np.concatenate([pull, moment], axis=-1)}
+    torques, loaded = static_torque(model, q), static_torque(model, q, weight)
+    if (following := followers(model)) is not None:
+        rest = np.zeros((*torques.shape[:-1], model.nv))
+        still = (np.broadcast_to(q, (*rest.shape[:-1], model.nq)), rest, rest)
+        torques, loaded = (
+            np.concatenate([own, following.torques(*still, pulls)], axis=-1)
+            for own, pulls in ((torques, None), (loaded, weight))
+        )
     slopes = loaded - torques
     slopes[np.abs(slopes) <= _ROUNDING * np.abs(loaded)] = 0.0
     key = ("payload_map", "by torques")
     kernel = model.compiled.get(key)
     if kernel is None:
-        inputs = [Argument(name, (model.nv,)) for name in ("torques", "slopes", "effort")]
+        count = torques.shape[-1]
+        inputs = [Argument(name, (count,)) for name in ("torques", "slopes", "effort")]
         kernel = compile_program(trace("held", _held, inputs, _OUTPUTS))
         model.compiled[key] = kernel
     return kernel(torques, slopes, effort)

@@ -11,6 +11,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.capacity.payload import LargestPayload, payload
+from freebody.design.duty_cycle import DutyCycle
 from freebody.errors import listed
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
@@ -18,7 +19,7 @@ from freebody.motion.ranges import ranges, with_drive
 from freebody.outputs.display import Tabled, TextTable
 from freebody.outputs.number_text import rounded_down
 from freebody.report.load_case import carried_mass
-from freebody.report.results import LimitUse, MotionVerdict
+from freebody.report.results import LimitUse, MotionVerdict, instant
 
 _UNKNOWN = "–"
 
@@ -95,18 +96,26 @@ def _number(x: float, unit: str) -> tuple[str, str]:
 
 
 def card(
-    model: Model, motion: Motion, judged: MotionVerdict, wrenches: Mapping[str, Array] | None
+    model: Model,
+    motion: Motion | DutyCycle,
+    judged: MotionVerdict,
+    wrenches: Mapping[str, Array] | None,
 ) -> Card:
-    """The card of a motion with its verdict, under constant wrenches on the robot by frame."""
+    """The card of a motion, or of a duty cycle, with its verdict, under constant wrenches on the
+    robot by frame."""
     reason = _no_payload(model)
     found = None if reason else payload(model, motion, wrenches=wrenches)
     mass, joint, time = (np.nan, "", np.nan) if found is None else _carried(found)
+    remark = reason
+    if found is not None:
+        besides = _besides(model, motion) if found.told else ""
+        remark = besides + found.remark + _in_segment(found)
     limit = judged.factor_limit
     return Card(
         payload=mass,
         payload_joint=joint,
         payload_time=time,
-        payload_remark=reason if found is None else _besides(model) + found.remark,
+        payload_remark=remark,
         faster=judged.factor,
         faster_joint=limit.coordinate if limit else "",
         faster_quantity=limit.quantity if limit else "",
@@ -124,12 +133,23 @@ def _carried(found: LargestPayload) -> tuple[float, str, float]:
     """(mass, the joint that limits it, when), where a mass is to be told of."""
     if not found.told:
         return np.nan, "", np.nan
-    k = int(found.joint)
-    return float(found.mass), "" if k < 0 else found.joint_names[k], float(found.time)
+    at = found.least
+    k = int(found.joint[at])
+    joint = "" if k < 0 else found.joint_names[k]
+    return float(found.mass[at]), joint, float(found.time[at])
 
 
-def _besides(model: Model) -> str:
+def _in_segment(found: LargestPayload) -> str:
+    """Which segment of a duty cycle the least of the masses is of; empty for a motion."""
+    if not (found.told and found.mass.ndim):
+        return ""
+    return f" of segment {int(found.least[0]) + 1}"
+
+
+def _besides(model: Model, motion: Motion | DutyCycle) -> str:
     """Words on what the robot carries already; empty where it is nothing."""
+    if isinstance(motion, DutyCycle) and any(x.payload is not None for x in motion.segments):
+        return "in every segment, besides what it carries there; "
     carried = carried_mass(model)
     return f"besides the {carried:.4g} kg that it carries; " if carried else ""
 
@@ -151,11 +171,11 @@ def _pace_words(judged: MotionVerdict) -> str:
         return "not known: see the verdict"
     if limit is None:
         return "no limit depends on the speed"
-    when = f"at t = {limit.time:.3g} s"
+    when = instant(limit.time, limit.segment)
     if factor == 0.0:
         return (
             f"no slowing helps: held still, {limit.coordinate} is beyond its limit of "
-            f"{limit.quantity} {when}"
+            f"{limit.quantity}{when}"
         )
     share = "" if judged.outcome != "not judged" else ", of the limits that are given"
-    return f"{limit.coordinate} is then at its limit of {limit.quantity} {when}{share}"
+    return f"{limit.coordinate} is then at its limit of {limit.quantity}{when}{share}"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,13 +13,13 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, KindError, ShapeError
 from freebody.model.model import Model
 from freebody.motion.files.csv_files import read_torques
-from freebody.motion.motion import Motion, vector_of_times
+from freebody.motion.motion import vector_of_times
 from freebody.motion.ranges import with_drive
 from freebody.report.summary import mean
 from freebody.report.variables import dataset
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from freebody.report.study import Study
 
 Measured = tuple[ArrayLike, ArrayLike] | str | os.PathLike[str]
 """Times (k,) and torques (k, nv), or a CSV file with them, see `read_torques`."""
@@ -26,8 +27,14 @@ Measured = tuple[ArrayLike, ArrayLike] | str | os.PathLike[str]
 _FEWEST = 3  # samples that a difference can be told from
 
 
-def measured_torques(model: Model, measured: Measured) -> tuple[Array, Array]:
-    """Times (k,), increasing, and torques (k, nv) as they were measured, N m and N."""
+def measured_torques(model: Model, measured: Measured, speed: float = 1.0) -> tuple[Array, Array]:
+    """Times (k,), increasing, and torques (k, nv) as they were measured, N m and N; refused beside
+    a motion that is run at another speed."""
+    if speed != 1.0:
+        raise FreebodyError(
+            f"study: the torques were measured at the pace of the motion, not {speed:g} times as "
+            f"fast; leave out speed or measured."
+        )
     if isinstance(measured, str | os.PathLike):
         return read_torques(model, measured)
     if not isinstance(measured, tuple) or len(measured) != 2:
@@ -48,15 +55,14 @@ def measured_torques(model: Model, measured: Measured) -> tuple[Array, Array]:
     return t, tau
 
 
-def compared_with(
-    model: Model, motion: Motion, data: xr.Dataset, measured: Measured
-) -> tuple[xr.Dataset, xr.Dataset]:
-    """The measured torques at the samples of a study, straight between those that were measured,
-    NaN before and after and where nothing drives; and how far the computed ones are from them.
+def beside_measured(study: Study, t: Array, tau: Array) -> Study:
+    """The study with torques (k, nv) measured at times (k,) at its samples, straight between those
+    that were measured, NaN before and after and where nothing drives; and how far the computed ones
+    are from them.
 
     Raises FreebodyError where the two have too little time in common.
     """
-    t, tau = measured_torques(model, measured)
+    model, motion, data = study.model, study.motion, study.data
     inside = (motion.t >= t[0]) & (motion.t <= t[-1])
     if inside.sum() < _FEWEST:
         raise FreebodyError(
@@ -64,19 +70,17 @@ def compared_with(
             f"lasts from {motion.t[0]:.6g} s to {motion.t[-1]:.6g} s; they have fewer than "
             f"{_FEWEST} samples in common. Count both from the same instant."
         )
-    driven = with_drive(model)
     found = np.full((len(motion.t), model.nv), np.nan)
-    for k in np.flatnonzero(driven):
+    for k in np.flatnonzero(with_drive(model)):
         found[inside, k] = np.interp(motion.t[inside], t, tau[:, k])
     own, at = found[inside], motion.t[inside]
     off = np.sqrt(mean(at, (data["tau"].values[inside] - own) ** 2))
     size = np.sqrt(mean(at, own**2))
-    summed: dict[str, Any] = {
-        "measured_rms_difference": off,
-        "measured_difference_share": np.divide(
-            off, size, out=np.full(len(off), np.nan), where=size > 0
-        ),
-    }
-    named = {name: data[name] for name in ("time", "coordinate")}
-    series = dataset({"tau_measured": found}, named)
-    return series, dataset(summed, {"coordinate": data["coordinate"]})
+    share = np.divide(off, size, out=np.full(len(off), np.nan), where=size > 0)
+    summed = {"measured_rms_difference": off, "measured_difference_share": share}
+    coordinate = {"coordinate": data["coordinate"]}
+    return replace(
+        study,
+        data=data.assign(dataset({"tau_measured": found}, {"time": data["time"], **coordinate})),
+        summary=study.summary.assign(dataset(summed, coordinate)),
+    )

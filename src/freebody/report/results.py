@@ -33,6 +33,8 @@ class LimitUse:
     unit: str
     end: Literal["", "lower", "upper"] = ""
     """The end of a range that is meant; empty where there is only one limit."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
 
     @property
     def exceeded(self) -> bool:
@@ -42,7 +44,7 @@ class LimitUse:
     @property
     def text(self) -> str:
         """The use of the limit as a phrase: what, how much, when, where."""
-        when = f" at t = {self.time:.3g} s" if self.time == self.time else ""
+        when = instant(self.time, self.segment)
         value, limit = self.in_print()
         if self.quantity == "position":
             way = "beyond its" if self.exceeded else "its"
@@ -73,6 +75,8 @@ class PaceLimit:
     coordinate: str
     time: float
     """When, in the motion as it is studied (s)."""
+    segment: int = 0
+    """The segment of a duty cycle, from 1; 0 where there is none."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -129,6 +133,13 @@ class MotionVerdict(Tabled):
     def binding(self) -> LimitUse | None:
         """The limit that the motion uses most, or exceeds most; None where there is none."""
         return self.uses[0] if self.uses else None
+
+
+def instant(time: float, segment: int = 0) -> str:
+    """Words for a time in a motion, or in a segment of a duty cycle; empty for NaN."""
+    if time != time:
+        return ""
+    return f" at t = {time:.3g} s" + (f" of segment {segment}" if segment else "")
 
 
 def percent(share: float) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from freebody.any_chain.dynamics import inverse_dynamics, joint_wrenches
 from freebody.arrays import Array
-from freebody.capacity.time_scaling import at_pace, effort_limits, pace
+from freebody.capacity.time_scaling import at_pace, motion_pace
 from freebody.capacity.torque_parts import torque_parts
 from freebody.design.joint_loads import joint_loads
 from freebody.errors import KindError
@@ -94,9 +94,7 @@ def _from_zero(motion: Motion) -> Motion:
 
 def _unhurried(model: Model, motion: Motion, wrenches: Mapping[str, Array] | None) -> Motion:
     """The default motion, slowed down where that brings it within limits of speed and torque."""
-    allowed = ranges(model)
-    data = torque_parts(model, motion, wrenches)
-    factor = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed)).factor
+    factor = motion_pace(model, motion, torque_parts(model, motion, wrenches), wrenches).factor
     if factor >= 1.0 or factor < _SLOWEST:
         return motion
     factor *= _CLEARANCE

@@ -9,10 +9,12 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
+from freebody.capacity.segments import loaded_segments
+from freebody.design.duty_cycle import DutyCycle, Segment
 from freebody.errors import FreebodyError, SingularError, listed
 from freebody.model.doubts import readings
 from freebody.model.model import Model
@@ -22,19 +24,24 @@ from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
 from freebody.report.card import Card, card
 from freebody.report.checks import checks
+from freebody.report.cycle_study import CycleStudy, cycle_study
 from freebody.report.jacobians import singularity
 from freebody.report.load_case import LoadCase, case_of
-from freebody.report.measured import Measured, compared_with
+from freebody.report.measured import Measured, beside_measured, measured_torques
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
 from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
-from freebody.report.verdict import verdict
+from freebody.report.verdict import judged_motion, verdict
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+StudiedMotion = DutyCycle | Segment | Motion | MotionTable | str | os.PathLike[str] | None
+"""What a robot is studied along; None: a default motion."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -156,6 +163,20 @@ class Study(Tabled, ByValue):
         return write_pdf(self, Path(path))
 
 
+@overload
+def study(
+    model: Model,
+    motion: DutyCycle | Segment,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    progress: Progress | None = None,
+) -> CycleStudy: ...
+
+
+@overload
 def study(
     model: Model,
     motion: Motion | MotionTable | str | os.PathLike[str] | None = None,
@@ -166,8 +187,21 @@ def study(
     speed: float = 1.0,
     measured: Measured | None = None,
     progress: Progress | None = None,
-) -> Study:
-    """The dynamic study of a robot along a motion.
+) -> Study: ...
+
+
+def study(
+    model: Model,
+    motion: StudiedMotion = None,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    measured: Measured | None = None,
+    progress: Progress | None = None,
+) -> Study | CycleStudy:
+    """The dynamic study of a robot along a motion, or over a duty cycle.
 
     Parameters
     ----------
@@ -176,12 +210,13 @@ def study(
     motion
         A Motion, a CSV file (see `read_motion`) or a table by names (see `Motion.of`: a dict, a
         DataFrame, a Dataset); default: a smooth one within the joint limits, slowed as far as the
-        limits of speed and torque require.
+        limits of speed and torque require. Or a DutyCycle, whose result is a `CycleStudy`: the
+        studies of its segments, and what is said of all together.
     tip
         Frame; default: the model's own, without which the study leaves out what is of a tip.
     wrenches
         Constant ones exerted on the robot by its surroundings, {frame: (six,)}, force then moment,
-        world axes (N, N m); one alone: at the tip.
+        world axes (N, N m); one alone: at the tip. Those of segments are added.
     smooth
         True, or a cutoff (Hz), for a measured motion (see `smoothed`). Noise that spoils the
         torques is reported in any case, with the torques with and without it.
@@ -197,7 +232,8 @@ def study(
     Raises
     ------
     FreebodyError
-        A robot without movable joints; torques measured at another time or speed.
+        A robot without movable joints; a duty cycle with wrenches that change over time, or that
+        is to be smoothed; torques that were measured at another time or pace, or over a cycle.
     MissingValueError
         A robot with open parameters.
     """
@@ -206,29 +242,80 @@ def study(
             f"study: {model.name!r} has no movable joint; there is no motion to study."
         )
     model.require_values("the study")
-    if measured is not None and speed != 1.0:
-        raise FreebodyError(
-            f"study: the torques were measured at the pace of the motion, not {speed:g} times as "
-            f"fast; leave out speed or measured."
-        )
     clock = _Clock(progress)
     if tip is not None:
         model = model.replace(tip=tip)
     loads = wrenches_by_frame("study", model, wrenches, single=True)
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
+    if isinstance(motion, DutyCycle | Segment):
+        if measured is not None:
+            raise FreebodyError(
+                "study: measured is for one motion; study the segments by themselves."
+            )
+        cycle = motion if isinstance(motion, DutyCycle) else DutyCycle((motion,))
+        return _over_cycle(model, cycle, loads, smooth, speed, progress)
+    torques = None if measured is None else measured_torques(model, measured, speed)
+    found, _ = _along(model, motion, loads, smooth, speed, clock)
+    return found if torques is None else beside_measured(found, *torques)
+
+
+def _over_cycle(
+    model: Model,
+    cycle: DutyCycle,
+    loads: Mapping[str, Array],
+    smooth: Smooth,
+    speed: float,
+    progress: Progress | None,
+) -> CycleStudy:
+    if smooth is not None and smooth is not False:
+        raise FreebodyError(
+            "study: smooth is for one motion; the segments of a duty cycle would no longer meet. "
+            "Smooth the whole (fb.smoothed), then divide it."
+        )
+    segments = loaded_segments("study", model, cycle, loads)
+    found = []
+    for k, segment in enumerate(segments):
+        part = None if progress is None else _Part(progress, k, len(segments))
+        clock = _Clock(part)
+        found.append(_along(segment.model, segment.motion, segment.wrenches, None, speed, clock))
+    studies, noisy = zip(*found, strict=True)
+    whole = cycle_study(model, cycle, segments, studies, any(noisy))
+    return replace(whole, wrenches=dict(loads), speed=speed)
+
+
+@dataclass(frozen=True)
+class _Part:
+    """The progress of one of several segments."""
+
+    progress: Progress
+    number: int
+    count: int
+
+    def __call__(self, text: str, fraction: float) -> None:
+        words = f"segment {self.number + 1}: {text}" if fraction < 1.0 else text
+        self.progress(words, (self.number + fraction) / self.count)
+
+
+def _along(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    loads: dict[str, Array],
+    smooth: Smooth,
+    speed: float,
+    clock: _Clock,
+) -> tuple[Study, bool]:
+    """The study of one motion, and whether the motion's noise is part of its torques."""
     with clock.part("motion", 0.0):
-        sampled, noisy = filtered(model, given(model, motion, loads), smooth, loads)
+        sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
         if speed != 1.0:
             sampled = sampled.faster(speed)
         followed = with_peaks(model, sampled, loads)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)
         found = summary(model, followed, data)
-        if measured is not None:
-            series_of, off = compared_with(model, followed, data, measured)
-            data, found = data.assign(series_of), found.assign(off)
-        judged = verdict(model, followed, data, found, noisy=bool(noisy) and not smooth)
+        noisy = bool(measured) and not smooth
+        judged = verdict([judged_motion(model, followed, data, found, loads)], noisy)
     with clock.part("payload", 0.35):
         carded = card(model, followed, judged, loads)
     with clock.part("worst poses", 0.4):
@@ -238,9 +325,9 @@ def study(
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay, loads)
     beyond = limit_notices(model, found, judged.uses)
-    warned = (*noisy, *followed.notices, *_driven(model), *beyond)
+    warned = (*measured, *followed.notices, *_driven(model), *beyond)
     clock.say("done", 1.0)
-    return Study(
+    done = Study(
         model=model,
         tip=model.tip,
         motion=followed,
@@ -260,6 +347,7 @@ def study(
         wrenches=loads,
         speed=speed,
     )
+    return done, noisy
 
 
 def _driven(model: Model) -> tuple[str, ...]:

@@ -6,6 +6,7 @@ import dataclasses
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
@@ -27,9 +28,10 @@ from freebody.report.page_tables import facts
 if TYPE_CHECKING:
     import xarray as xr
 
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
-DATA, CARD, REPORT = "study.nc", "card.json", "report.html"
+DATA, CARD, REPORT, CYCLE = "study.nc", "card.json", "report.html", "cycle.nc"
 
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows of a table."""
@@ -50,6 +52,29 @@ def save(study: Study, directory: Path, report: bool) -> list[Path]:
         **attribute(study.model.doubts),
     }
     return write_folder(directory, makers(study, report), about)
+
+
+def save_cycle(study: CycleStudy, directory: Path, report: bool) -> list[Path]:
+    """The paths of the files of the study of a duty cycle that are written: of each segment into a
+    folder of its own, then of the whole, the manifest's last."""
+    written = []
+    for k, segment in enumerate(study.segments, 1):
+        named = replace(segment, command=study.command)
+        written += save(named, directory / f"segment-{k}", report)
+    about = {
+        "freebody": freebody.__version__,
+        "robot": study.model.name,
+        "cycle": study.cycle.source,
+        **({"command": study.command} if study.command else {}),
+        "written": datetime.now(UTC).isoformat(timespec="seconds"),
+        "verdict": study.verdict.text,
+    }
+    made: dict[str, Callable[[], str | bytes]] = {
+        CYCLE: lambda: bytes(_encodable(study.summary.copy()).to_netcdf(engine="scipy")),
+        "summary.csv": partial(_csv, lambda: _summary(study.summary, "coordinate")),
+        CARD: lambda: cycle_card_text(study),
+    }
+    return [*written, *write_folder(directory, made, about)]
 
 
 def makers(study: Study, report: bool) -> Makers:
@@ -94,6 +119,18 @@ def dataset(study: Study) -> xr.Dataset:
     return whole
 
 
+def cycle_card_text(study: CycleStudy) -> str:
+    """Verdict, card and load cases of a duty cycle as JSON, as of `card_text`."""
+    told = {
+        "robot": study.model.name,
+        "verdict": {"outcome": study.verdict.outcome, "reason": study.verdict.reason},
+        "card": by_field(study.card),
+        "load_cases": [by_field(case) for case in study.load_cases],
+        "rows": study.card.rows,
+    }
+    return json.dumps(_plain(told), indent=1) + "\n"
+
+
 def card_text(study: Study) -> str:
     """Verdict, card and load case as JSON: numbers in SI units, null where one is not known or has
     no end, and the rows of both as texts."""
@@ -124,7 +161,10 @@ def netcdf(study: Study) -> bytes:
     Names of joints stand in it as values, never as names of its own, which could not hold all of
     them.
     """
-    whole = dataset(study)
+    return bytes(_encodable(dataset(study)).to_netcdf(engine="scipy"))
+
+
+def _encodable(whole: xr.Dataset) -> xr.Dataset:
     for held in (whole, *whole.variables.values()):
         held.attrs = {k: encodable(v) if isinstance(v, str) else v for k, v in held.attrs.items()}
     labels = {
@@ -132,7 +172,7 @@ def netcdf(study: Study) -> bytes:
         for name, labelled in whole.coords.items()
         if labelled.dtype.kind in "UO"
     }
-    return bytes(whole.assign_coords(labels).to_netcdf(engine="scipy"))
+    return whole.assign_coords(labels)
 
 
 def _csv(table: Callable[[], _HeadAndRows]) -> str:

@@ -9,21 +9,32 @@ torque is held against the effort limit and the power against effort times speed
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.capacity.time_scaling import Pace, effort_limits, pace, parts
+from freebody.any_chain.effort_limits import followers
+from freebody.arrays import Array
+from freebody.capacity.time_scaling import LimitedMotion, Pace, limited, pace, parts
 from freebody.errors import listed
-from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, SPEEDS
+from freebody.model.doubt_rules.aspects import EFFORTS as EFFORT_LIMITS
+from freebody.model.doubt_rules.aspects import MASSES, RANGES, ROTORS, SPEEDS
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
 from freebody.motion.motion import Motion
-from freebody.motion.ranges import CLOSE, Ranges, position_columns, ranges
+from freebody.motion.ranges import CLOSE, Ranges, angular, position_columns, ranges
 from freebody.outputs.number_text import rounded_down
-from freebody.report.results import LimitUse, MotionVerdict, PaceLimit, VerdictOutcome, percent
+from freebody.report.results import (
+    LimitUse,
+    MotionVerdict,
+    PaceLimit,
+    VerdictOutcome,
+    instant,
+    percent,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,20 +45,61 @@ _NAMES = 4  # in a list of joints
 _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 
+@dataclass(frozen=True, eq=False)
+class JudgedMotion:
+    """What a verdict on a motion, or on one of several, rests on."""
+
+    model: Model
+    data: xr.Dataset
+    limited: LimitedMotion
+    uses: tuple[LimitUse, ...]
+
+
+def judged_motion(
+    model: Model,
+    motion: Motion,
+    data: xr.Dataset,
+    found: xr.Dataset,
+    wrenches: Mapping[str, Array] | None = None,
+    segment: int = 0,
+) -> JudgedMotion:
+    """A motion to be judged, from `Study.data` and `Study.summary`, under constant wrenches by
+    frame; segment: of a duty cycle, from 1."""
+    uses = (
+        *_uses(model, motion, ranges(model), found),
+        *_followers_uses(model, motion, wrenches),
+    )
+    return JudgedMotion(
+        model,
+        data,
+        limited(model, motion, data, wrenches, segment=segment),
+        tuple(replace(use, segment=segment) for use in uses),
+    )
+
+
 def verdict(
-    model: Model, motion: Motion, data: xr.Dataset, found: xr.Dataset, noisy: bool = False
+    motions: Sequence[JudgedMotion],
+    noisy: bool = False,
+    uses: Iterable[LimitUse] | None = None,
+    rests: Sequence[LimitedMotion] = (),
 ) -> MotionVerdict:
-    """The verdict on a motion from `Study.data` and `Study.summary`; noisy: whether the motion's
-    noise is part of its torques."""
-    allowed, doubts = ranges(model), _WeighedDoubts(model.doubts)
-    every = sorted(_uses(model, motion, allowed, found), key=lambda use: -use.fraction)
+    """The verdict on a motion, or on all segments of a duty cycle together.
+
+    noisy: whether the noise of a motion is part of its torques. uses: of limits, default those of
+    all motions. rests: between segments.
+    """
+    model = motions[0].model
+    doubts = _WeighedDoubts(tuple(dict.fromkeys(x for one in motions for x in one.model.doubts)))
+    if uses is None:
+        uses = (use for one in motions for use in one.uses)
+    every = sorted(uses, key=lambda use: -use.fraction)
     told = [use for use in every if not _rests(use, doubts.wrong)]
     over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
-    undriven = _undriven(model, data) if doubts.masses_known else ()
-    loose = _own_pace(model, data) if doubts.torques_meant else ()
+    undriven = _of_all(_undriven, motions) if doubts.masses_known else ()
+    loose = _of_all(_own_pace, motions) if doubts.torques_meant else ()
     failed = bool(over or undriven)
     outcome = doubts.outcome(failed)
-    run = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed))
+    run = pace([*(one.limited for one in motions), *rests])
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     if loose:
         sentences.append(_no_other_pace(loose, slower=failed))
@@ -62,8 +114,15 @@ def verdict(
     reason = " ".join(sentences)
     if doubts.wrong or loose or not told:
         return MotionVerdict(outcome, reason, tuple(told), doubts.every, float("nan"))
-    limit = PaceLimit(run.quantity, run.coordinate, run.time) if run.coordinate else None
+    limit = PaceLimit(run.quantity, run.joint, run.time, run.segment) if run.joint else None
     return MotionVerdict(outcome, reason, tuple(told), doubts.every, run.factor, limit)
+
+
+def _of_all(
+    find: Callable[[Model, xr.Dataset], Sequence[str]], motions: Sequence[JudgedMotion]
+) -> tuple[str, ...]:
+    """What is found of all motions, each once."""
+    return tuple(dict.fromkeys(x for one in motions for x in find(one.model, one.data)))
 
 
 class _WeighedDoubts:
@@ -90,7 +149,7 @@ class _WeighedDoubts:
 
 def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     """Whether the use of a limit depends on something doubtful."""
-    aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORTS))
+    aspects = _ASPECTS.get(use.quantity, (MASSES, ROTORS, EFFORT_LIMITS))
     return any(
         set(aspects) & set(doubt.of.touches)
         for doubt in doubts
@@ -98,7 +157,11 @@ def _rests(use: LimitUse, doubts: Sequence[Doubt]) -> bool:
     )
 
 
-_ASPECTS = {"position": (RANGES,), "speed": (SPEEDS,), "power": (MASSES, ROTORS, EFFORTS, SPEEDS)}
+_ASPECTS = {
+    "position": (RANGES,),
+    "speed": (SPEEDS,),
+    "power": (MASSES, ROTORS, EFFORT_LIMITS, SPEEDS),
+}
 """Aspects that the use of a limit rests on, where that is not a torque."""
 
 
@@ -124,6 +187,28 @@ def _uses(model: Model, motion: Motion, allowed: Ranges, found: xr.Dataset) -> I
                 size, share = (float(found[x].values[k]) for x in (value, f"{used}_fraction"))
                 when = float(found[time].values[k]) if time else float("nan")
                 yield LimitUse(quantity, name, size, limit, share, when, of)
+
+
+def _followers_uses(
+    model: Model, motion: Motion, wrenches: Mapping[str, Array] | None
+) -> Iterator[LimitUse]:
+    """The torques and forces that reach joints which follow others and have limits of their own;
+    their speeds and ranges are in those of the joints that they follow."""
+    following = followers(model)
+    if following is None:
+        return
+    tau = following.torques(motion.q, motion.qd, motion.qdd, wrenches)
+    turns = angular(following.freed)[following.columns]
+    for name, turning, limit, x in zip(
+        following.names, turns, following.limits, tau.T, strict=True
+    ):
+        k, (what, unit) = int(np.argmax(np.abs(x))), EFFORTS[bool(turning)]
+        share, time = abs(float(x[k])) / float(limit), float(motion.t[k])
+        yield LimitUse(what, name, float(x[k]), float(limit), share, time, unit)
+
+
+EFFORTS = {True: ("torque", "N m"), False: ("force", "N")}
+"""What the effort of a joint is called, and its unit, by whether the joint turns."""
 
 
 def _position(
@@ -264,12 +349,11 @@ def _paces(
 
 def _held_too_much(model: Model, run: Pace) -> str:
     """A sentence on torques that exceed a limit however slow the motion is."""
-    k = model.velocity_names.index(run.coordinate)
     what = "gravity" if not _holds_more(model) else "gravity, springs and friction"
     return (
         f"Slowing down does not help: {what} alone require{'s' if what == 'gravity' else ''} "
-        f"{percent(float(run.held[k]))} of {run.coordinate}'s limit at t = "
-        f"{run.held_time[k]:.3g} s."
+        f"{percent(run.share)} of {run.joint}'s limit"
+        f"{instant(run.time, run.segment)}."
     )
 
 

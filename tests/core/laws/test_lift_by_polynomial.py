@@ -96,3 +96,82 @@ def test_drives(model, tmp_path):
         for x in (turning, heavier.replace(gravity=0))
     ]
     np.testing.assert_allclose(*stops, rtol=1e-9)
+
+
+def limited(folder: Path, force: float, more: str = "") -> fb.Model:
+    """The lift whose slide, which follows the crank, may carry no more than a force."""
+    file = folder / "limited.toml"
+    own = f'axis = "y"\nlimits = {{ effort = {force} }}\n'
+    text = (TEXT % (TABLE, 0.0)).replace('axis = "y"\n', own).replace("effort = 10", "effort = 80")
+    links = '    { name = "rod", mass = 1 },\n    { name = "bar", mass = 1 },\n]'
+    file.write_text(text.replace("\n]", f"\n{links}", 1) + more if more else text)
+    return fb.load(file)
+
+
+FOUR_BAR = """
+[[joint]]
+name = "left"
+kind = "revolute"
+parent = "base"
+child = "rod"
+origin = [3, 0]
+[[joint]]
+name = "right"
+kind = "revolute"
+parent = "base"
+child = "bar"
+origin = [4, 0]
+passive = true
+[[loop]]
+name = "coupler"
+kind = "distance"
+distance = 1
+frames = ["A", "B"]
+[[frame]]
+name = "A"
+parent = "rod"
+origin = [0, 1]
+[[frame]]
+name = "B"
+parent = "bar"
+origin = [0, 1]
+"""
+
+
+@pytest.mark.parametrize("more", ["", FOUR_BAR], ids=["open", "beside a four-bar"])
+def test_what_reaches_the_follower_has_a_limit_of_its_own(tmp_path, more):
+    """At rest the slide carries m g wherever the crank stands; moved it carries m (g + ÿ). No
+    mass is added to what the crank alone could hold."""
+    force = 30.0
+    model = limited(tmp_path, force, more)
+    at = np.zeros((3, model.nq))
+    at[:, 0] = Q[:, 0]
+    left = force / G - TABLE
+    for found in (fb.payload(model, at[:2]), fb.payload_map(model, at[:2])):
+        np.testing.assert_allclose(found.mass, left, rtol=1e-12)
+        assert {found.joint_names[k] for k in found.joint} == {"slide"}
+    motion = fb.quintic(model, [[-1.5, *[0.0] * (len(model.driven) - 1)],
+                                [1.5, *[0.0] * (len(model.driven) - 1)]], [0.0, 1.2])  # fmt: skip
+    q, qd, qdd = motion.q[:, 0], motion.qd[:, 0], motion.qdd[:, 0]
+    rise = (0.2 + 0.1 * q) * qdd + BEND * qd**2
+    most = np.where(G + rise > 0.0, force, -force) / (G + rise) - TABLE
+    found = fb.payload(model, motion)
+    assert found.joint_names[int(found.joint)] == "slide"
+    assert float(found.mass) == pytest.approx(most.min(), rel=1e-4)
+    if more:
+        return
+    study = fb.study(model, motion)
+    (use,) = (x for x in study.verdict.uses if x.coordinate == "slide")
+    assert (use.quantity, use.unit, use.limit) == ("force", "N", force)
+    assert abs(use.value) == pytest.approx(TABLE * np.abs(G + rise).max(), rel=1e-5)
+    # m (g + k² ÿ) reaches the limit at the pace k
+    some = rise[rise != 0.0]
+    k = np.sqrt((np.sign(some) * force / TABLE - G) / some)
+    assert study.card.faster == pytest.approx(k.min(), rel=1e-4)
+    assert (study.card.faster_joint, study.card.faster_quantity) == ("slide", "force")
+    tight = fb.study(limited(tmp_path, 19.0), motion)
+    assert tight.verdict.outcome == "not feasible"
+    assert tight.verdict.factor == 0.0
+    assert "% of slide's limit" in tight.verdict.reason
+    assert tight.card.payload == 0.0
+    assert tight.card.payload_joint == "slide"

@@ -15,7 +15,7 @@ import pytest
 from scipy.linalg import expm
 
 import freebody as fb
-from freebody.capacity.time_scaling import pace
+from freebody.capacity.time_scaling import motion_pace
 from freebody.design.joint_loads import joint_loads
 from freebody.math import cos, sin
 from freebody.report import lifting, page, page_figures
@@ -176,9 +176,14 @@ def test_the_pace_is_held_by_the_torque_at_rest_and_friction():
     t = np.linspace(0.0, 2.0, 201)
     wave = 0.5 * np.sin(np.pi * t / 2.0)[:, None] ** 2
     study = fb.study(model, fb.Motion.of(model, t, wave * [1.0, -0.6]))
-    found = pace(study.model, study.motion, study.data, np.full(2, np.inf), np.full(2, 10.0))
-    tau = fb.static_torque(model, study.motion.q) + 0.4 * np.sign(study.motion.qd)
-    np.testing.assert_allclose(found.held, np.abs(tau).max(axis=0) / 10.0, rtol=1e-9)
+    tau = np.abs(fb.static_torque(model, study.motion.q) + 0.4 * np.sign(study.motion.qd))
+    for k, most in enumerate(tau.max(axis=0)):
+        effort = np.where(np.arange(2) == k, 0.8 * most, np.inf)
+        found = motion_pace(study.model, study.motion, study.data, effort=effort)
+        assert found.factor == 0.0
+        assert (found.joint, found.quantity) == (model.velocity_names[k], "torque")
+        assert found.share == pytest.approx(1.25, rel=1e-9)
+        assert found.time == study.motion.t[np.argmax(tau[:, k])]
 
 
 def test_work_is_parted_where_the_power_changes_its_sign():
