@@ -47,9 +47,9 @@ def named_curves(
     xs = np.linspace(0.06, 0.94, _PLACES) * crowd.width
     heights = np.array([_height(points - (left, top), xs) for points in curves.values()])
     for points in curves.values():
-        inside = (points - (left, top))[np.isfinite(points).all(axis=1)]
-        for a, b in pairwise(inside):
-            crowd.keep_clear(complex(*a), complex(*b))
+        for a, b in pairwise(points - (left, top)):
+            if np.isfinite([a, b]).all():
+                crowd.keep_clear(complex(*a), complex(*b))
     wanted = [
         Wanted(name, "", _anchors(heights, k, xs, crowd.height), width(name, SIZE))
         for k, name in enumerate(curves)
@@ -72,7 +72,13 @@ def named_curves(
 
 def _height(points: Array, xs: Array) -> Array:
     """The height of a curve at some places along the plot; NaN where it has none."""
-    return np.interp(xs, points[:, 0], points[:, 1], left=np.nan, right=np.nan)
+    there = np.flatnonzero(np.isfinite(points).all(axis=1))
+    if len(there) < 2:
+        return np.full(len(xs), np.nan)
+    x, y = points[there].T
+    next_one = np.clip(np.searchsorted(x, xs), 1, len(x) - 1)
+    bridged = there[next_one] - there[next_one - 1] > 1
+    return np.where(bridged, np.nan, np.interp(xs, x, y, left=np.nan, right=np.nan))
 
 
 def _anchors(heights: Array, k: int, xs: Array, tall: float) -> list[tuple[complex, complex]]:

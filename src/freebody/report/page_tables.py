@@ -29,6 +29,7 @@ from freebody.report.tables import (
 from freebody.report.variables import VARIABLES, dataset
 
 if TYPE_CHECKING:
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
 
@@ -61,7 +62,9 @@ class Printed:
     everyday: bool = False
     """Whether the numbers are printed in degrees, rpm and mm: a column beside that of the SI."""
 
-    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> TableColumn:
+    def column(
+        self, study: Study | CycleStudy, book: xr.Dataset, dim: str, names: Sequence[str]
+    ) -> TableColumn:
         """The head and the cells of the column, for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
@@ -82,13 +85,14 @@ class Printed:
                 continue
             at, own = {dim: name, **dict(self.at)}, "" if same else unit
             bar = x if limited else None
-            cells.append(PrintedNumber(x, self.variable, at, own, scale, bar=bar))
+            counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
+            cells.append(PrintedNumber(x, self.variable, at, own, scale, counted, bar))
         repeated = of.meaning == self.title.lower()
         tip = self.tip if self.tip is not None else "" if repeated or self.everyday else of.meaning
         return Head(self.title, units[0] if same else "", tip), cells
 
 
-def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]:
+def _units(study: Study | CycleStudy, dim: str, names: Sequence[str], unit: str) -> list[str]:
     """The units of a variable's rows."""
     turning, _, sliding = unit.removesuffix("|1").partition("|")
     if not sliding:
@@ -114,7 +118,7 @@ def drives(study: Study) -> ReportTable:
         "Speed / limit": "velocity_fraction",
         "Peak power": "peak_power",
     }
-    return _by_coordinate("Required torque, speed and power of each drive", study, names, columns)
+    return by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: Study) -> ReportTable:
@@ -130,7 +134,7 @@ def work(study: Study) -> ReportTable:
         "Power / limits": "power_fraction",
     }
     names = study.model.driven_names
-    return _by_coordinate("Work of each drive over the motion", study, names, columns)
+    return by_coordinate("Work of each drive over the motion", study, names, columns)
 
 
 def measured(study: Study) -> ReportTable | None:
@@ -144,7 +148,7 @@ def measured(study: Study) -> ReportTable | None:
         "of measured": "measured_difference_share",
     }
     names = study.model.driven_names
-    return _by_coordinate("Computed less measured torque", study, names, columns)
+    return by_coordinate("Computed less measured torque", study, names, columns)
 
 
 def ranges(study: Study) -> ReportTable | None:
@@ -163,7 +167,7 @@ def ranges(study: Study) -> ReportTable | None:
     }
     lowest = study.summary["lowest"]
     names = [x for x in study.model.velocity_names if np.isfinite(lowest.sel(coordinate=x))]
-    return _by_coordinate("Range of motion of each joint", study, names, columns)
+    return by_coordinate("Range of motion of each joint", study, names, columns)
 
 
 def bodies(study: Study) -> ReportTable:
@@ -197,7 +201,7 @@ def gravity(study: Study) -> ReportTable | None:
         "Any pose": "worst_gravity_torque",
         "Any / limit": "worst_gravity_fraction",
     }
-    return _by_coordinate("Torque needed to hold against gravity", study, names, columns)
+    return by_coordinate("Torque needed to hold against gravity", study, names, columns)
 
 
 def gravity_poses(study: Study) -> ReportTable | None:
@@ -216,7 +220,7 @@ def gravity_poses(study: Study) -> ReportTable | None:
         scale, everyday = EVERYDAY[unit]
         at = (("position", name),)
         poses.append(Printed(short, "worst_gravity_pose", at, scale, everyday, f"{name} there"))
-    return _by_coordinate("Pose in which gravity loads it most", study, names, {}, poses)
+    return by_coordinate("Pose in which gravity loads it most", study, names, {}, poses)
 
 
 def reactions(study: Study) -> ReportTable:
@@ -300,19 +304,21 @@ def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
     return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
 
 
-def _by_coordinate(
-    caption: str, study: Study, names: Sequence[str], titles: Mapping[str, str],
+def by_coordinate(
+    caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
     more: Iterable[Printed] = (),
 ) -> ReportTable:  # fmt: skip
     """A table whose rows are coordinates, numbered as their bodies are in the drawings; columns
     without a finite number are left out. titles: of the columns, with their variables; positions
     and speeds in everyday units too."""
-    book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
     asked: list[Printed] = []
     for title, variable in titles.items():
         asked.append(Printed(title, variable))
         if VARIABLES[variable].unit.partition("|")[0] in EVERYDAY:
             asked.append(Printed("", variable, everyday=True))
+    book = study.summary
+    if any(p.variable not in book for p in (*asked, *more)):
+        book = xr.merge([book, facts(study)], compat="no_conflicts", combine_attrs="drop")
     shown = [
         p.column(study, book, "coordinate", names)
         for p in (*asked, *more)
@@ -321,7 +327,7 @@ def _by_coordinate(
     return _listed(caption, "Coordinate", names, shown, _numbers(study, names))
 
 
-def _numbers(study: Study, names: Sequence[str]) -> Sequence[int] | None:
+def _numbers(study: Study | CycleStudy, names: Sequence[str]) -> Sequence[int] | None:
     """The numbers in the drawings of the bodies that coordinates move; None where these are no help
     to find a row: in loops, and where a joint has several coordinates."""
     model = study.model

@@ -22,6 +22,8 @@ from freebody.motion.files.motion_tables import MotionTable
 from freebody.motion.motion import Motion
 from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.files import write
+from freebody.outputs.pdf import pdf
 from freebody.report.card import Card, card
 from freebody.report.checks import checks
 from freebody.report.cycle_study import CycleStudy, cycle_study
@@ -147,9 +149,9 @@ class Study(Tabled, ByValue):
 
     def to_html(self, path: str | os.PathLike[str]) -> Path:
         """The path of the report that is written as one HTML file, which opens offline."""
-        from freebody.report.page import write
+        from freebody.report.page import page
 
-        return write(self, Path(path))
+        return write(path, page(self))
 
     def to_pdf(self, path: str | os.PathLike[str]) -> Path:
         """The path of the report that is written as PDF, printed by a Chromium, Chrome or Edge that
@@ -158,9 +160,9 @@ class Study(Tabled, ByValue):
         Raises FreebodyError where there is none, or where it fails, FileError for a file that
         cannot be written.
         """
-        from freebody.report.page import write_pdf
+        from freebody.report.page import page
 
-        return write_pdf(self, Path(path))
+        return write(path, pdf(page(self)))
 
 
 @overload
