@@ -253,8 +253,8 @@ def test_derive_takes_the_options_of_its_methods(capsys: pytest.CaptureFixture[s
     said = capsys.readouterr()
     assert "f₁₂ = fc₂ − m₂ g − f" in said.out
     assert "is now written --weights explicit" in said.err
-    assert run(["derive", "2R", "--gravity", "0,-9.81"]) == 2
-    assert "--weights base|explicit chooses how" in capsys.readouterr().err
+    assert run(["derive", "2R", "--gravity", "inside"]) == 2
+    assert "--gravity 'inside': write the field x,y" in capsys.readouterr().err
     assert run(["derive", "pendulum", "--route", "pivot"]) == 0
     assert "I_A = I₁ + m₁ lc₁²" in capsys.readouterr().out
     assert run(["derive", "2R", "--method", "lagrange", "--route", "pivot"]) == 2

@@ -103,8 +103,30 @@ def test_what_a_command_cannot_use_is_refused_with_its_reason(capsys, tmp_path, 
          "--wrench", "tip:1,0,0"),
         ("no frame 'hand'", "simulate", "2R", "--wrench", "hand:1,0,0"),
         ("--speed '-1': write a factor above 0", "study", "2R", "--speed", "-1"),
+        ("--gravity is given 2 times; give it once.", "show", "2R", "--gravity", "0,1", "--gravity",
+         "0,2"),
+        ("--motion is given 2 times", "study", "2R", "--motion", "a.csv", "--cycle", "b.toml"),
     ):  # fmt: skip
         assert words in error(capsys, *asked)
+
+
+def test_several_payloads_are_all_carried(tmp_path: Path):
+    file = tmp_path / "arm.toml"
+    two = ["--payload", "2@0.1,0", "--payload", "0.5"]
+    assert run(["convert", "2R", str(file), *two]) == 0
+    both = fb.load("2R").with_payload(2.0, com=[0.1, 0.0]).with_payload(0.5, name="payload2")
+    assert fb.load(file) == both
+
+
+def test_derive_in_another_field_and_mounting(tmp_path: Path, capsys):
+    """At a wall the base feels gravity along its -x."""
+    for case, term in ((["--gravity", "3,0"], "3 m₁ lc₁ sin θ₁"),
+                       (["--mounting", "wall"], "− 9.81 m₁ lc₁ sin θ₁")):  # fmt: skip
+        assert run(["derive", "2R", *case]) == 0
+        assert term in " ".join(capsys.readouterr().out.split())
+    assert "give one of them" in error(
+        capsys, "derive", "2R", "--gravity", "3,0", "--mounting", "wall"
+    )
 
 
 def test_a_robot_is_shown_and_exported_in_its_case(tmp_path, monkeypatch, capsys):
@@ -168,7 +190,7 @@ def test_a_duty_cycle_in_the_place_of_a_motion(tmp_path: Path, monkeypatch, caps
     assert Path("out/segment-2/report.html").is_file()
     case = json.loads(Path("out/card.json").read_text("utf-8"))["load_cases"]
     assert [x["payload"] for x in case] == [1.0, 0.0]
-    asked = ["payload", "2R", "--effort", "90,40", "--motion", "cycle.toml"]
+    asked = ["payload", "2R", "--effort", "900,400", "--motion", "cycle.toml"]
     assert run(asked) == 0
     assert "on each of 2 paths" in capsys.readouterr().out
     asked = ["study", "2R", "--cycle", "cycle.toml", "--out", "o", "--smooth", "auto"]

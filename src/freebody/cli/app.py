@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from freebody import __version__, beside
 from freebody.cli import (
     INTERRUPTED,
+    commands,
     convert,
     diff,
     doctor,
@@ -44,8 +45,14 @@ app = typer.Typer(
 )
 
 
-def _command(function: Callable[..., None], example: str, **more: Any) -> None:
-    app.command(epilog=example, help=terminal.paragraphs(function.__doc__), **more)(function)
+def _command(
+    function: Callable[..., None],
+    example: str,
+    name: str | None = None,
+    cls: type[commands.Command] = commands.Command,
+) -> None:
+    words = terminal.paragraphs(function.__doc__)
+    app.command(name, epilog=example, help=words, cls=cls)(function)
 
 
 for _function, _example in (
@@ -74,7 +81,8 @@ def _add(name: str, module: str) -> None:
     except MissingPackageError as problem:
         _refuse(name, problem)
     else:
-        _command(getattr(found, name), found.EXAMPLE, name=name, cls=vars(found).get("Command"))
+        kind = vars(found).get("Command", commands.Command)
+        _command(getattr(found, name), found.EXAMPLE, name, kind)
 
 
 def _refuse(name: str, problem: MissingPackageError) -> None:

@@ -26,7 +26,7 @@ class CaseOption:
     its text, where it changes the model."""
 
     annotation: Any
-    changed: Callable[[Model, str], Model] | None = None
+    changed: Callable[[Model, Any], Model] | None = None
 
 
 _PAYLOAD = re.compile(
@@ -60,6 +60,14 @@ def payload_arguments(text: str) -> dict[str, Any]:
             )
         sizes = [sizes[k] for k in _ENTRIES] if len(sizes) == 6 else sizes[0]
     return {**told, match["shape"]: sizes} if sizes is not None else told
+
+
+def _loaded(model: Model, texts: list[str]) -> Model:
+    """The model with all loads that --payload tells."""
+    for k, text in enumerate(texts, 1):
+        name = "payload" if k == 1 else f"payload{k}"
+        model = model.with_payload(**payload_arguments(text), name=name)
+    return model
 
 
 def _with_gravity(model: Model, text: str) -> Model:
@@ -114,16 +122,16 @@ def _orientation(text: str, dim: int) -> Array:
 LOAD_CASE: dict[str, CaseOption] = {
     "payload": CaseOption(
         Annotated[
-            str | None,
+            list[str] | None,
             typer.Option(
                 metavar="MASS[@x,y,z][,box=a,b,c|cylinder=r,h|inertia=xx,yy,zz,xy,xz,yz]",
                 help="A load at the tip, in its axes, kg and m: where its centre of mass is "
                 "(default: at the origin), and its shape: the sides of a box, radius and height "
                 "along z of a cylinder, or its inertia about its centre of mass (kg m²). Without a "
-                "shape it is a point.",
+                "shape it is a point. May be repeated: all are carried.",
             ),
         ],
-        lambda model, text: model.with_payload(**payload_arguments(text)),
+        _loaded,
     ),
     "gravity": CaseOption(
         Annotated[
@@ -181,7 +189,7 @@ def changed(model: Model, how: dict[str, Any]) -> Model:
         )
     for name in MODEL_CASE:
         text, change = how.get(name), LOAD_CASE[name].changed
-        if text is not None and change is not None:
+        if text is not None and change is not None:  # an empty text is refused there
             model = change(model, text)
     return model
 

@@ -88,7 +88,7 @@ def plan(
     radius: Annotated[
         float | None, _limit("Metres from a corner of --line at which its rounding begins.")
     ] = None,
-    speed: Annotated[float | None, _limit("Limit of the tip's speed, m/s.")] = None,
+    tip_speed: Annotated[float | None, _limit("Limit of the tip's speed, m/s.")] = None,
     duration: Annotated[
         float | None, _limit("Seconds along the path of the tip. Default: as fast as limits allow.")
     ] = None,
@@ -104,6 +104,7 @@ def plan(
         float | None,
         _limit("Seconds between rows. Default: 400 even steps, and where polynomials meet."),
     ] = None,
+    speed: Annotated[float | None, typer.Option(hidden=True, parser=numbers.number)] = None,
 ) -> None:
     """Plan a motion through waypoints, or the tip along a path, as fast as the limits allow or at
     given times, and write it.
@@ -116,7 +117,9 @@ def plan(
     from freebody.report.load_case import in_a_line
 
     model = robot.load()
-    path = TipPathOptions(line, arc, pose, task, radius, speed, duration)
+    if speed is not None:
+        tip_speed = _of_old_spelling(speed, tip_speed)
+    path = TipPathOptions(line, arc, pose, task, radius, tip_speed, duration)
     given = {"velocity": velocity, "acceleration": acceleration, "jerk": jerk, "torque": torque}
     limits: dict[str, Any] = {name: x for name, x in given.items() if x is not None}
     planner = None if path.given else PLANNERS[by or "spline"]
@@ -150,6 +153,17 @@ def plan(
     file = write_motion(model, motion, out, "knots" if step is None else "samples")
     told = in_a_line(model, wrenches)
     _print(model, motion, file, options.again(context), told, of_tip=path.given)
+
+
+def _of_old_spelling(speed: float, tip_speed: float | None) -> float:
+    """--speed read as --tip-speed, which it was; elsewhere --speed is a factor on a motion."""
+    if tip_speed is not None:
+        raise FreebodyError("--speed is the old spelling of --tip-speed; give that one alone.")
+    terminal.warn(
+        f"--speed {speed:g} is now written --tip-speed {speed:g}, m/s; it is read as that. "
+        f"Elsewhere --speed says how many times as fast a motion is run."
+    )
+    return speed
 
 
 def _read(model: Model, text: str, one: bool) -> tuple[Any, Any]:
@@ -238,7 +252,7 @@ class TipPathOptions:
     pose: str | None
     task: str | None
     radius: float | None
-    speed: float | None
+    tip_speed: float | None
     duration: float | None
 
     @property
@@ -249,9 +263,10 @@ class TipPathOptions:
             raise FreebodyError("--line and --arc are two paths; plan them one after the other.")
         if self.line is not None or self.arc is not None:
             return True
-        for name in ("pose", "task", "radius", "speed", "duration"):
+        for name in ("pose", "task", "radius", "tip_speed", "duration"):
             if getattr(self, name) is not None:
-                raise FreebodyError(f"--{name} belongs to a path of the tip: --line or --arc.")
+                option = name.replace("_", "-")
+                raise FreebodyError(f"--{option} belongs to a path of the tip: --line or --arc.")
         return False
 
     def motion(self, model: Model, q0: Any, **limits: float | None) -> Motion:
@@ -263,7 +278,7 @@ class TipPathOptions:
         every: dict[str, Any] = {
             **limits,
             "task": self._task,
-            "speed": self.speed,
+            "speed": self.tip_speed,
             "duration": self.duration,
         }
         if self.arc is not None:

@@ -159,7 +159,7 @@ class PairTable:
     def allowed(self, speed: Array) -> Array:
         """The peak torques (k, M, G) of all motors at rates (k,) of the joint."""
         at = np.abs(speed)[:, None] * self.factor
-        return np.stack([motor.peak_at(at) for motor in self.motors], axis=1)
+        return np.stack([_told(motor, at, motor.peak_at(at)) for motor in self.motors], axis=1)
 
     def peak_use(self, demand: Demand, at: Index, allowed: Array | None = None) -> Array:
         """The largest share (M, G) of the peak torque at the samples `at` (k,); allowed: what
@@ -182,7 +182,8 @@ class PairTable:
             demand.torque, demand.friction, demand.speed, demand.acceleration,
             gear.factor, gear.efficiencies, motor.inertia + gear.inertia,
         )  # fmt: skip
-        use = _ratio(np.abs(torque), motor.peak_at(demand.speed * gear.factor))
+        speed = demand.speed * gear.factor
+        use = _ratio(np.abs(torque), _told(motor, speed, motor.peak_at(speed)))
         worst = int(np.argmax(use))
         return float(use[worst]), worst
 
@@ -200,6 +201,14 @@ class PairTable:
         found += a[:, None]
         return np.maximum(found, 0.0, out=found)
 
+
+def _told(motor: Motor, speed: Array, torque: Array) -> Array:
+    """The torques (...) that a motor gives at speeds (...), infinite beyond its top speed: what is
+    exceeded there is the limit of speed, and no torque mends it."""
+    return np.where(np.abs(speed) > motor.max_speed * (1.0 + _ROUNDING), np.inf, torque)
+
+
+_ROUNDING = 1e-12
 
 _BLOCK = 64
 
@@ -237,7 +246,9 @@ def _continuous(demand: Demand, pairs: PairTable) -> Array:
     if not any(motor.continuous_curve for motor in pairs.motors):
         return np.sqrt(squares.max(axis=0)) / pairs.continuous
     speed = demand.mean_speed[:, None] * pairs.factor
-    allowed = np.stack([motor.continuous_at(speed) for motor in pairs.motors], axis=1)
+    allowed = np.stack(
+        [_told(motor, speed, motor.continuous_at(speed)) for motor in pairs.motors], axis=1
+    )
     return _ratio(np.sqrt(squares), allowed).max(axis=0)
 
 

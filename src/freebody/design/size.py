@@ -30,6 +30,7 @@ from freebody.design.loads import (
     drive_joints,
     rest_loads,
 )
+from freebody.design.notices import unmended
 from freebody.design.pairs import LIMITS, uses
 from freebody.design.search import (
     FITS,
@@ -245,6 +246,7 @@ def size(
     search = SizingSearch(loads, rest, catalogue, life, margin, say)
     found = search.whole_front() if len(driven) == 1 else search.best_choices()
     empty = Sizing(model, done, catalogue, driven, (), margin, life, hold, ())
-    notices = (*search.failure, *search.remarks, *doubt_notices(model), *cycle_notices(done))
+    notices = (*search.failure, *search.remarks, *doubt_notices(model), *unmended(model, done),
+               *cycle_notices(done))  # fmt: skip
     choices = tuple(search.choice(label) for label in found)
     return replace(empty, choices=choices, notices=notices)

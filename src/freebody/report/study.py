@@ -15,7 +15,8 @@ from freebody.arrays import Array, refuse_not_finite
 from freebody.by_value import ByValue
 from freebody.capacity.segments import loaded_segments
 from freebody.design.duty_cycle import DutyCycle, Segment
-from freebody.errors import FreebodyError, SingularError, listed
+from freebody.design.notices import without_motor
+from freebody.errors import FreebodyError, SingularError
 from freebody.model.doubts import readings
 from freebody.model.model import Model
 from freebody.motion.files.motion_tables import MotionTable
@@ -327,7 +328,7 @@ def _along(
     with clock.part("checks", 0.9):
         checked = checks(model, followed, data, replay, loads)
     beyond = limit_notices(model, found, judged.uses)
-    warned = (*measured, *followed.notices, *_driven(model), *beyond)
+    warned = (*measured, *followed.notices, *without_motor(model, "this study"), *beyond)
     clock.say("done", 1.0)
     done = Study(
         model=model,
@@ -350,18 +351,6 @@ def _along(
         speed=speed,
     )
     return done, noisy
-
-
-def _driven(model: Model) -> tuple[str, ...]:
-    """A sentence on passive joints, which have no motor in reality."""
-    free = [b.joint.name for b in model.bodies if b.kind.nv > 1 and not b.joint.passive]
-    if not free:
-        return ()
-    joint, has, its = ("Joint", "has", "its") if len(free) == 1 else ("Joints", "have", "their")
-    return (
-        f"{joint} {listed(map(repr, free))} {has} no motor of {its} own: {its} torques and forces "
-        f"in this study are what something else has to exert to produce the motion.",
-    )
 
 
 def _replay(

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from inspect import Parameter, Signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
-from typer.core import TyperCommand
 
-from freebody.cli import options, terminal
-from freebody.errors import FreebodyError, shown
+from freebody.cli import commands, options, terminal
+from freebody.errors import FreebodyError
 from freebody.outputs.files import write
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _ENDINGS: dict[str, _Form] = {
 """The form that the ending of a file's name asks for; of other names it is text."""
 
 
-class Command(TyperCommand):
+class Command(commands.Command):
     """The command `derive`, with the options of all derivation methods and a list of them; both are
     read only when it runs."""
 
@@ -84,7 +84,7 @@ def _parameter(method: Method, option: MethodOption) -> Parameter:
     )
 
 
-@options.reading("tip", "convention")
+@options.reading("tip", "convention", "mounting")
 def derive(
     context: typer.Context,
     robot: options.GivenRobot,
@@ -124,7 +124,15 @@ def derive(
         typer.Option(help="Labels in the drawings of a page. Default: names."),
     ] = None,
     # named apart from the option of methods, whose value is kept by its own name
-    gravity_field: Annotated[str | None, typer.Option("--gravity", hidden=True)] = None,
+    gravity_field: Annotated[
+        str | None,
+        typer.Option(
+            "--gravity",
+            metavar="x,y,z",
+            help="The field of gravity, m/s², world axes. Default: the robot's own, with its "
+            "letter.",
+        ),
+    ] = None,
     notation: options.NotationOption = None,
     parameters: options.ParametersOption = None,
 ) -> None:
@@ -132,8 +140,12 @@ def derive(
     from freebody_textbook.derive import compare as compared
     from freebody_textbook.derive import default_method, method_named
     from freebody_textbook.derive import derive as derivation_of
+    from freebody_textbook.methods.recursive import GRAVITIES
 
-    _read_old_spelling(context, gravity_field)
+    if gravity_field in GRAVITIES:
+        _read_old_spelling(context, gravity_field)
+    elif gravity_field is not None:
+        robot = replace(robot, how={**robot.how, "gravity": gravity_field})
     model = robot.load()
     record = method_named(method) if method else default_method(model)
     with terminal.progress(f"deriving by {record.name}"):
@@ -154,21 +166,10 @@ def derive(
             raise typer.Exit(1)
 
 
-def _read_old_spelling(context: typer.Context, gravity: str | None) -> None:
-    """Read --gravity base|explicit as --weights, and say so; other commands' --gravity is the
-    field."""
-    from freebody_textbook.methods.recursive import GRAVITIES
-
-    if gravity is None:
-        return
-    if gravity not in GRAVITIES:
-        raise FreebodyError(
-            f"--gravity {shown(gravity)}: derive writes gravity as the robot has it. --weights "
-            f"{'|'.join(GRAVITIES)} chooses how; another field is --parameter g=3.7 of a robot "
-            f"with that letter."
-        )
-    terminal.warn(f"--gravity {gravity} is now written --weights {gravity}; it is read as that.")
-    context.meta.setdefault(_CHOSEN, {}).setdefault("gravity", gravity)
+def _read_old_spelling(context: typer.Context, weights: str) -> None:
+    """Read --gravity base|explicit as --weights, and say so; elsewhere --gravity is the field."""
+    terminal.warn(f"--gravity {weights} is now written --weights {weights}; it is read as that.")
+    context.meta.setdefault(_CHOSEN, {}).setdefault("gravity", weights)
 
 
 def _text(

@@ -210,3 +210,33 @@ def test_gears_that_fit_some_motors_and_screws():
     assert not math.isnan(choice.margin)
     with pytest.raises(fb.FreebodyError, match="life is -1 h, expected 0 or more"):
         fb.size(slide, motion, fb.PartCatalogue((motor,), (screw,)), life=-1.0)
+
+
+def test_a_motor_that_is_too_slow_is_told_of_its_speed():
+    """Beyond its top speed it gives no torque at all, which is no reason of its own."""
+    arm = fb.load("ur5e")
+    motion = fb.quintic(arm, [np.zeros(arm.nq), 0.5 * np.ones(arm.nq)], [0.0, 1.0])
+    strong = {"inertia": 1e-6, "continuous_torque": 900.0, "peak_torque": 2000.0, "mass": 0.0}
+    few = fb.PartCatalogue(
+        (fb.Motor("slow", max_speed=30.0, **strong), fb.Motor("quick", max_speed=900.0, **strong)),
+        (fb.Gear("G", 0.9, 0.0, 0.0, ratio=50.0),),
+    )
+    found = fb.size(arm, motion, few, joints=["elbow_joint"])
+    (one,) = found.rejected("elbow_joint")
+    assert (one.motor, one.limit) == ("slow", "speed")
+    assert one.share == pytest.approx(np.abs(motion.qd).max() * 50.0 / 30.0, rel=1e-9)
+
+
+def test_what_holds_a_free_base_is_told():
+    model = fb.load("2R", base="free")
+    q = np.zeros((50, model.nq))
+    q[:, -1] = np.linspace(0.0, 1.0, 50) ** 3
+    motion = fb.Motion.of(model, np.linspace(0.0, 1.0, 50), q)
+    motor = fb.Motor("M", 1e-4, 200.0, 600.0, 900.0, 0.0)
+    gear = fb.Gear("G", 0.9, 0.0, 0.0, ratio=50.0)
+    catalogue = fb.PartCatalogue((motor,), (gear,))
+    for found in (
+        fb.drive_loads(model, motion, {"joint2": (motor, gear)}),
+        fb.size(model, motion, catalogue, joints=["joint2"]),
+    ):
+        assert any("Joint 'base' has no motor of its own" in words for words in found.notices)

@@ -333,7 +333,8 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.chdir(tmp_path)
     start, target = "0.3, 1.3, 0.1, 0.2", START.copy()
     target[:3, 3] = [0.3, 0.6, 0.6]
-    kept = planned("scara", start, "--line", "0.3, 0.6, 0.6", "--pose", "keep", "--speed", "0.2")
+    slowly = "--pose", "keep", "--tip-speed", "0.2"
+    kept = planned("scara", start, "--line", "0.3, 0.6, 0.6", *slowly)
     np.testing.assert_allclose(fb.forward_kinematics(SCARA, kept.q[-1]), target, atol=1e-9)
     expected = fb.line(SCARA, Q0, target, speed=0.2)
     assert kept.duration == pytest.approx(expected.duration, rel=1e-9)
@@ -359,7 +360,9 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
     ("options", "words"),
     [
         (["--line", "0.3, 0.6, 0.6", "--arc", "0,0,0; 0,0,1"], "--line and --arc are two paths"),
-        (["--speed", "1"], "--speed belongs to a path of the tip: --line or --arc"),
+        (["--tip-speed", "1"], "--tip-speed belongs to a path of the tip: --line or --arc"),
+        (["--tip-speed", "1", "--speed", "1"], "--speed is the old spelling of --tip-speed"),
+        (["--radius", "1", "--radius", "2"], "--radius is given 2 times; give it once."),
         (["--line", "0.3, 0.6"], "a point of 'scara' is x, y, z in metres"),
         (["--line", "0.3, 0.6, 30 deg"], "a point of 'scara' is x, y, z in metres"),
         (["--line", ";"], "--line is empty: give a target"),
@@ -380,7 +383,7 @@ def test_the_command_plans_paths_of_the_tip(tmp_path: Path, monkeypatch: pytest.
 def test_the_command_says_what_is_wrong(
     options: list[str], words: str, capsys: pytest.CaptureFixture[str]
 ):
-    start = "0.3, 1.3, 0.1, 0.2" if options[0] != "--speed" else "0, 0, 0, 0; 1, 1, 0.1, 1"
+    start = "0.3, 1.3, 0.1, 0.2" if options[0] != "--tip-speed" else "0, 0, 0, 0; 1, 1, 0.1, 1"
     assert run(["plan", "scara", start, *options]) == 2
     assert words in " ".join(capsys.readouterr().err.split())
 

@@ -169,9 +169,19 @@ def test_what_reaches_the_follower_has_a_limit_of_its_own(tmp_path, more):
     k = np.sqrt((np.sign(some) * force / TABLE - G) / some)
     assert study.card.faster == pytest.approx(k.min(), rel=1e-4)
     assert (study.card.faster_joint, study.card.faster_quantity) == ("slide", "force")
-    tight = fb.study(limited(tmp_path, 19.0), motion)
-    assert tight.verdict.outcome == "not feasible"
-    assert tight.verdict.factor == 0.0
-    assert "% of slide's limit" in tight.verdict.reason
-    assert tight.card.payload == 0.0
-    assert tight.card.payload_joint == "slide"
+    drive = {
+        "crank": (
+            fb.Motor("M", 2e-4, 2.0, 6.0, 900.0, 0.0),
+            fb.Gear("G", 0.9, 0.0, 0.0, ratio=50.0),
+        )
+    }
+    assert not any("slide" in words for words in fb.drive_loads(model, motion, drive).notices)
+    tight = limited(tmp_path, 19.0)
+    (told,) = (x for x in fb.drive_loads(tight, motion, drive).notices if "slide" in x)
+    assert told.endswith("of its own limit of 19 N, without the mass of any drive: no choice of "
+                         "motors mends that.")  # fmt: skip
+    found = fb.payload(tight, at[:2])
+    assert found.overloaded.all()
+    assert (
+        found.card == "carries nothing at each of 2 postures · slide is overloaded without payload"
+    )
