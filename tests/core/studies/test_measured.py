@@ -4,6 +4,7 @@ data hold."""
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -65,14 +66,15 @@ def test_measured_torques_come_from_a_file_too(arm, study, measured, tmp_path: P
 def test_measured_torques_that_do_not_fit_are_refused(arm, study):
     t, tau = study.motion.t, study.data["tau"].values
     cycle = fb.DutyCycle([fb.Segment(study.motion)])
-    for motion, how, words in (
+    cases: Any = (
         (study.motion, {"measured": (t + 100.0, tau)}, "samples in common. Count both from the"),
         (study.motion, {"measured": (t, tau), "speed": 2.0}, "leave out speed or measured"),
         (study.motion, {"measured": (t, tau[:, :1])}, r"expected \(\d+, 2\)"),
         (study.motion, {"measured": 3.0}, "times and torques"),
         (study.motion, {"measured": (t, tau * np.nan)}, "finite"),
         (cycle, {"measured": (t, tau)}, "measured is for one motion"),
-    ):
+    )
+    for motion, how, words in cases:
         with pytest.raises(fb.FreebodyError, match=words):
             fb.study(arm, motion, **how)
 
