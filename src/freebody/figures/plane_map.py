@@ -24,9 +24,9 @@ _LEVELS = 8
 _APART = 26.0  # pixels: so far numbers on contours keep from each other
 _EDGE = 16.0
 
-Segment = tuple[complex, complex]
-Place = Sequence[float] | Array
-OnPage = Callable[[Place], complex]
+EndsOnPage = tuple[complex, complex]
+InPlane = Sequence[float] | Array
+OnPage = Callable[[InPlane], complex]
 """The pixels of a place (2,) in the plane, m."""
 
 
@@ -71,7 +71,7 @@ def plane_map(what: PlaneMap, wide: float = 340.0, tallest: float = 380.0) -> Pi
     size = scale * (high - low)
     box = (_LEFT, _TOP, _LEFT + size[0], _TOP + size[1])
 
-    def at(place: Place) -> complex:
+    def at(place: InPlane) -> complex:
         x, y = float(place[0]), float(place[1])
         return complex(_LEFT + scale * (x - low[0]), _TOP + scale * (high[1] - y))
 
@@ -130,7 +130,7 @@ def _coloured(
 
 
 def _number(
-    segments: Sequence[Segment], text: str, box: tuple[float, ...], placed: list[complex]
+    segments: Sequence[EndsOnPage], text: str, box: tuple[float, ...], placed: list[complex]
 ) -> list[str]:
     """The number of a contour at the roomiest place on it, as SVG; none where there is no room."""
     half = width(text, 11) / 2 + 2

@@ -50,7 +50,7 @@ def lifting_along(study: Study) -> Array | None:
 
 
 @dataclass(frozen=True)
-class Plane:
+class UprightPlane:
     """An upright plane through the tip, as an even grid of points."""
 
     foot: Array
@@ -76,7 +76,7 @@ class PlaneOfPayloads:
     """The largest payload (m, n), kg, over a plane, the best of all postures at each point; NaN
     where none reaches it within the joint limits."""
 
-    plane: Plane
+    plane: UprightPlane
     mass: Array
     words: str
     """How the tip is oriented."""
@@ -152,7 +152,7 @@ def _form(model: Model, tip: str) -> ClosedFormArm | None:
     return closed_form_for(model, tip, task)
 
 
-def _plane(model: Model, tip: str, q: Array) -> Plane | None:
+def _plane(model: Model, tip: str, q: Array) -> UprightPlane | None:
     """The upright plane through the first body's origin and the tip, as far as the tip comes; None
     where that stays on a line."""
     up = -np.asarray(model.gravity) / np.linalg.norm(model.gravity)
@@ -176,4 +176,4 @@ def _plane(model: Model, tip: str, q: Array) -> Plane | None:
     height = np.linspace(heights.min() - 0.05 * span, heights.max() + 0.05 * span, _CELLS)
     plane = at - (away @ across) * across - (away @ up) * up
     points = plane + side[:, None] * across + height[:, None, None] * up
-    return Plane(foot, across, up, side, height + foot @ up, points)
+    return UprightPlane(foot, across, up, side, height + foot @ up, points)

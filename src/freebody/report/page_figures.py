@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 MEASURED = "measured"
-"""What a measured curve is called."""
+"""The name of a measured curve."""
 _TOGETHER = 8  # curves that one picture holds
 _SEEN = 1e-4  # of the largest: a part that is smaller is no line of its own
 _NOISE = 1e-9  # of the largest torque: what is smaller is rounding

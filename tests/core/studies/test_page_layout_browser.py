@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import freebody as fb
-from freebody.outputs.pdf import BROWSER, pdf
 from support.browser import browser
 
 pytestmark = pytest.mark.browser
@@ -134,17 +133,17 @@ def test_a_study_prints_itself(tmp_path, monkeypatch):
     printed = study.to_pdf(tmp_path / "deep" / "report.pdf").read_bytes()
     assert printed.startswith(b"%PDF-")
     assert len(re.findall(rb"/Type\s*/Page\b", printed)) > 2
-    monkeypatch.setenv(BROWSER, str(tmp_path / "none"))
+    monkeypatch.setenv("FREEBODY_BROWSER", str(tmp_path / "none"))
     with pytest.raises(fb.FreebodyError, match="is no program that can be run"):
-        pdf("<p>")
+        study.to_pdf(tmp_path / "none.pdf")
     failing = tmp_path / "failing"
     failing.write_text("#!/bin/sh\necho no display >&2\nexit 3\n")
     failing.chmod(0o755)
-    monkeypatch.setenv(BROWSER, str(failing))
+    monkeypatch.setenv("FREEBODY_BROWSER", str(failing))
     with pytest.raises(fb.FreebodyError, match=r"printed nothing \(exit status 3\): no display"):
-        pdf("<p>")
-    monkeypatch.delenv(BROWSER)
+        study.to_pdf(tmp_path / "none.pdf")
+    monkeypatch.delenv("FREEBODY_BROWSER")
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setattr("sys.platform", "linux")
     with pytest.raises(fb.FreebodyError, match="Install one"):
-        pdf("<p>")
+        study.to_pdf(tmp_path / "none.pdf")
