@@ -296,8 +296,8 @@ def _too_fast(model: Model, motions: Sequence[Motion]) -> tuple[str, ...]:
     limits = ranges(model).velocity * (1.0 + CLOSE)
     beyond = np.zeros(model.nv, dtype=bool)
     for one in motions:
-        rise = 0.5 * np.abs(one.qdd).max(axis=0) * float(np.diff(one.t).max())
-        if (np.abs(one.qd).max(axis=0) + 2.0 * rise > limits).any():  # else none is near
+        rise = np.abs(one.qdd).max(axis=0) * float(np.diff(one.t).max())
+        if (np.abs(one.qd).max(axis=0) + rise > limits).any():  # else none is near
             beyond |= one.peaks.velocity.size > limits
     return tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad)
 

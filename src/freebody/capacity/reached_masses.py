@@ -166,15 +166,18 @@ def _least(case: LoadedCase, samples: Sequence[_TimedStates]) -> tuple[Array, np
 def _samples(motion: Motion) -> _TimedStates:
     """The samples of a motion, and both sides of each jump of its accelerations: of all breaks of
     its pieces where these are few, which takes less than to find the jumps."""
+    own = (motion.q, motion.qd, motion.qdd)
     if motion.pieces is None:
-        return motion.t, (motion.q, motion.qd, motion.qdd)
+        return motion.t, own
     breaks = motion.pieces.breaks
     jumps = breaks[1:-1] if _FEW * len(breaks) <= len(motion.t) else motion.jumps
+    if not len(jumps):
+        return motion.t, own
     step = _BESIDE * float(np.diff(breaks).min())
-    sides = [motion.at(jumps, jumps + sign * step) for sign in (-1.0, 1.0)]
-    own = (motion.q, motion.qd, motion.qdd)
-    states = tuple(np.concatenate([x, *pair]) for x, *pair in zip(own, *sides, strict=True))
-    return np.concatenate([motion.t, jumps, jumps]), (states[0], states[1], states[2])
+    twice = np.concatenate([jumps, jumps])
+    sides = motion.at(twice, np.concatenate([jumps - step, jumps + step]))
+    q, qd, qdd = (np.concatenate(pair) for pair in zip(own, sides, strict=True))
+    return np.concatenate([motion.t, twice]), (q, qd, qdd)
 
 
 def _beside(motion: Motion, time: float) -> _TimedStates:
