@@ -166,10 +166,13 @@ def _print_case(studies: Sequence[Study]) -> None:
 
 
 def _print_words(found: Study) -> None:
+    from freebody.report.measured import measured_text
     from freebody.report.summary import energy_text
 
+    measured = measured_text(found)
     terminal.out().print(
         found.worst.text,
+        *([measured] if measured else []),
         energy_text(found.summary, found.motion.duration),
         *([found.singularity.text] if found.singularity else []),
         found.replay.text if found.replay else found.replay_skipped,

@@ -15,6 +15,7 @@ from freebody.model.model import Model
 from freebody.motion.files.csv_files import read_torques
 from freebody.motion.motion import vector_of_times
 from freebody.motion.ranges import with_drive
+from freebody.report.results import percent
 from freebody.report.summary import mean
 from freebody.report.variables import dataset
 
@@ -84,3 +85,23 @@ def beside_measured(study: Study, t: Array, tau: Array) -> Study:
         data=data.assign(dataset({"tau_measured": found}, {"time": data["time"], **coordinate})),
         summary=study.summary.assign(dataset(summed, coordinate)),
     )
+
+
+def measured_text(study: Study) -> str:
+    """A sentence on how far the computed torques are from the measured ones; empty where nothing
+    was measured."""
+    if "measured_rms_difference" not in study.summary:
+        return ""
+    of = study.summary.sel(coordinate=list(study.model.driven_names))
+    each = [
+        f"{name} {float(off):.3g} {unit}"
+        + ("" if np.isnan(share) else f" ({percent(float(share))})")
+        for name, off, unit, share in zip(
+            study.model.driven_names,
+            of.measured_rms_difference.values,
+            of.effort_unit.values,
+            of.measured_difference_share.values,
+            strict=True,
+        )
+    ]
+    return f"RMS of computed less measured (of the measured): {', '.join(each)}."

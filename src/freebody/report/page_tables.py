@@ -167,7 +167,7 @@ def ranges(study: Study) -> ReportTable | None:
     }
     lowest = study.summary["lowest"]
     names = [x for x in study.model.velocity_names if np.isfinite(lowest.sel(coordinate=x))]
-    return by_coordinate("Range of motion of each joint", study, names, columns)
+    return by_coordinate("Range of motion of each joint", study, names, columns, book=whole(study))
 
 
 def bodies(study: Study) -> ReportTable:
@@ -201,7 +201,8 @@ def gravity(study: Study) -> ReportTable | None:
         "Any pose": "worst_gravity_torque",
         "Any / limit": "worst_gravity_fraction",
     }
-    return by_coordinate("Torque needed to hold against gravity", study, names, columns)
+    caption = "Torque needed to hold against gravity"
+    return by_coordinate(caption, study, names, columns, book=whole(study))
 
 
 def gravity_poses(study: Study) -> ReportTable | None:
@@ -220,7 +221,8 @@ def gravity_poses(study: Study) -> ReportTable | None:
         scale, everyday = EVERYDAY[unit]
         at = (("position", name),)
         poses.append(Printed(short, "worst_gravity_pose", at, scale, everyday, f"{name} there"))
-    return by_coordinate("Pose in which gravity loads it most", study, names, {}, poses)
+    caption = "Pose in which gravity loads it most"
+    return by_coordinate(caption, study, names, {}, poses, whole(study))
 
 
 def reactions(study: Study) -> ReportTable:
@@ -306,19 +308,17 @@ def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
 
 def by_coordinate(
     caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
-    more: Iterable[Printed] = (),
+    more: Iterable[Printed] = (), book: xr.Dataset | None = None,
 ) -> ReportTable:  # fmt: skip
     """A table whose rows are coordinates, numbered as their bodies are in the drawings; columns
     without a finite number are left out. titles: of the columns, with their variables; positions
-    and speeds in everyday units too."""
+    and speeds in everyday units too. book: of the numbers, by default the summary."""
     asked: list[Printed] = []
     for title, variable in titles.items():
         asked.append(Printed(title, variable))
         if VARIABLES[variable].unit.partition("|")[0] in EVERYDAY:
             asked.append(Printed("", variable, everyday=True))
-    book = study.summary
-    if any(p.variable not in book for p in (*asked, *more)):
-        book = xr.merge([book, facts(study)], compat="no_conflicts", combine_attrs="drop")
+    book = study.summary if book is None else book
     shown = [
         p.column(study, book, "coordinate", names)
         for p in (*asked, *more)
@@ -357,6 +357,11 @@ def _axes(study: Study, name: str) -> list[str]:
 
 TABLES = (drives, measured, work, ranges, bodies, gravity, gravity_poses, reactions, checks)
 """Tables of the page, by the names of their functions."""
+
+
+def whole(study: Study) -> xr.Dataset:
+    """The summary and the page's other numbers."""
+    return xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
 
 
 def facts(study: Study) -> xr.Dataset:

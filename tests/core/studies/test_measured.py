@@ -3,6 +3,7 @@ data hold."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 import xarray as xr
 
 import freebody as fb
+from support.command import told
 from support.report_numbers import Cells, compare, data_file
 
 
@@ -59,8 +61,15 @@ def test_measured_torques_come_from_a_file_too(arm, study, measured, tmp_path: P
     some = (rows[:, 0] >= 0.5) & (rows[:, 0] <= 4.0)
     file = tmp_path / "torques.csv"
     np.savetxt(file, rows[some], delimiter=",", header=f"t,{names}", comments="", fmt="%.17g")
-    read = fb.study(arm, study.motion, measured=file)
-    xr.testing.assert_allclose(read.summary, measured.summary)
+    study.save(tmp_path / "given")
+    motion = tmp_path / "given" / "motion.csv"
+    asked = ["study", "2R", "--motion", str(motion), "--measured", str(file)]
+    status, said = told([*asked, "--out", str(tmp_path / "out")])
+    assert status == 0
+    assert re.search(r"measured \(of\s+the\s+measured\):\s+joint1\s+0\.3\s+N\s+m", said)
+    with xr.open_dataset(tmp_path / "out" / "study.nc", engine="scipy") as data:
+        for name in ("measured_rms_difference", "measured_difference_share"):
+            np.testing.assert_allclose(data[name], measured.summary[name], rtol=1e-6)
 
 
 def test_measured_torques_that_do_not_fit_are_refused(arm, study):
