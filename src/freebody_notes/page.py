@@ -50,7 +50,7 @@ SHORT = 40_000
 
 
 @dataclass(frozen=True)
-class Card:
+class ItemCard:
     """An item as shown on a page of the notes."""
 
     finding: ExecutedItem
@@ -172,7 +172,9 @@ def _chapter(number: int, chapter: Chapter, findings: Sequence[ExecutedItem]) ->
     }
 
 
-def _sections(number: int, findings: Sequence[ExecutedItem]) -> list[tuple[str, str, list[Card]]]:
+def _sections(
+    number: int, findings: Sequence[ExecutedItem]
+) -> list[tuple[str, str, list[ItemCard]]]:
     """Number, title and cards of each section of a chapter."""
     cards = _cards([f for f in findings if f.item.chapter == number])
     titles = chapters()[number].sections
@@ -180,7 +182,7 @@ def _sections(number: int, findings: Sequence[ExecutedItem]) -> list[tuple[str, 
     return [(x, titles[x], [c for c in cards if c.item.section == x]) for x in sections]
 
 
-def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
+def _cards(findings: Sequence[ExecutedItem]) -> list[ItemCard]:
     """Cards of items for a page; each derivation step is shown only once."""
     first: dict[Step, Item] = {}
     made = []
@@ -192,11 +194,11 @@ def _cards(findings: Sequence[ExecutedItem]) -> list[Card]:
     return made
 
 
-def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> Card:
+def _card(finding: ExecutedItem, place: Place | None, shown_at: Item | None) -> ItemCard:
     item = finding.item
     own = not item.same_as
     step = _equations(place.step.equations) if place and shown_at is item else ""
-    return Card(
+    return ItemCard(
         finding,
         tuple(map(found_item, item.same_as)),
         _form(item, item.printed) if own else Markup(),

@@ -84,7 +84,7 @@ class LargestPayload(Tabled, ByValue):
 
     @property
     def remark(self) -> str:
-        """What limits the least of the masses and when, or why none is told of."""
+        """Words on what limits the least of the masses and when, or why none is told of."""
         if not self.mass.size:
             return "nothing is carried anywhere: there are no postures"
         if found := barring(self.doubts):

@@ -68,7 +68,7 @@ class LoadedCase:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What has a limit or may have one: the coordinates, then followers (K in all)."""
+        """The names of all that may have a limit: the coordinates, then followers (K in all)."""
         more = () if self.followers is None else self.followers[0].names
         return (*self.model.velocity_names, *more)
 

@@ -64,7 +64,7 @@ class Pace:
     time: float = float("nan")
     """Time in the motion as it is given at which that is so (s)."""
     share: float = float("nan")
-    """What is then used of the limit."""
+    """The share that is then used of the limit."""
     segment: int = 0
     """The segment of a duty cycle, from 1; 0 where there is none."""
 
@@ -141,7 +141,7 @@ class HeldStill:
 
 
 def held_still(model: Model, q: Array, wrenches: Mapping[str, Array] | None = None) -> HeldStill:
-    """What holds a robot still at q (nq,), under constant wrenches on it by frame."""
+    """The efforts that hold a robot still at q (nq,), under constant wrenches on it by frame."""
     rest = np.zeros(model.nv)
     names, turns = model.velocity_names, angular(model)
     efforts, limits = inverse_dynamics(model, q, rest, rest, wrenches), effort_limits(model)

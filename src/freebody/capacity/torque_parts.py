@@ -22,13 +22,10 @@ from freebody.motion.smooth_friction import (
 )
 from freebody.trees import dynamics, kinematics
 
-_ArraysByName = dict[str, Any]
-"""Arrays by the names of variables."""
-
 
 def torque_parts(
     model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
-) -> _ArraysByName:
+) -> dict[str, Any]:
     """The time, q, qd, qdd and `torques` of a motion, by their names in a study's data."""
     states = {"time": motion.t, "q": motion.q, "qd": motion.qd, "qdd": motion.qdd}
     return states | torques(model, motion, wrenches)
@@ -36,7 +33,7 @@ def torque_parts(
 
 def torques(
     model: Model, motion: Motion, wrenches: Mapping[str, Array] | None = None
-) -> _ArraysByName:
+) -> dict[str, Any]:
     """The drives' torque, and the parts that sum to it, each computed by a formula of its own;
     wrenches: constant ones on the robot, by frame."""
     q, qd, qdd = motion.q, motion.qd, motion.qdd

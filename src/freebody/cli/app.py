@@ -49,7 +49,7 @@ def _command(
     function: Callable[..., None],
     example: str,
     name: str | None = None,
-    cls: type[commands.Command] = commands.Command,
+    cls: type[commands.OnceCommand] = commands.OnceCommand,
 ) -> None:
     words = terminal.paragraphs(function.__doc__)
     app.command(name, epilog=example, help=words, cls=cls)(function)
@@ -81,7 +81,7 @@ def _add(name: str, module: str) -> None:
     except MissingPackageError as problem:
         _refuse(name, problem)
     else:
-        kind = vars(found).get("Command", commands.Command)
+        kind = vars(found).get("Command", commands.OnceCommand)
         _command(getattr(found, name), found.EXAMPLE, name, kind)
 
 

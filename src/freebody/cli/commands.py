@@ -11,7 +11,7 @@ from typer.core import TyperCommand
 from freebody.errors import FreebodyError
 
 
-class Command(TyperCommand):
+class OnceCommand(TyperCommand):
     """A command that refuses an option given twice, of which the parser would silently take the
     last; options that may be repeated collect what they are given."""
 

@@ -1,4 +1,4 @@
-"""What a choice of motors cannot mend, in sentences: what has no motor of its own, and joints that
+"""Sentences on what a choice of motors cannot mend: what has no motor of its own, and joints that
 follow others beyond their own limits."""
 
 from __future__ import annotations

@@ -36,7 +36,8 @@ class CardRow(NamedTuple):
 
 @dataclass(frozen=True, repr=False)
 class Card(Tabled):
-    """What a robot can do along the motion of a study, beside what it does."""
+    """The answers on a robot along the motion of a study: how much it carries, how fast it goes,
+    which limit gives out."""
 
     payload: float
     """The largest mass at the tip, besides what is carried (kg); infinite where no drive limits it,
@@ -46,16 +47,16 @@ class Card(Tabled):
     payload_time: float
     """When it does (s); NaN without."""
     payload_remark: str
-    """What limits the payload, or why it is not known."""
+    """Words on what limits the payload, or why it is not known."""
     faster: float
     """How many times as fast the motion can be run, as it is loaded; below 1 it has to be slower, 0
     where no slowing helps, infinite where no limit depends on it, NaN where it is not known."""
     faster_joint: str
     """The joint that is then at its limit; empty without one."""
     faster_quantity: str
-    """What of it: speed, torque or force."""
+    """The quantity that is: speed, torque or force."""
     faster_remark: str
-    """What then is at its limit, or why nothing is known."""
+    """Words on what then is at its limit, or why nothing is known."""
     first: LimitUse | None
     """The limit of speed, torque or power that the motion uses most, or exceeds most, or a range
     that it leaves; None where none can be told of."""

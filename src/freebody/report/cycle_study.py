@@ -48,7 +48,7 @@ class CycleStudy(Tabled, ByValue):
     model: Model
     """The robot without the payloads of the segments."""
     cycle: DutyCycle
-    """As it is studied: smoothed, and as fast as asked for."""
+    """The cycle as it is studied: as fast as asked for."""
     segments: tuple[Study, ...]
     """The study of each segment, of the robot with its payload; rests are not in them."""
     summary: xr.Dataset
@@ -57,8 +57,8 @@ class CycleStudy(Tabled, ByValue):
     verdict: MotionVerdict
     """Whether the robot can go through the cycle; uses of limits name their segment."""
     card: Card
-    """What it carries besides in every segment, how much faster it can go, and what gives out
-    first."""
+    """Answers: what it carries besides in every segment, how much faster it can go, and what gives
+    out first."""
     notices: tuple[str, ...]
     """Sentences that a reader must know: of all segments, and where they do not meet."""
     warnings: tuple[str, ...] = ()
@@ -219,7 +219,7 @@ class _StudiedSegment:
         return np.zeros(count) if self.held is None else self.held.efforts[:count]
 
     def held_uses(self) -> Iterator[LimitUse]:
-        """What the rest uses of limits of torque and force."""
+        """The uses of limits of torque and force by the rest."""
         if self.held is None:
             return
         for name, turns, value, limit in zip(
@@ -307,7 +307,7 @@ def _rms_uses(model: Model, found: xr.Dataset) -> Iterator[LimitUse]:
 
 
 def _most(uses: Sequence[LimitUse]) -> list[LimitUse]:
-    """Of each limit the largest use."""
+    """The largest use of each limit."""
     found: dict[tuple[str, str], LimitUse] = {}
     for use in uses:
         known = found.setdefault((use.quantity, use.coordinate), use)

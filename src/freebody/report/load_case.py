@@ -22,8 +22,8 @@ from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LoadCase(Tabled, ByValue):
-    """What a robot carries in a study, what pulls at it, how it is mounted and how fast it is
-    run."""
+    """The load case of a study: what the robot carries, what pulls at it, how it is mounted and how
+    fast it is run."""
 
     payload: float
     """The mass of all that it carries (kg)."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from freebody.arrays import Array
+from freebody.capacity.time_scaling import Pace
 from freebody.model.doubts import Doubt
 from freebody.motion.ranges import CLOSE
 from freebody.outputs.display import Tabled, TextTable, Titled, counted
@@ -78,6 +79,13 @@ class PaceLimit:
     segment: int = 0
     """The segment of a duty cycle, from 1; 0 where there is none."""
 
+    @staticmethod
+    def of(pace: Pace) -> PaceLimit | None:
+        """The limit of a pace; None where it has none."""
+        if not pace.joint:
+            return None
+        return PaceLimit(pace.quantity, pace.joint, pace.time, pace.segment)
+
 
 @dataclass(frozen=True, repr=False)
 class MotionVerdict(Tabled):
@@ -97,8 +105,8 @@ class MotionVerdict(Tabled):
     can be sped up so far, below 1 it must be slowed down to that. 0: no slowing helps; infinite: no
     limit depends on it; NaN: unknown, or passive joints would not follow."""
     factor_limit: PaceLimit | None = None
-    """What is at its limit at the factor; of a factor of 0 what no slowing helps; None without
-    one."""
+    """The limit that is reached at the factor; of a factor of 0 that which no slowing helps; None
+    without one."""
 
     def _title(self) -> str:
         return f"Verdict: {self.text}"

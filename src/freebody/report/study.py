@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 
 StudiedMotion = DutyCycle | Segment | Motion | MotionTable | str | os.PathLike[str] | None
-"""What a robot is studied along; None: a default motion."""
+"""Motions that a robot is studied along; None: a default one."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -82,7 +82,8 @@ class Study(Tabled, ByValue):
     verdict: MotionVerdict
     """Whether the robot can make the motion: feasible, not feasible, or not judged, and why."""
     card: Card
-    """What the robot carries on this path, how much faster it can go, and what gives out first."""
+    """Answers: what the robot carries on this path, how much faster it can go, and what gives out
+    first."""
     replay: Replay | None
     replay_skipped: str
     """Reason why there is no replay; empty if there is one."""
@@ -115,7 +116,8 @@ class Study(Tabled, ByValue):
 
     @property
     def load_case(self) -> LoadCase:
-        """What the robot carries, what pulls at it, how it is mounted, and how fast it is run."""
+        """The load case: what the robot carries, what pulls at it, how it is mounted, and how fast
+        it is run."""
         return case_of(self.model, self.wrenches, self.speed, self.command)
 
     @property
@@ -279,7 +281,7 @@ def _over_cycle(
     segments = loaded_segments("study", model, cycle, loads)
     found = []
     for k, segment in enumerate(segments):
-        part = None if progress is None else _Part(progress, k, len(segments))
+        part = None if progress is None else _SegmentProgress(progress, k, len(segments))
         clock = _Clock(part)
         found.append(_along(segment.model, segment.motion, segment.wrenches, None, speed, clock))
     studies, noisy = zip(*found, strict=True)
@@ -288,7 +290,7 @@ def _over_cycle(
 
 
 @dataclass(frozen=True)
-class _Part:
+class _SegmentProgress:
     """The progress of one of several segments."""
 
     progress: Progress

@@ -47,7 +47,7 @@ _TIGHT = 1.001  # a pace below it is called "as fast as it goes"
 
 @dataclass(frozen=True, eq=False)
 class JudgedMotion:
-    """What a verdict on a motion, or on one of several, rests on."""
+    """The grounds of a verdict on a motion, or on one of several."""
 
     model: Model
     data: xr.Dataset
@@ -88,40 +88,42 @@ def verdict(
     noisy: whether the noise of a motion is part of its torques. uses: of limits, default those of
     all motions. rests: between segments.
     """
-    model = motions[0].model
-    doubts = _WeighedDoubts(tuple(dict.fromkeys(x for one in motions for x in one.model.doubts)))
-    if uses is None:
-        uses = (use for one in motions for use in one.uses)
-    every = sorted(uses, key=lambda use: -use.fraction)
+    doubts = _WeighedDoubts.of(motions)
+    every = _most_used_first(motions, uses)
     told = [use for use in every if not _rests(use, doubts.wrong)]
     over = [use for use in told if use.exceeded and not _rests(use, doubts.unknown)]
     undriven = _of_all(_undriven, motions) if doubts.masses_known else ()
     loose = _of_all(_own_pace, motions) if doubts.torques_meant else ()
-    failed = bool(over or undriven)
-    outcome = doubts.outcome(failed)
-    run = pace([*(one.limited for one in motions), *rests])
+    outcome = doubts.outcome(bool(over or undriven))
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
+    factor, limit = float("nan"), None
     if loose:
-        sentences.append(_no_other_pace(loose, slower=failed))
+        sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
     elif told and not doubts.wrong:
-        sentences += _paces(model, run, told, bool(undriven), doubts.partly)
+        run = pace([*(one.limited for one in motions), *rests])
+        sentences += _paces(motions[0].model, run, told, bool(undriven), doubts.partly)
+        factor, limit = run.factor, PaceLimit.of(run)
     if noisy and doubts.torques_meant:
-        sentences.append(
-            "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it "
-            "out."
-        )
+        sentences.append(_NOISY)
     sentences += [capital(doubt.text) for doubt in doubts.every if not doubt.of.bars]
-    reason = " ".join(sentences)
-    if doubts.wrong or loose or not told:
-        return MotionVerdict(outcome, reason, tuple(told), doubts.every, float("nan"))
-    limit = PaceLimit(run.quantity, run.joint, run.time, run.segment) if run.joint else None
-    return MotionVerdict(outcome, reason, tuple(told), doubts.every, run.factor, limit)
+    return MotionVerdict(outcome, " ".join(sentences), tuple(told), doubts.every, factor, limit)
+
+
+_NOISY = "The noise of the motion counts as torque here; --smooth auto (smooth=True) takes it out."
+
+
+def _most_used_first(
+    motions: Sequence[JudgedMotion], uses: Iterable[LimitUse] | None
+) -> list[LimitUse]:
+    """The uses of limits, by default those of all motions, the largest share first."""
+    every = [use for one in motions for use in one.uses] if uses is None else uses
+    return sorted(every, key=lambda use: -use.fraction)
 
 
 def _of_all(
     find: Callable[[Model, xr.Dataset], Sequence[str]], motions: Sequence[JudgedMotion]
 ) -> tuple[str, ...]:
-    """What is found of all motions, each once."""
+    """The findings of all motions, each once."""
     return tuple(dict.fromkeys(x for one in motions for x in find(one.model, one.data)))
 
 
@@ -139,6 +141,12 @@ class _WeighedDoubts:
         self.masses_known = self.torques_meant and not estimated
         self.partly = any(doubt.of.absent for doubt in self.unknown)
         """Whether some limits are not given."""
+
+    @staticmethod
+    def of(motions: Sequence[JudgedMotion]) -> _WeighedDoubts:
+        """The doubts about the robot as it is loaded in all motions, each once."""
+        every = (doubt for one in motions for doubt in one.model.doubts)
+        return _WeighedDoubts(tuple(dict.fromkeys(every)))
 
     def outcome(self, failed: bool) -> VerdictOutcome:
         """The outcome of the verdict; failed: whether something that can be judged fails."""
@@ -208,7 +216,7 @@ def _followers_uses(
 
 
 EFFORTS = {True: ("torque", "N m"), False: ("force", "N")}
-"""What the effort of a joint is called, and its unit, by whether the joint turns."""
+"""Names of the effort of a joint, with its unit, by whether the joint turns."""
 
 
 def _position(

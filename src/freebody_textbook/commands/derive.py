@@ -29,7 +29,7 @@ _ENDINGS: dict[str, _Form] = {
 """The form that the ending of a file's name asks for; of other names it is text."""
 
 
-class Command(commands.Command):
+class Command(commands.OnceCommand):
     """The command `derive`, with the options of all derivation methods and a list of them; both are
     read only when it runs."""
 

@@ -13,7 +13,6 @@ import xarray as xr
 
 import freebody as fb
 from freebody import FreebodyError, MissingValueError, UnknownNameError
-from freebody.report import study_files
 
 pytestmark = pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 
@@ -223,7 +222,8 @@ def test_the_card_names_what_it_does_not_know(tmp_path: Path):
     case = study.load_case
     assert (case.speed, case.payload, case.command) == (2.0, 0.0, "")
     np.testing.assert_array_equal(case.wrenches["tip"], [0.0, -5.0, 0.0])
-    kept = json.loads(study_files.card_text(study))
+    study.save(tmp_path)
+    kept = json.loads((tmp_path / "card.json").read_text("utf-8"))
     assert kept["card"]["payload"] is kept["card"]["faster"] is None
     assert kept["load_case"]["gravity"] == [0.0, -9.81]
     assert kept["load_case"]["wrenches"] == {"tip": [0.0, -5.0, 0.0]}
