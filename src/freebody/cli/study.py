@@ -14,6 +14,7 @@ from freebody.formats.read_file import number
 from freebody.outputs.display import counted
 from freebody.outputs.folder import prepare
 from freebody.outputs.number_text import compared
+from freebody.outputs.pdf import browser
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -50,6 +51,20 @@ def study(
             "or auto to choose the cutoff from the noise.",
         ),
     ] = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A CSV file of the torques that were measured during the motion, shown beside the "
+            "computed ones: t (s) and the joints (N m, N).",
+        ),
+    ] = None,
+    pdf: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="The report as PDF too, printed by a Chromium, Chrome or Edge."
+        ),
+    ] = None,
 ) -> None:
     """Study a robot along a motion or over a duty cycle: torques, powers, reactions, energies and
     checks, as a report and as data.
@@ -62,6 +77,8 @@ def study(
         from freebody.report.study import study as study_of
 
         cutoff = _cutoff(smooth)
+        if pdf is not None:
+            browser()  # refused before anything is computed
         model = robot.load()
         prepare(directory)
         found = study_of(
@@ -70,12 +87,18 @@ def study(
             wrenches=robot.wrenches(model),
             smooth=cutoff,
             speed=robot.speed,
+            measured=measured,
             progress=lambda text, done: progress(text, 0.7 * done),
         )
         found = replace(found, command=options.again(context))
         progress("report and data files", 0.7)
         failure = _saved(found, directory)
+        if pdf is not None and failure is None:
+            progress("PDF", 0.9)
+            found.to_pdf(pdf)
     _print(found, directory, failure)
+    if pdf is not None and failure is None:
+        terminal.out().print(f"PDF:    {pdf}", soft_wrap=True)
     if failure:
         raise failure
     if found.finding:
@@ -143,10 +166,13 @@ def _print_case(studies: Sequence[Study]) -> None:
 
 
 def _print_words(found: Study) -> None:
+    from freebody.report.measured import measured_text
     from freebody.report.summary import energy_text
 
+    measured = measured_text(found)
     terminal.out().print(
         found.worst.text,
+        *([measured] if measured else []),
         energy_text(found.summary, found.motion.duration),
         *([found.singularity.text] if found.singularity else []),
         found.replay.text if found.replay else found.replay_skipped,

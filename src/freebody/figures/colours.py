@@ -67,6 +67,7 @@ _RULES = """
 .fig .frame{fill:none;stroke:@faint;stroke-width:1}.fig .axis{fill:none;stroke:@soft;stroke-width:1}
 .fig .tick{fill:@soft;font-size:11px}.fig .unit{fill:@soft;font-size:11px}
 .fig .curve{fill:none;stroke-width:1.7;stroke-linejoin:round}
+.fig .faint{stroke-width:1;stroke-opacity:.5}
 .fig .peak{stroke:@paper;stroke-width:1.2}
 .fig .limit{fill:none;stroke:@limit;stroke-width:1.2;stroke-dasharray:6 3}
 .fig .now{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:2 3}
@@ -78,6 +79,11 @@ serif;font-size:15px}
 .fig .f .r{font-style:normal}.fig .f .b{font-weight:700}
 .fig .solid{fill:@solid;stroke:@link-edge;stroke-width:1.6;stroke-linejoin:round}
 .fig .curveline{fill:none;stroke:@link-edge;stroke-width:2}
+.fig .contour{fill:none;stroke:@paper;stroke-width:1}
+.fig .contour-text{fill:@ink;font-size:11px;font-weight:600;stroke:@paper;stroke-width:3.5px;
+stroke-linejoin:round;paint-order:stroke}
+.fig .stick{fill:none;stroke:@link-edge;stroke-width:5;stroke-linecap:round}
+.fig .joint{fill:@paper;stroke:@link-edge;stroke-width:1.5}
 .fig .axisline{fill:none;stroke:@soft;stroke-width:1;stroke-dasharray:9 3 2 3}
 """
 _ARROWS = (

@@ -1,25 +1,27 @@
-"""Curves over time as small SVG pictures: axes with units, one curve for each quantity, its peak
-marked, limits dashed."""
+"""Curves over time as small SVG pictures: axes with units, curves with their names beside them, a
+peak marked, limits dashed."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from html import escape
-from itertools import count
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebody.arrays import Array
 from freebody.figures.colours import SERIES
+from freebody.figures.curve_names import SIZE, named_curves
+from freebody.figures.labelling import Box
 from freebody.figures.marked_text import width
 from freebody.figures.svg import Picture
 from freebody.figures.svg_symbols import circle, line, path, words
 from freebody.outputs.number_text import fixed, significant, superscript
 
-_LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 28.0, 30.0, 15.0
+_LEFT, _RIGHT, _TOP, _BOTTOM, _ROW = 52.0, 12.0, 40.0, 30.0, 15.0
+_SECOND = 40.0  # pixels: on the right, where there is a second axis
 _SEEN = 0.15  # pixels: a curve may leave its samples by no more than this
 
 
@@ -37,42 +39,70 @@ class Plot:
     """An instant marked by a vertical line."""
     peaks: bool = True
     """Whether the point of the first curve farthest from zero is marked."""
-    legend: bool = True
-    size: tuple[float, float] = (340.0, 210.0)
+    names: bool = True
+    """Whether the curves are named: beside them, or in a legend where there is no room."""
+    size: tuple[float, float] = (340.0, 200.0)
     log: bool = False
     across: str = "t in s"
     """The title of the horizontal axis."""
+    colours: Mapping[str, int] | None = None
+    """The colour of each curve by name; default their order."""
+    faint: Collection[str] = ()
+    """Names of curves drawn behind the others, thin: measured ones, with their noise."""
+    also: tuple[float, str] | None = None
+    """A second unit, on an axis at the right, and how many of it are one of `unit`."""
+
+    def colour(self, name: str) -> int:
+        """The number of a curve's colour."""
+        number = list(self.curves).index(name) if self.colours is None else self.colours[name]
+        return number % SERIES
 
 
 def plot(what: Plot) -> Picture:
     """Picture of a plot with its axes and curves."""
-    what, rows, w, h = _to_print(what), _legend(what), *what.size
-    h += _ROW * max(len(rows) - 2, 0)
-    box = (_LEFT, _TOP + _ROW * max(len(rows), 1), w - _RIGHT, h - _BOTTOM)
+    what = _to_print(what)
+    w, h = what.size
+    box = (_LEFT, _TOP, w - (_SECOND if what.also else _RIGHT), h - _BOTTOM)
     low, high = _range(what)
     axes = _Axes(box, (float(what.t[0]), float(what.t[-1])), (low, high), what.log)
-    body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what.unit, what.across)]
+    body = [words("name", 6 + 16j, escape(what.title)), *_grid(axes, what)]
     if what.now is not None:
         d = f"M{axes.x(what.now):.1f} {box[1]:.1f}V{box[3]:.1f}"
         body.append(line("now", d, f"t = {what.now:.4g} s"))
     for level in what.limits:
         if low <= level <= high:
             body.append(axes.level("limit", level, f"limit {significant(level)}"))
-    for k, (name, curve) in enumerate(what.curves.items()):
+    drawn: dict[str, Array] = {}
+    behind = len(body)
+    for name, curve in what.curves.items():
+        pieces = []
         for run in _runs(curve):
             x, y = axes.x(what.t[run]), axes.y(curve[run])
-            d = path((x + 1j * y)[thin(x, y)].tolist())
-            body.append(line(f"curve s{k % SERIES}", d, name))
-    if what.peaks and not what.log:
-        body.append(_peak(axes, what, next(iter(what.curves.values()))))
-    colours = count()
+            needed = thin(x, y)
+            pieces += [np.stack([x, y], axis=-1)[needed], np.full((1, 2), np.nan)]
+            d = path((x + 1j * y)[needed].tolist())
+            css = f"curve s{what.colour(name)}"
+            if name in what.faint:
+                body.insert(behind, line(f"{css} faint", d, name))
+            else:
+                body.append(line(css, d, name))
+        drawn[name] = np.concatenate(pieces) if pieces else np.full((1, 2), np.nan)
+    peak = _peak(axes, what) if what.peaks and not what.log else None
+    if peak is not None:
+        body.append(peak.svg)
+    placed = named_curves(drawn, box, [peak.box] if peak else []) if what.names else []
+    for label in placed:
+        css = f"num halo f{what.colour(label.name)}"
+        body.append(words(css, label.at, escape(label.name), "middle"))
+    rows = _legend(what, {label.name for label in placed})
     for k, row in enumerate(rows):
         for name, x in row:
-            at = complex(x, _TOP + 4 + _ROW * k)
+            at = complex(x, h + 11 + _ROW * k)
             d = f"M{at.real:.1f} {at.imag - 4:.1f}h14"
-            body.append(line(f"curve s{next(colours) % SERIES}", d))
+            body.append(line(f"curve s{what.colour(name)}", d))
             body.append(words("num", at + 19, escape(name)))
-    return Picture("".join(body), w, h, f"{what.title}, {what.unit} over time")
+    tall = h + _ROW * len(rows) + (4 if rows else 0)
+    return Picture("".join(body), w, tall, f"{what.title}, {what.unit} over time")
 
 
 def _to_print(what: Plot) -> Plot:
@@ -92,6 +122,7 @@ def _to_print(what: Plot) -> Plot:
         curves={name: curve / 10.0**power for name, curve in curves.items()},
         limits=tuple(level / 10.0**power for level in what.limits),
         unit=f"10{superscript(power)} {what.unit}",
+        also=what.also and (what.also[0] * 10.0**power, what.also[1]),
     )
 
 
@@ -177,7 +208,7 @@ def _range(what: Plot) -> tuple[float, float]:
     return low - below * span, high + above * span
 
 
-def _grid(axes: _Axes, unit: str, across: str) -> list[str]:
+def _grid(axes: _Axes, what: Plot) -> list[str]:
     left, top, right, bottom = axes.box
     out = []
     levels = ticks(*axes.range, most=4) if not axes.log else _decades(*axes.range)
@@ -185,6 +216,8 @@ def _grid(axes: _Axes, unit: str, across: str) -> list[str]:
         text = f"10{_raised(level)}" if axes.log else tick(level, levels)
         out.append(axes.level("grid", level))
         out.append(words("tick", complex(left - 6, axes.y(level) + 4), text, "end"))
+    if what.also is not None:
+        out += _second(axes, *what.also)
     instants = ticks(*axes.time)
     for t in instants:
         x = float(axes.x(t))
@@ -193,8 +226,21 @@ def _grid(axes: _Axes, unit: str, across: str) -> list[str]:
     if not axes.log and axes.range[0] < 0 < axes.range[1]:
         out.append(axes.level("axis", 0.0))
     frame = line("frame", f"M{left:.1f} {top:.1f}V{bottom:.1f}H{right:.1f}")
-    time = words("unit", complex(right, bottom + 28), escape(across), "end")
-    return [*out, frame, time, words("unit", right + 16j, escape(unit), "end")]
+    time = words("unit", complex(right, bottom + 28), escape(what.across), "end")
+    end = max(left - 6, width(what.unit, 11) + 4)
+    return [*out, frame, time, words("unit", complex(end, top - 7), escape(what.unit), "end")]
+
+
+def _second(axes: _Axes, factor: float, unit: str) -> list[str]:
+    """The axis of a second unit, of which `factor` are one of the first, at the plot's right."""
+    _, top, right, _ = axes.box
+    levels = ticks(*(factor * end for end in axes.range), most=4)
+    out = [words("unit", complex(right + 6, top - 7), escape(unit))]
+    for level in levels:
+        y = float(axes.y(level / factor))
+        out.append(line("axis", f"M{right:.1f} {y:.1f}h4"))
+        out.append(words("tick", complex(right + 7, y + 4), tick(level, levels)))
+    return out
 
 
 def _decades(low: float, high: float) -> list[float]:
@@ -220,25 +266,38 @@ def tick(value: float, all_values: Sequence[float]) -> str:
     return fixed(value, decimals)
 
 
-def _peak(axes: _Axes, what: Plot, curve: Array) -> str:
-    """The mark and the printed value of the first curve where it is farthest from zero, as SVG."""
+@dataclass(frozen=True)
+class _Peak:
+    """The mark and the printed value of the first curve where it is farthest from zero, and the box
+    of that text."""
+
+    svg: str
+    box: Box
+
+
+def _peak(axes: _Axes, what: Plot) -> _Peak | None:
+    curve = next(iter(what.curves.values()))
     k = int(np.argmax(np.abs(curve)))
     if abs(curve[k]) < 1e-12:
-        return ""
+        return None
     at, text = complex(axes.x(what.t[k]), axes.y(curve[k])), significant(float(curve[k]))
     half, below = width(text, 11) / 2, -7 if curve[k] > 0 else 15
     inside = min(max(at.real, axes.box[0] + half + 4), axes.box[2] - half)
-    beside = words("tick halo", complex(inside, at.imag + below), text, "middle")
-    return circle("peak f0", at, 3.4, f"{text} {what.unit} at {what.t[k]:.4g} s") + beside
+    y = at.imag + below
+    beside = words("tick halo", complex(inside, y), text, "middle")
+    mark = circle("peak f0", at, 3.4, f"{text} {what.unit} at {what.t[k]:.4g} s")
+    return _Peak(mark + beside, (inside - half, y - 11, inside + half, y + 4))
 
 
-def _legend(what: Plot) -> list[list[tuple[str, float]]]:
-    """(name, x) of the legend's entries, in rows that fit."""
-    rows: list[list[tuple[str, float]]] = [[]] if what.legend else []
-    x = 8.0
-    for name in what.curves if what.legend else ():
-        needed = width(name, 12) + 40
-        if rows[-1] and x + needed > what.size[0]:
+def _legend(what: Plot, placed: Collection[str]) -> list[list[tuple[str, float]]]:
+    """(name, x) of the curves without a name beside them, in rows that fit."""
+    rows: list[list[tuple[str, float]]] = []
+    x = math.inf
+    for name in what.curves if what.names else ():
+        if name in placed:
+            continue
+        needed = width(name, SIZE) + 40
+        if x + needed > what.size[0]:
             rows.append([])
             x = 8.0
         rows[-1].append((name, x))

@@ -25,6 +25,8 @@ from freebody.model.doubts import attribute, doubts_used
 from freebody.model.model import Model
 from freebody.motion.ranges import ranges
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.files import write
+from freebody.outputs.pdf import pdf
 from freebody.report.card import Card, card
 from freebody.report.load_case import LoadCase
 from freebody.report.results import LimitUse, MotionVerdict, percent
@@ -123,11 +125,25 @@ class CycleStudy(Tabled, ByValue):
         """The paths of the files written into a folder: card.json, summary.csv, cycle.nc and
         manifest.json of the whole, and a folder `segment-1`, … with the files of each study.
 
-        report: each segment's report.html as well. Raises as `Study.save`.
+        report: report.html of the whole and of each segment as well. Raises as `Study.save`.
         """
         from freebody.report.study_files import save_cycle
 
         return save_cycle(self, Path(directory), report)
+
+    def to_html(self, path: str | os.PathLike[str]) -> Path:
+        """The path of the report of the whole cycle that is written as one HTML file, which opens
+        offline."""
+        from freebody.report.cycle_page import cycle_page
+
+        return write(path, cycle_page(self))
+
+    def to_pdf(self, path: str | os.PathLike[str]) -> Path:
+        """The path of the report of the whole cycle that is written as PDF, as of
+        `Study.to_pdf`."""
+        from freebody.report.cycle_page import cycle_page
+
+        return write(path, pdf(cycle_page(self)))
 
 
 def cycle_study(

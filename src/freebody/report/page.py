@@ -21,54 +21,71 @@ from freebody.figures import colours
 from freebody.formats.loading import SUFFIXES
 from freebody.loops.mobility import mobility
 from freebody.model.doubts import readings
+from freebody.model.model import Model
 from freebody.motion.ranges import ranges
-from freebody.outputs import files
 from freebody.outputs.harmless_text import legal
 from freebody.outputs.number_text import significant
 from freebody.outputs.page_head import SHEETS, math_style, policy
 from freebody.report import page_figures as figures
 from freebody.report import page_tables as tables
-from freebody.report.load_case import load_case
 from freebody.report.summary import energy_text
 from freebody.report.tables import typeset
 
 if TYPE_CHECKING:
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
 
-def write(study: Study, path: Path) -> Path:
-    """The path of the HTML page that is written."""
-    return files.write(path, page(study))
+_CONTENTS = (
+    ("verdict", "Verdict"), ("answer", "Drives"), ("motion", "Motion"), ("torques", "Torques"),
+    ("power", "Power"), ("energy", "Energy"), ("gravity", "Gravity and payload"),
+    ("kinematics", "Path of the tip"), ("reactions", "Joint reactions"), ("bodies", "Bodies"),
+    ("equations", "Equations"), ("replay", "Replay"), ("checks", "Self-checks"),
+    ("method", "Method"),
+)  # fmt: skip
+"""Sections and what they are called in the contents."""
 
 
 def page(study: Study) -> str:
     """The HTML text of a study's page."""
     diagrams, loads = figures.free_bodies(study)
+    equations = _equations(study)
+    return rendered(
+        "page.html",
+        study=study,
+        model=study.model,
+        facts=_facts(study),
+        case=study.load_case,
+        notices=_notices(study),
+        robot=figures.robot(study),
+        energy=energy_text(study.summary, study.motion.duration),
+        **{table.__name__: table(study) for table in tables.TABLES},
+        equations=equations,
+        plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
+        free_bodies=[
+            (diagram, tables.loads(study, body))
+            for diagram, body in zip(diagrams, loads, strict=True)
+        ],
+        math_style=Markup(math_style()) if equations else "",
+        contents=[entry for entry in _CONTENTS if entry[0] != "equations" or equations],
+    )
+
+
+def rendered(template: str, *, study: Study | CycleStudy, **words: Any) -> str:
+    """The HTML text of a page, from its template: with the policy, colours and rules for paper that
+    all pages of studies have."""
     return legal(
         _templates()
-        .get_template("page.html")
+        .get_template(template)
         .render(
             policy=Markup(policy()),
             sheets=Markup(SHEETS),
             study=study,
-            model=study.model,
-            facts=_facts(study),
-            case=load_case(study.model, study.wrenches, study.speed),
-            notices=_notices(study),
             doubts={doubt.kind: doubt.of.bars for doubt in study.verdict.doubts},
-            robot=figures.robot(study),
-            energy=energy_text(study.summary, study.motion.duration),
-            **{table.__name__: table(study) for table in tables.TABLES},
-            equations=_equations(study),
-            plots={plots.__name__: list(plots(study)) for plots in figures.PLOTS},
-            free_bodies=[
-                (diagram, tables.loads(study, body))
-                for diagram, body in zip(diagrams, loads, strict=True)
-            ],
             versions=_versions(),
             colours=(colours.page_colours(dark=False), colours.page_colours(dark=True)),
-            math_style=Markup(math_style()),
             figure_style=Markup(colours.style("@media screen and (prefers-color-scheme:dark)")),
+            **words,
         )
     )
 
@@ -100,12 +117,12 @@ def _equations(study: Study) -> Any:
 def _facts(study: Study) -> dict[str, Any]:
     """Single words and numbers that the page's template puts into its text."""
     model, motion = study.model, study.motion
-    source, path = _source(study)
+    name, path = source(study.model)
     failed = [check for check in study.checks if not check.passed]
     loops = study.replay
     return {
         "failed": failed,
-        "source": source,
+        "source": name,
         "path": path,
         "gravity": ", ".join(significant(float(x)) for x in model.gravity),
         "freedom": mobility(model, motion.q[0]).generic,
@@ -127,13 +144,13 @@ def _notices(study: Study) -> dict[str, list[str]]:
     return {"findings": list(study.warnings), "reading": short}
 
 
-def _source(study: Study) -> tuple[str, str]:
+def source(model: Model) -> tuple[str, str]:
     """The name of the robot's source, and the full path of its file, "" where it is none."""
-    source = study.model.source
-    name = Path(source).name
-    if Path(source).suffix in SUFFIXES and name != source:
-        return name, source
-    return source or "no source given", ""
+    given = model.source
+    name = Path(given).name
+    if Path(given).suffix in SUFFIXES and name != given:
+        return name, given
+    return given or "no source given", ""
 
 
 def _versions() -> dict[str, str]:

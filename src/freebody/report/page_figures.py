@@ -2,36 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebody.algorithms.screws import chain_to
-from freebody.arrays import Array
 from freebody.figures.body_loads import BodyLoads
-from freebody.figures.drawing import Drawing
 from freebody.figures.free_body import PANEL, TALLEST, diagrams
 from freebody.figures.kinematic import robot_drawing
-from freebody.figures.map_diagram import map_diagram
+from freebody.figures.plane_map import plane_map
 from freebody.figures.plots import Plot, plot
 from freebody.figures.snapshot import snapshot
 from freebody.figures.svg import picture
-from freebody.inverse.inverse_kinematics import inverse_kinematics
-from freebody.inverse.problem.closed_form_arm import ClosedFormArm, closed_form_for
-from freebody.inverse.problem.task import Task
-from freebody.model.doubt_rules.aspects import EFFORTS, MASSES
-from freebody.model.doubts import doubts_on
-from freebody.model.model import Model
-from freebody.motion.ranges import ranges
 from freebody.motion.ranges import ranges as allowed
 from freebody.outputs.number_text import significant
-from freebody.reach.payload_map import payload_map
+from freebody.report.lifting import chart, lifting_along, lifting_over_plane
+from freebody.report.page_tables import EVERYDAY
 from freebody.report.tables import shortened
 from freebody.report.variables import PARTS
-from freebody.trees.kinematics import forward_kinematics
-from freebody.trees.positions import random_state
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,8 +28,12 @@ if TYPE_CHECKING:
     from freebody.report.study import Study
 
 
+MEASURED = "measured"
+"""The name of a measured curve."""
 _TOGETHER = 8  # curves that one picture holds
-_MAP = 520.0  # height of a map, pixels
+_SEEN = 1e-4  # of the largest: a part that is smaller is no line of its own
+_NOISE = 1e-9  # of the largest torque: what is smaller is rounding
+_HERO = (460.0, 400.0)  # of the robot, pixels
 
 
 @dataclass(frozen=True)
@@ -61,7 +54,7 @@ def robot(study: Study) -> CaptionedDrawing:
     if study.tip is not None:
         path = study.data["tip_position"].values[:: max(1, count // 240)]
         words = f" Orange: the path of {study.tip}."
-    drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), 640, 540)
+    drawing = picture(robot_drawing(model, q[worst.index], ghosts, path), *_HERO)
     return CaptionedDrawing(
         drawing.text(css=False),
         f"At the worst instant, t = {worst.time:.3g} s; paler, other poses of the motion.{words}",
@@ -84,15 +77,25 @@ def motion(study: Study) -> Iterator[CaptionedDrawing]:
 
 
 def torques(study: Study) -> Iterator[CaptionedDrawing]:
-    """Plots of each coordinate's torque with its parts and limits."""
+    """Plots of each coordinate's torque with the parts that it has there, its limits, and what was
+    measured."""
     data, limits = study.data, allowed(study.model).effort
     shown = parts(study)
+    if "tau_measured" in data:
+        shown["tau_measured"] = MEASURED
+    colours = {words: k for k, words in enumerate(shown.values())}
     units = data["effort_unit"].values
     for name in study.model.driven_names:
         k = study.model.velocity_names.index(name)
         curves = {words: data[variable].values[:, k] for variable, words in shown.items()}
+        there = _SEEN * np.abs(curves["total"]).max()
+        curves = {
+            words: curve
+            for words, curve in curves.items()
+            if words == "total" or np.nanmax(np.abs(curve), initial=0.0) > there
+        }
         bounds = (-float(limits[k]), float(limits[k])) if np.isfinite(limits[k]) else ()
-        yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True)
+        yield _plot(study, name, curves, str(units[k]), limits=bounds, peaks=True, colours=colours)
 
 
 def parts(study: Study) -> dict[str, str]:
@@ -140,14 +143,15 @@ def kinematics(study: Study) -> Iterator[CaptionedDrawing]:
     yield _single(study, f"Speed of {study.tip}", "speed", speed, "m/s")
     smallest = data["smallest_singular_value"]
     curve = {"smallest singular value": smallest.values}
-    yield _plot(
-        study, "Smallest singular value", curve, "1/rad", legend=False, now=singularity.time
-    )
+    yield _plot(study, "Smallest singular value", curve, "1/rad", names=False, now=singularity.time)
 
 
 def gravity(study: Study) -> Iterator[CaptionedDrawing]:
     """Plots of the torques that gravity causes."""
-    yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit")
+    load = np.abs(study.data["tau_gravity"].values).max(axis=0)
+    felt = load > _NOISE * np.abs(study.data["tau"].values).max()
+    names = [x for x, there in zip(study.model.velocity_names, felt, strict=True) if there]
+    yield from _overlays(study, "tau_gravity", "Gravity load", "", "effort_unit", names)
 
 
 def lifting(study: Study) -> Iterator[CaptionedDrawing]:
@@ -156,17 +160,20 @@ def lifting(study: Study) -> Iterator[CaptionedDrawing]:
     if mass is None:
         return
     least = int(np.argmin(mass))
-    curve = _plot(study, "Largest payload at rest", {"payload": mass}, "kg", legend=False)
-    words = f"At least {significant(float(mass[least]))} kg, at t = {study.motion.t[least]:.3g} s."
+    curve = _plot(study, "Largest payload at rest", {"payload": mass}, "kg", names=False)
+    words = (
+        f"The largest mass at {study.tip}, beyond what the robot carries already, that its drives "
+        f"hold at rest within their limits; friction does not count. At least "
+        f"{significant(float(mass[least]))} kg, at t = {study.motion.t[least]:.3g} s."
+    )
     yield CaptionedDrawing(curve.svg, words)
     found = lifting_over_plane(study)
     if found is not None:
-        drawing, words = found
         yield CaptionedDrawing(
-            picture(drawing, PANEL, _MAP).text(css=False),
-            f"In the upright plane of the worst instant, {study.tip} {words}; at each point the "
-            f"best of all postures that reach it. Blank points are out of reach within the joint "
-            f"limits.",
+            plane_map(chart(study, found)).text(css=False),
+            f"In the upright plane of the worst instant, {study.tip} {found.words}; at each point "
+            f"the best of all postures that reach it. Blank points are out of reach within the "
+            f"joint limits; beyond the last contour the payload is larger.",
         )
 
 
@@ -196,21 +203,24 @@ def drift(study: Study) -> Iterator[CaptionedDrawing]:
         replay.drift_time,
         curve,
         "rad, m",
-        legend=False,
+        names=False,
         log=True,
     )
     yield CaptionedDrawing(plot(what).text(css=False))
 
 
 def _overlays(
-    study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit"
-) -> Iterator[CaptionedDrawing]:
-    """Plots of a variable for coordinates of one unit together, at most eight in each."""
+    study: Study, variable: str, what: str, suffix: str, unit_name: str = "unit",
+    only: Collection[str] | None = None,
+) -> Iterator[CaptionedDrawing]:  # fmt: skip
+    """Plots of a variable for coordinates of one unit together, at most eight in each; only: those
+    that are shown, default all."""
     array = study.data[variable]
     dim = "position" if "position" in array.dims else "coordinate"
     groups: dict[str, list[str]] = {}
     for name, unit in _units(study, array, dim, unit_name):
-        groups.setdefault(unit, []).append(name)
+        if only is None or name in only:
+            groups.setdefault(unit, []).append(name)
     for unit, names in groups.items():
         for group in _groups(names):
             curves = {short: array.sel({dim: name}).values for name, short in group}
@@ -237,116 +247,22 @@ def _groups(names: Sequence[str]) -> Iterator[Sequence[tuple[str, str]]]:
 
 def _single(study: Study, title: str, name: str, curve: np.ndarray, unit: str) -> CaptionedDrawing:
     """A plot of a single curve with its peak marked."""
-    return _plot(study, title, {name: curve}, unit, legend=False, peaks=True)
+    return _plot(study, title, {name: curve}, unit, names=False, peaks=True)
 
 
 def _plot(
     study: Study, title: str, curves: dict[str, np.ndarray], unit: str, *,
     limits: tuple[float, ...] = (),
-    legend: bool = True, peaks: bool = False, now: float | None = None,
+    names: bool = True, peaks: bool = False, now: float | None = None,
+    colours: dict[str, int] | None = None,
 ) -> CaptionedDrawing:  # fmt: skip
     at = study.worst.time if now is None else now
-    what = Plot(title, study.motion.t, curves, unit, limits, at, peaks, legend)
+    also = EVERYDAY[unit] if unit.startswith("rad") and unit in EVERYDAY else None
+    what = Plot(
+        title, study.motion.t, curves, unit, limits, at, peaks, names, colours=colours, also=also
+    )
     return CaptionedDrawing(plot(what).text(css=False))
 
 
 PLOTS = (kinematics, gravity, lifting, motion, torques, powers, energies, reactions, drift)
 """Figures of the page, by the names of their functions."""
-
-
-_CELLS = 41
-"""Cells of the map, along each side."""
-_SAMPLES = 400
-"""Postures that tell how far the tip comes."""
-_THIN = 1e-6
-"""Ratio of the sides of an area that is no more than a line."""
-_LIFTING = "Largest payload at rest (kg)"
-
-
-def lifting_along(study: Study) -> Array | None:
-    """The largest payload (T,) at the tip at each posture of the motion; None without a tip, or
-    where gravity or efforts set no limit."""
-    model = study.model
-    if model.tip is None or model.loops or model.passive or not model.gravity.any():
-        return None
-    if study.wrenches:
-        return None  # a payload map knows none
-    if not np.isfinite(ranges(model).effort).any() or _wrong(model):
-        return None
-    mass = payload_map(model, study.motion.q).mass
-    return mass if np.isfinite(mass).all() else None
-
-
-def lifting_over_plane(study: Study) -> tuple[Drawing, str] | None:
-    """The map of the largest payload over a plane, the best of all branches, and words on the tip's
-    orientation in it; None for an arm without a closed form."""
-    model, q = study.model, study.motion.q[study.worst.index]
-    tip = model.frame().name
-    form = None if _wrong(model) or study.wrenches else _form(model, tip)
-    if form is None:
-        return None
-    points = _plane(model, tip, q)
-    if points is None:
-        return None
-    oriented, held = bool(form.task.angular), form.held
-    target = points
-    if oriented:
-        pose = forward_kinematics(model, q, tip)
-        target = np.broadcast_to(pose, (*points.shape[:-1], *pose.shape)).copy()
-        target[..., : model.dim, model.dim] = points
-    found = inverse_kinematics(
-        model, target, tip, q0=q, redundancy=None if held is None else q[held]
-    )
-    good = found.valid & found.within_limits
-    if not good.any():
-        return None
-    mass = payload_map(model, np.nan_to_num(found.q), tip).mass
-    best = np.where(good, mass, -1.0).max(axis=-1)
-    best[(best < 0) | ~np.isfinite(best)] = np.nan
-    words = "oriented as at the worst instant" if oriented else "in any orientation"
-    if held is not None:
-        words += f", {model.position_names[held]} as at that instant"
-    return map_diagram(model, points, best, q, title=_LIFTING).drawing, words
-
-
-def _wrong(model: Model) -> bool:
-    """Whether the model's masses or effort limits cannot be trusted."""
-    return any(doubt.of.mend for doubt in doubts_on(model, MASSES, EFFORTS))
-
-
-def _form(model: Model, tip: str) -> ClosedFormArm | None:
-    """Closed form of the arm's inverse kinematics: for whole poses where there is one, else for
-    points."""
-    chain = chain_to(model.tree, tip)
-    if chain is None or not len(chain.screws):
-        return None
-    every = Task(model.dim, tuple(range(3 * model.dim - 3)))
-    enough = len(chain.screws) >= len(every.rows)
-    task = every if enough else Task(model.dim, tuple(range(model.dim)))
-    return closed_form_for(model, tip, task)
-
-
-def _plane(model: Model, tip: str, q: Array) -> Array | None:
-    """An even grid of points (n, n, dim), across and upwards against gravity; None where the tip
-    stays on a line."""
-    up = -np.asarray(model.gravity) / np.linalg.norm(model.gravity)
-    some, _, _ = random_state(model, 0, _SAMPLES)
-    places = forward_kinematics(model, some, tip)[:, : model.dim, model.dim]
-    at = forward_kinematics(model, q, tip)[: model.dim, model.dim]
-    foot = forward_kinematics(model, q, model.bodies[0].name)[: model.dim, model.dim]
-    away = at - foot
-    across = away - (away @ up) * up
-    if np.linalg.norm(across) < 1e-6 * max(1.0, float(np.linalg.norm(away))):
-        across = np.eye(model.dim)[int(np.argmin(np.abs(up)))]
-        across = across - (across @ up) * up
-    across /= np.linalg.norm(across)
-    ways = places - foot
-    heights = ways @ up
-    radius = float(np.linalg.norm(ways - heights[:, None] * up, axis=-1).max())
-    side = np.linspace(-1.05 * radius, 1.05 * radius, _CELLS)
-    span = float(np.ptp(heights))
-    if min(radius, span) <= _THIN * max(radius, span):
-        return None
-    height = np.linspace(heights.min() - 0.05 * span, heights.max() + 0.05 * span, _CELLS)
-    plane = foot + (at - foot) - (away @ across) * across - (away @ up) * up
-    return plane + side[:, None] * across + height[:, None, None] * up

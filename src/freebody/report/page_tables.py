@@ -22,17 +22,24 @@ from freebody.report.tables import (
     ReportTable,
     WordsCell,
     alone,
+    shortened,
     table,
     typeset,
 )
 from freebody.report.variables import VARIABLES, dataset
 
 if TYPE_CHECKING:
+    from freebody.report.cycle_study import CycleStudy
     from freebody.report.study import Study
 
 
 _EFFORTS = {"N m": "Peak torque", "N": "Peak force"}
 _POSE = 8  # coordinates of a pose that a table has room for
+EVERYDAY = {
+    "rad": (180.0 / np.pi, "°"), "m": (1e3, "mm"),
+    "rad/s": (30.0 / np.pi, "rpm"), "m/s": (1e3, "mm/s"),
+}  # fmt: skip
+"""Units in which people speak of positions and speeds, beside those of the SI."""
 
 TableColumn = tuple[Head, Sequence[Cell]]
 
@@ -52,29 +59,40 @@ class Printed:
     unit: str | None = None
     """The unit, where it is not that of the variable."""
     tip: str | None = None
+    everyday: bool = False
+    """Whether the numbers are printed in degrees, rpm and mm: a column beside that of the SI."""
 
-    def column(self, study: Study, book: xr.Dataset, dim: str, names: Sequence[str]) -> TableColumn:
+    def column(
+        self, study: Study | CycleStudy, book: xr.Dataset, dim: str, names: Sequence[str]
+    ) -> TableColumn:
         """The head and the cells of the column, for the rows `names`."""
         of = VARIABLES[self.variable]
         values = book[self.variable].sel(dict(self.at)).sel({dim: list(names)}).values
         limited, share = (self.variable.endswith(ending) for ending in ("_fraction", "_share"))
-        units, scale = _units(study, dim, names, of.unit), self.scale
+        units = _units(study, dim, names, of.unit)
+        scales = [self.scale] * len(names)
         if limited or share:
-            units, scale = ["%"] * len(names), 100.0
+            units, scales = ["%"] * len(names), [100.0] * len(names)
+        elif self.everyday:
+            scales, units = map(list, zip(*map(EVERYDAY.__getitem__, units), strict=True))
         elif self.unit is not None:
             units = [self.unit] * len(names)
         same = len(set(units)) == 1
         cells: list[Cell] = []
-        for x, name, unit in zip(map(float, values), names, units, strict=True):
+        for x, name, unit, scale in zip(map(float, values), names, units, scales, strict=True):
+            if np.isinf(x):
+                cells.append(WordsCell("" if self.everyday else "none", css="n none"))
+                continue
             at, own = {dim: name, **dict(self.at)}, "" if same else unit
             bar = x if limited else None
-            cells.append(PrintedNumber(x, self.variable, at, own, scale, bar=bar))
+            counted = f"{x:.0f}" if self.variable.endswith("_segment") else ""
+            cells.append(PrintedNumber(x, self.variable, at, own, scale, counted, bar))
         repeated = of.meaning == self.title.lower()
-        tip = self.tip if self.tip is not None else "" if repeated else of.meaning
+        tip = self.tip if self.tip is not None else "" if repeated or self.everyday else of.meaning
         return Head(self.title, units[0] if same else "", tip), cells
 
 
-def _units(study: Study, dim: str, names: Sequence[str], unit: str) -> list[str]:
+def _units(study: Study | CycleStudy, dim: str, names: Sequence[str], unit: str) -> list[str]:
     """The units of a variable's rows."""
     turning, _, sliding = unit.removesuffix("|1").partition("|")
     if not sliding:
@@ -100,7 +118,7 @@ def drives(study: Study) -> ReportTable:
         "Speed / limit": "velocity_fraction",
         "Peak power": "peak_power",
     }
-    return _by_coordinate("Required torque, speed and power of each drive", study, names, columns)
+    return by_coordinate("Required torque, speed and power of each drive", study, names, columns)
 
 
 def work(study: Study) -> ReportTable:
@@ -116,12 +134,26 @@ def work(study: Study) -> ReportTable:
         "Power / limits": "power_fraction",
     }
     names = study.model.driven_names
-    return _by_coordinate("Work of each drive over the motion", study, names, columns)
+    return by_coordinate("Work of each drive over the motion", study, names, columns)
+
+
+def measured(study: Study) -> ReportTable | None:
+    """The table of how far the computed torques are from the measured ones; None where nothing was
+    measured."""
+    if "measured_rms_difference" not in study.summary:
+        return None
+    columns = {
+        "RMS computed": "rms_torque",
+        "RMS difference": "measured_rms_difference",
+        "of measured": "measured_difference_share",
+    }
+    names = study.model.driven_names
+    return by_coordinate("Computed less measured torque", study, names, columns)
 
 
 def ranges(study: Study) -> ReportTable | None:
-    """The table of the range that each coordinate moves through, and of its limits; None where no
-    coordinate has a range."""
+    """The table of the range that each coordinate with a position moves through, and of its limits;
+    None where none has one."""
     if not np.isfinite(study.summary["lowest"].values).any():
         return None
     columns = {
@@ -133,8 +165,9 @@ def ranges(study: Study) -> ReportTable | None:
         "Speed limit": "velocity_limit",
         "Effort limit": "effort_limit",
     }
-    names = study.model.velocity_names
-    return _by_coordinate("Range of motion of each joint", study, names, columns)
+    lowest = study.summary["lowest"]
+    names = [x for x in study.model.velocity_names if np.isfinite(lowest.sel(coordinate=x))]
+    return by_coordinate("Range of motion of each joint", study, names, columns, book=whole(study))
 
 
 def bodies(study: Study) -> ReportTable:
@@ -153,25 +186,43 @@ def bodies(study: Study) -> ReportTable:
         _words("Parent body", parents),
         *(p.column(study, book, "body", names) for p in printed),
     ]
-    return _listed("Bodies: links that move as one rigid body", "Body", names, columns)
+    numbers = range(1, len(names) + 1)
+    return _listed("Bodies: links that move as one rigid body", "Body", names, columns, numbers)
 
 
 def gravity(study: Study) -> ReportTable | None:
-    """The table of the worst poses at rest, and of the largest gravity load along the motion; None
-    where gravity loads nothing."""
+    """The table of the largest gravity loads along the motion and in any pose; None where gravity
+    loads nothing."""
     names = [pose.coordinate for pose in study.static]
     if not names:
         return None
     columns = {
-        "During the motion": "gravity_torque_peak",
-        "Worst pose": "worst_gravity_torque",
-        "Worst / limit": "worst_gravity_fraction",
+        "This motion": "gravity_torque_peak",
+        "Any pose": "worst_gravity_torque",
+        "Any / limit": "worst_gravity_fraction",
     }
-    positions, pose = study.model.position_names, []
-    for k, name in enumerate(positions if len(positions) <= _POSE else (), 1):
-        tip, at = f"{name} in the worst pose, rad or m", (("position", name),)
-        pose.append(Printed(f"q{k}", "worst_gravity_pose", at, unit="", tip=tip))
-    return _by_coordinate("Torque needed to hold against gravity", study, names, columns, pose)
+    caption = "Torque needed to hold against gravity"
+    return by_coordinate(caption, study, names, columns, book=whole(study))
+
+
+def gravity_poses(study: Study) -> ReportTable | None:
+    """The table of the poses in which gravity loads each coordinate most; None where there are none
+    or they have too many coordinates to be read."""
+    names, positions = [pose.coordinate for pose in study.static], study.model.position_names
+    if (
+        not names
+        or len(positions) > _POSE
+        or any(b.kind.nq != b.kind.nv for b in study.model.bodies)
+    ):
+        return None
+    units = _units(study, "coordinate", study.model.velocity_names, "rad|m")
+    poses = []
+    for name, short, unit in zip(positions, shortened(positions), units, strict=True):
+        scale, everyday = EVERYDAY[unit]
+        at = (("position", name),)
+        poses.append(Printed(short, "worst_gravity_pose", at, scale, everyday, f"{name} there"))
+    caption = "Pose in which gravity loads it most"
+    return by_coordinate(caption, study, names, {}, poses, whole(study))
 
 
 def reactions(study: Study) -> ReportTable:
@@ -191,7 +242,9 @@ def reactions(study: Study) -> ReportTable:
         if np.isfinite(book[variable].values).any()
         for of in ((title, variable), ("at", f"{variable}_time"))
     ]
-    return _listed("Peak loads on bearings and guides", "Joint", names, columns)
+    bodies = len(study.model.bodies)  # behind their joints are the loops, which have no number
+    numbers = [k if k <= bodies else "" for k in range(1, len(names) + 1)]
+    return _listed("Peak loads on bearings and guides", "Joint", names, columns, numbers)
 
 
 def checks(study: Study) -> ReportTable:
@@ -204,7 +257,7 @@ def checks(study: Study) -> ReportTable:
         head, cells = Printed(title, variable).column(study, book, "check", names)
         columns.append((head, [alone(x, 2) for x in cells if isinstance(x, PrintedNumber)]))
     columns.append(_words("What is compared", [typeset(c.text) for c in study.checks], "wide"))
-    return _listed("The same quantity computed in two ways", "Check", names, columns)
+    return _listed("The same quantity computed in two ways", "Check", names, columns, None)
 
 
 _COMPONENTS = (
@@ -226,7 +279,7 @@ def loads(study: Study, body: BodyLoads) -> ReportTable:
         for j, axis in enumerate(_axes(study, dim)):
             cells = [_component(study, body, load, what, {dim: axis}, j) for load in body.loads]
             columns.append((Head(f"{letter}{axis}", unit, tip), cells))
-    return _listed("", "Load", symbols, columns)
+    return _listed("", "Load", symbols, columns, None)
 
 
 def _component(
@@ -253,40 +306,62 @@ def _words(title: str, texts: Iterable[str], css: str = "") -> TableColumn:
     return Head(title, number=False), [WordsCell(text, css=css) for text in texts]
 
 
-def _by_coordinate(
-    caption: str, study: Study, names: Sequence[str], titles: Mapping[str, str],
-    more: Iterable[Printed] = (),
+def by_coordinate(
+    caption: str, study: Study | CycleStudy, names: Sequence[str], titles: Mapping[str, str],
+    more: Iterable[Printed] = (), book: xr.Dataset | None = None,
 ) -> ReportTable:  # fmt: skip
-    """A table whose rows are coordinates, numbered as in the drawings; columns without a finite
-    number are left out. titles: of the columns, with their variables."""
-    book = xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
+    """A table whose rows are coordinates, numbered as their bodies are in the drawings; columns
+    without a finite number are left out. titles: of the columns, with their variables; positions
+    and speeds in everyday units too. book: of the numbers, by default the summary."""
+    asked: list[Printed] = []
+    for title, variable in titles.items():
+        asked.append(Printed(title, variable))
+        if VARIABLES[variable].unit.partition("|")[0] in EVERYDAY:
+            asked.append(Printed("", variable, everyday=True))
+    book = study.summary if book is None else book
     shown = [
         p.column(study, book, "coordinate", names)
-        for p in (*(Printed(*row) for row in titles.items()), *more)
+        for p in (*asked, *more)
         if np.isfinite(book[p.variable].sel(coordinate=list(names)).values).any()
     ]
-    numbers = [study.model.velocity_names.index(name) + 1 for name in names]
-    return _listed(caption, "Coordinate", names, shown, numbers)
+    return _listed(caption, "Coordinate", names, shown, _numbers(study, names))
+
+
+def _numbers(study: Study | CycleStudy, names: Sequence[str]) -> Sequence[int] | None:
+    """The numbers in the drawings of the bodies that coordinates move; None where these are no help
+    to find a row: in loops, and where a joint has several coordinates."""
+    model = study.model
+    if model.loops or any(body.kind.nv > 1 for body in model.bodies):
+        return None
+    numbers = {body.joint.name: k for k, body in enumerate(model.bodies, 1)}
+    return [numbers[name] for name in names]
 
 
 def _listed(
-    caption: str, title: str, names: Iterable[str], columns: Sequence[TableColumn],
-    numbers: Iterable[int] | None = None,
+    caption: str, title: str, names: Sequence[str], columns: Sequence[TableColumn],
+    numbers: Sequence[int | str] | None,
 ) -> ReportTable:  # fmt: skip
-    """A table of named rows, numbered by default from 1."""
+    """A table of named rows, numbered where there are numbers."""
     first: list[Cell] = [WordsCell(name, strong=True) for name in names]
-    counted = range(1, len(first) + 1) if numbers is None else numbers
-    before: list[Cell] = [WordsCell(str(n), css="count") for n in counted]
-    heads = [Head(""), Head(title, number=False), *(head for head, _ in columns)]
-    return table(caption, heads, [before, first, *(cells for _, cells in columns)])
+    heads = [Head(title, number=False), *(head for head, _ in columns)]
+    listed = [first, *(cells for _, cells in columns)]
+    if numbers is not None:
+        heads.insert(0, Head(""))
+        listed.insert(0, [WordsCell(str(n), css="count") for n in numbers])
+    return table(caption, heads, listed)
 
 
 def _axes(study: Study, name: str) -> list[str]:
     return [str(axis) for axis in study.data[name].values]
 
 
-TABLES = (drives, work, ranges, bodies, gravity, reactions, checks)
+TABLES = (drives, measured, work, ranges, bodies, gravity, gravity_poses, reactions, checks)
 """Tables of the page, by the names of their functions."""
+
+
+def whole(study: Study) -> xr.Dataset:
+    """The summary and the page's other numbers."""
+    return xr.merge([study.summary, facts(study)], compat="no_conflicts", combine_attrs="drop")
 
 
 def facts(study: Study) -> xr.Dataset:

@@ -23,11 +23,14 @@ from freebody.motion.files.motion_tables import MotionTable
 from freebody.motion.motion import Motion
 from freebody.motion.simulation.prepared_simulation import Progress
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.files import write
+from freebody.outputs.pdf import pdf
 from freebody.report.card import Card, card
 from freebody.report.checks import checks
 from freebody.report.cycle_study import CycleStudy, cycle_study
 from freebody.report.jacobians import singularity
 from freebody.report.load_case import LoadCase, case_of
+from freebody.report.measured import Measured, beside_measured, measured_torques
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
@@ -149,9 +152,20 @@ class Study(Tabled, ByValue):
 
     def to_html(self, path: str | os.PathLike[str]) -> Path:
         """The path of the report that is written as one HTML file, which opens offline."""
-        from freebody.report.page import write
+        from freebody.report.page import page
 
-        return write(self, Path(path))
+        return write(path, page(self))
+
+    def to_pdf(self, path: str | os.PathLike[str]) -> Path:
+        """The path of the report that is written as PDF, printed by a Chromium, Chrome or Edge that
+        is at hand.
+
+        Raises FreebodyError where there is none, or where it fails, FileError for a file that
+        cannot be written.
+        """
+        from freebody.report.page import page
+
+        return write(path, pdf(page(self)))
 
 
 @overload
@@ -176,6 +190,7 @@ def study(
     wrenches: FrameWrenchTable = None,
     smooth: Smooth = False,
     speed: float = 1.0,
+    measured: Measured | None = None,
     progress: Progress | None = None,
 ) -> Study: ...
 
@@ -188,6 +203,7 @@ def study(
     wrenches: FrameWrenchTable = None,
     smooth: Smooth = False,
     speed: float = 1.0,
+    measured: Measured | None = None,
     progress: Progress | None = None,
 ) -> Study | CycleStudy:
     """The dynamic study of a robot along a motion, or over a duty cycle.
@@ -211,6 +227,10 @@ def study(
         torques is reported in any case, with the torques with and without it.
     speed
         How many times as fast the motion is run along its path, after it was smoothed.
+    measured
+        Torques that were measured during the motion, (t, tau) with t (k,) in the motion's time and
+        tau (k, nv), N m and N, or a CSV file (see `read_torques`): shown beside the computed ones,
+        with the RMS difference.
     progress
         Called with a text and the fraction done.
 
@@ -218,7 +238,7 @@ def study(
     ------
     FreebodyError
         A robot without movable joints; a duty cycle with wrenches that change over time, or that
-        is to be smoothed.
+        is to be smoothed; torques that were measured at another time or pace, or over a cycle.
     MissingValueError
         A robot with open parameters.
     """
@@ -234,9 +254,15 @@ def study(
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
     if isinstance(motion, DutyCycle | Segment):
+        if measured is not None:
+            raise FreebodyError(
+                "study: measured is for one motion; study the segments by themselves."
+            )
         cycle = motion if isinstance(motion, DutyCycle) else DutyCycle((motion,))
         return _over_cycle(model, cycle, loads, smooth, speed, progress)
-    return _along(model, motion, loads, smooth, speed, clock)[0]
+    torques = None if measured is None else measured_torques(model, measured, speed)
+    found, _ = _along(model, motion, loads, smooth, speed, clock)
+    return found if torques is None else beside_measured(found, *torques)
 
 
 def _over_cycle(

@@ -21,6 +21,7 @@ from freebody.motion.files.csv_files import motion_table
 from freebody.outputs.folder import Makers, write_folder
 from freebody.outputs.harmless_text import csv_text, encodable
 from freebody.report import variables
+from freebody.report.cycle_page import cycle_page
 from freebody.report.load_case import load_case
 from freebody.report.page import page
 from freebody.report.page_tables import facts
@@ -36,7 +37,7 @@ DATA, CARD, REPORT, CYCLE = "study.nc", "card.json", "report.html", "cycle.nc"
 _HeadAndRows = tuple[list[str], Iterable[Iterable[Any]]]
 """Header and rows of a table."""
 
-_DRIVES = ("tau", *variables.PARTS, "power")
+_DRIVES = ("tau", "tau_measured", *variables.PARTS, "power")
 
 
 def save(study: Study, directory: Path, report: bool) -> list[Path]:
@@ -74,6 +75,8 @@ def save_cycle(study: CycleStudy, directory: Path, report: bool) -> list[Path]:
         "summary.csv": partial(_csv, lambda: _summary(study.summary, "coordinate")),
         CARD: lambda: cycle_card_text(study),
     }
+    if report:
+        made[REPORT] = lambda: cycle_page(study)
     return [*written, *write_folder(directory, made, about)]
 
 

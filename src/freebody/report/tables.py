@@ -73,6 +73,14 @@ class Head:
     number: bool = True
 
 
+_LETTER, _BETWEEN, _CELL = 7.0, 11.0, 34.0
+"""Pixels: a letter, what is between two columns, and the least of a column of numbers."""
+_COLUMN = 360.0
+"""Width of one of the page's columns, pixels."""
+_WHOLE = 24
+"""Rows that still stay together on one sheet of paper."""
+
+
 @dataclass(frozen=True)
 class ReportTable:
     """A table: rows under heads; `caption` says what it shows."""
@@ -80,6 +88,28 @@ class ReportTable:
     caption: str
     heads: tuple[Head, ...]
     rows: tuple[tuple[Cell, ...], ...]
+
+    @property
+    def columns(self) -> int:
+        """How many of the page's columns the table needs at least, 3 for all that there are."""
+        wide = 0.0
+        for k, head in enumerate(self.heads):
+            texts = [head.text, head.unit, *(_whole_text(row[k]) for row in self.rows)]
+            longest = max(map(len, texts)) * _LETTER
+            wide += _BETWEEN + (max(longest, _CELL) if head.number and head.text else longest)
+        return min(3, math.ceil(wide / _COLUMN))
+
+    @property
+    def whole(self) -> bool:
+        """Whether the table stays together on one sheet of paper."""
+        return len(self.rows) <= _WHOLE
+
+
+def _whole_text(cell: Cell) -> str:
+    """The text of a cell with the unit behind it."""
+    return (
+        f"{cell.text} {cell.unit}" if isinstance(cell, PrintedNumber) and cell.unit else cell.text
+    )
 
 
 def table(caption: str, heads: Sequence[Head], columns: Sequence[Sequence[Cell]]) -> ReportTable:

@@ -57,6 +57,7 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "tau_rotors": (_EFFORT, "inertia of the rotors seen through their gears"),
         "tau_wrenches": (_EFFORT, "what balances the wrenches on the robot, -Jᵀ w"),
         "power": ("W", "mechanical power of the drive"),
+        "tau_measured": (_EFFORT, "torque or force as it was measured"),
     },
     "time joint axis": {
         "reaction_force": ("N", "reaction force on the child at its joint, world axes"),
@@ -94,6 +95,8 @@ _BY_DIMENSIONS: dict[str, dict[str, tuple[str, str]]] = {
         "peak_torque": (_EFFORT, "largest torque or force in magnitude, with its sign"),
         "peak_torque_time": ("s", "when the torque is largest"),
         "peak_torque_segment": ("1", "segment of a duty cycle in which the torque is largest"),
+        "measured_rms_difference": (_EFFORT, "root mean square of computed less measured torque"),
+        "measured_difference_share": ("1", "that difference over the RMS of the measured torque"),
         "rms_torque": (_EFFORT, "root mean square of the torque: the measure of motor heating"),
         "peak_speed": (_SPEED, "largest speed, between samples too"),
         "peak_speed_time": ("s", "when the speed is largest"),

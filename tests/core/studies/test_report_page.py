@@ -3,41 +3,11 @@ out, equations are there where they are short."""
 
 import dataclasses
 import re
-from html.parser import HTMLParser
 
 import pytest
 
 import freebody as fb
-from support.report_numbers import compare, data_file
-
-
-class Cells(HTMLParser):
-    """Number cells of a page, and every address that it names."""
-
-    def __init__(self, page: str):
-        super().__init__()
-        self.cells, self.addresses, self.ids, self.tags = [], [], [], []
-        self.feed(page)
-
-    def handle_starttag(self, tag, attrs):
-        given = dict(attrs)
-        self.tags.append(tag)
-        self.addresses += [
-            given[k] for k in ("href", "src", "srcset", "action", "data") if k in given
-        ]
-        self.ids += [given["id"]] if "id" in given else []
-        if "data-var" in given:
-            self.cells.append({"var": given["data-var"], "at": given["data-at"],
-                               "value": given["data-value"],
-                               "scale": given.get("data-scale", "1"), "text": ""})  # fmt: skip
-        self.inside = tag == "span" and bool(self.cells)
-
-    def handle_data(self, data):
-        if getattr(self, "inside", False):
-            self.cells[-1]["text"] += data
-
-    def handle_endtag(self, tag):
-        self.inside = False
+from support.report_numbers import Cells, compare, data_file
 
 
 @pytest.fixture(scope="module", params=["2R", "ur5e", "quadrotor", "RP"])

@@ -18,7 +18,7 @@ import freebody as fb
 from freebody.capacity.time_scaling import motion_pace
 from freebody.design.joint_loads import joint_loads
 from freebody.math import cos, sin
-from freebody.report import page, page_figures
+from freebody.report import lifting, page, page_figures
 from freebody.report import replay as replays
 from freebody.report.checks import checks
 from freebody.report.driven_runs import land
@@ -48,27 +48,25 @@ def test_what_two_links_lift_by_hand(monkeypatch):
     q = study.motion.q
     phi = q.sum(axis=1)
     by_hand = (40.0 - 1.5 * 9.81 * 0.2 * np.abs(np.cos(phi))) / (9.81 * 0.4 * np.abs(np.cos(phi)))
-    mass = page_figures.lifting_along(study)
+    mass = lifting.lifting_along(study)
     assert mass is not None
     assert np.allclose(mass, by_hand, rtol=1e-9)
-    seen: dict[str, np.ndarray] = {}
-
-    def drawn(model, points, best, *more, **named):
-        seen.update(points=points, best=best)
-        return fb.map_diagram(model, points, best, *more, **named)
-
-    monkeypatch.setattr(page_figures, "map_diagram", drawn)
-    found = page_figures.lifting_over_plane(study)
+    found = lifting.lifting_over_plane(study)
     assert found is not None
-    assert found[1] == "in any orientation"
-    radius = np.linalg.norm(seen["points"], axis=-1)
-    assert (np.isfinite(seen["best"]) == ((radius > 0.1) & (radius < 0.9))).all()
-    i, j = np.argwhere(np.isfinite(seen["best"]))[7]
-    ways = fb.inverse_kinematics(arm, seen["points"][i, j]).q.sum(axis=1)
+    assert found.words == "in any orientation"
+    points, best = found.plane.points, found.mass
+    radius = np.linalg.norm(points, axis=-1)
+    assert (np.isfinite(best) == ((radius > 0.1) & (radius < 0.9))).all()
+    for (i, j), place in zip(((0, 0), (40, 13)), points[[0, 40], [0, 13]], strict=True):
+        across, height = found.plane.side[j], found.plane.height[i]
+        assert found.plane.project(place) == pytest.approx([across, height], abs=1e-12)
+        assert place == pytest.approx(across * found.plane.across + [0.0, height], abs=1e-12)
+    i, j = np.argwhere(np.isfinite(best))[7]
+    ways = fb.inverse_kinematics(arm, points[i, j]).q.sum(axis=1)
     masses = (40.0 / np.abs(np.cos(ways)) - 1.5 * 9.81 * 0.2) / (9.81 * 0.4)
-    assert np.isclose(seen["best"][i, j], masses.max(), rtol=1e-9)
+    assert np.isclose(best[i, j], masses.max(), rtol=1e-9)
     text = page.page(study)
-    assert "Payload at rest" in text
+    assert "Largest payload at rest, kg" in text
     assert f"At least {by_hand.min():.3g} kg" in text
     assert "Blank points" in text
     # no closed form: no map
@@ -78,8 +76,8 @@ def test_what_two_links_lift_by_hand(monkeypatch):
 
 def test_nothing_is_said_of_lifting_without_limits():
     study = fb.study(fb.load("2R"))
-    assert page_figures.lifting_along(study) is None
-    assert "Payload at rest" not in page.page(study)
+    assert lifting.lifting_along(study) is None
+    assert "Largest payload at rest" not in page.page(study)
 
 
 def test_a_planted_fault_is_found():
