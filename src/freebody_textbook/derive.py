@@ -253,7 +253,9 @@ def _listed() -> str:
         ]
         also = f" Also called {', '.join(map(repr, method.aliases))}." if method.aliases else ""
         own = f" Options: {'; '.join(options)}." if options else ""
-        lines.append(f"    - {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}")
+        lines.append(
+            f"    - {method.name!r}: {method.words}; {serves} ({method.source}).{own}{also}"
+        )
     return "\n".join(lines)
 
 

@@ -160,8 +160,8 @@ def _slowed(motion: Motion, duration: float, timed: bool) -> Motion:
     """The motion through waypoints run more slowly along its path, so that it takes a duration."""
     if timed:
         raise FreebodyError(
-            "--duration and a column t both say when; leave out one of them (freebody study --speed "
-            "runs a motion more slowly)."
+            "--duration and a column t both say when; leave out one of them (freebody study "
+            "--speed runs a motion more slowly)."
         )
     if not duration >= motion.duration * (1.0 - _ROUNDING):
         raise FreebodyError(
