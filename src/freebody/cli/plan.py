@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -125,22 +125,13 @@ def plan(
     planner = None if path.given else PLANNERS[by or "spline"]
     if planner is None and by is not None:
         raise FreebodyError("--by is for motions through waypoints, not for --line and --arc.")
-    own, what = ("velocity", "acceleration"), "a path of the tip"
-    if planner is not None:
-        own, what = planner.limits, by or "spline"
-    for name in limits:
-        if name not in own:
-            raise FreebodyError(
-                f"--{name} has no meaning for {what}; it takes {listed(f'--{x}' for x in own)}."
-            )
     wrenches = robot.wrenches(model)
     if wrenches is not None:
-        if "torque" not in own:
-            raise FreebodyError(
-                f"--wrench: {what} holds no limits of torque, so that a wrench changes nothing; "
-                f"--by time-optimal holds them."
-            )
         limits["wrenches"] = wrenches
+    if planner is None:
+        _refuse_idle_limits("a path of the tip", ("velocity", "acceleration"), limits)
+    else:
+        _refuse_idle_limits(by or "spline", planner.limits, limits)
     q, times = _read(model, waypoints, path.given)
     try:
         if planner is not None:
@@ -154,6 +145,21 @@ def plan(
     file = write_motion(model, motion, out, "knots" if step is None else "samples")
     told = in_a_line(model, wrenches)
     _print(model, motion, file, options.again(context), told, of_tip=path.given)
+
+
+def _refuse_idle_limits(what: str, own: Sequence[str], given: Iterable[str]) -> None:
+    """Refuse limits, and wrenches, that change nothing in what is planned."""
+    for name in given:
+        if name == "wrenches":
+            if "torque" not in own:
+                raise FreebodyError(
+                    f"--wrench: {what} holds no limits of torque, so that a wrench changes "
+                    f"nothing; --by time-optimal holds them."
+                )
+        elif name not in own:
+            raise FreebodyError(
+                f"--{name} has no meaning for {what}; it takes {listed(f'--{x}' for x in own)}."
+            )
 
 
 def _slowed(motion: Motion, duration: float, timed: bool) -> Motion:

@@ -280,18 +280,10 @@ class _Reading:
             return
         if _NOT_MEASURED & set(rest):
             return
-        found = [(q.name, w) for w in rest for q in _OF_HEADERS if w in q.words]
-        kinds = {quantity for quantity, _ in found}
-        if len(kinds) > 1:  # `q_velocity`
-            found = [(quantity, w) for quantity, w in found if len(w) > 2]
-            kinds = {quantity for quantity, _ in found}
-        if len(kinds) != 1:
-            return
-        said = {w for _, w in found}
+        quantity, said = _quantity_in(rest)
         left = [w for w in rest if w not in said and w not in _BESIDE]
-        if owner and left:
-            return
-        yield _NamedColumn(kinds.pop(), owner or "_".join(left) or "1", column, unit)
+        if quantity is not None and not (owner and left):
+            yield _NamedColumn(quantity, owner or "_".join(left) or "1", column, unit)
 
     def joint_in(self, words: tuple[str, ...]) -> tuple[str, tuple[str, ...]]:
         """The joint whose name is among the words, the longest, and the words beside it."""
@@ -388,6 +380,15 @@ _OF_HEADERS = (
     replace(QUANTITIES["position"], name="name", words=frozenset({"name", "names"})),
 )
 """Quantities by the words of headers, names of joints among them."""
+
+
+def _quantity_in(words: tuple[str, ...]) -> tuple[str | None, set[str]]:
+    """The one quantity that words name, with the words that do so; None where none or several."""
+    found = [(q.name, w) for w in words for q in _OF_HEADERS if w in q.words]
+    if len({quantity for quantity, _ in found}) > 1:  # `q_velocity`
+        found = [(quantity, w) for quantity, w in found if len(w) > 2]
+    kinds = {quantity for quantity, _ in found}
+    return (kinds.pop() if len(kinds) == 1 else None), {w for _, w in found}
 
 
 def _words_of(name: str) -> tuple[str, ...]:
