@@ -25,6 +25,7 @@ NOT_OF_STATES = frozenset(
         "emergency_stops",
         "equations",
         "exceeded_limits",
+        "excitation",
         "export_fmu",
         "floor_loads",
         "formula",

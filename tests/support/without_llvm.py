@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import freebody as fb
+from freebody.identification.simulated import simulated_log
 from support import command
 from support.public_calls import public_calls, state
 
@@ -110,6 +111,10 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
             Path("way.csv").write_text("joint1,joint2\n0,0\n1,1\n"),
             fb.read_waypoints(two, "way.csv"),
         ),
+        "read_log": lambda: fb.read_log(
+            {"t": 0.1 * np.arange(60), "q": np.sin(np.arange(60)), "tau": np.cos(np.arange(60))}
+        ),
+        "excitation": lambda: fb.excitation(shoulder, 4.0, harmonics=2, **LIMITS),
         "catalogue": lambda: fb.catalogue("invented"),
         "mean_load": lambda: fb.mean_load([1.0, 2.0], [1.0, 1.0], [1.0, 1.0], 3.0),
         "drive_loads": lambda: fb.drive_loads(
@@ -147,6 +152,7 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "assembly_modes": lambda: fb.assembly_modes(
             crank, fb.assemble(crank), free=["rod_pin", "guide"]
         ),
+        "identify": lambda: fb.identify(two, simulated_log(two), friction=["viscous"]),
         "notes_figure": lambda: fb.notes_figure("1.1"),
         "the kernel's text": lambda: kernel.source,
     }

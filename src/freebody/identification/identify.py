@@ -30,7 +30,7 @@ from freebody.identification.logs.read_log import read_log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
-    Equations,
+    LogEquations,
     Regressed,
     equations,
     misfit_by_rate,
@@ -210,7 +210,7 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
 
 
 def _fitted(
-    model: Model, found: Equations, held: Prior, of_prior: Array | None, scaled: bool
+    model: Model, found: LogEquations, held: Prior, of_prior: Array | None, scaled: bool
 ) -> tuple[Regressed, PhysicalFit]:
     """The regression and the physical robot nearest to it, whose transmitted torques the equations
     have from then on."""
@@ -221,7 +221,7 @@ def _fitted(
     return first, fit
 
 
-def _gains(found: Equations, fit: PhysicalFit) -> Array:
+def _gains(found: LogEquations, fit: PhysicalFit) -> Array:
     """The gains with which a physical robot explains the currents best."""
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
     return np.array([(total @ total) / (total @ rows.y) for rows, total in pairs])
@@ -263,7 +263,7 @@ def _rms(x: Array) -> float:
 
 
 def _joint_fits(
-    found: Equations,
+    found: LogEquations,
     first: Regressed,
     fit: PhysicalFit,
     gains: Array | None,

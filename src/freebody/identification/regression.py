@@ -57,7 +57,7 @@ class Prepared(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Rows:
+class JointEquations:
     """The equations of one joint. x: (m, c) filtered columns, last, where there are such, those of
     load-dependent friction, and then one for the gain of the drive. unknowns: (c,) that they
     multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of. rate:
@@ -72,12 +72,12 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Equations:
+class LogEquations:
     """The equations of logs of one robot, filtered once, a record of rows for each joint."""
 
     columns: Columns
     prepared: tuple[Prepared, ...]
-    rows: tuple[Rows, ...]
+    rows: tuple[JointEquations, ...]
     currents: bool
     """Whether they add up to currents with unknown gains, so that y is in A."""
 
@@ -144,7 +144,7 @@ class Regressed(NamedTuple):
 
 def equations(
     columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float
-) -> Equations:
+) -> LogEquations:
     """The filtered equations of logs.
 
     given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
@@ -174,8 +174,8 @@ def equations(
         x[:, : len(row.unknowns)] = whole[moving, row.results]
         y, first = whole[moving, columns.width + j], len(row.unknowns)
         load = slice(first, first + len(row.by_load))
-        rows.append(Rows(x, unknowns, y, moving, rate[moving, j], load))
-    return Equations(columns, prepared, tuple(rows), currents)
+        rows.append(JointEquations(x, unknowns, y, moving, rate[moving, j], load))
+    return LogEquations(columns, prepared, tuple(rows), currents)
 
 
 def _prepared(log: Log, cutoff: float) -> Prepared:
@@ -202,7 +202,7 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         out[where] = x
 
 
-def regressed(found: Equations, held: Array | None = None) -> Regressed:
+def regressed(found: LogEquations, held: Array | None = None) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
@@ -302,7 +302,7 @@ def _size(residual: Array, weights: Array | float) -> float:
 
 
 def _normal(
-    found: Equations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
+    found: LogEquations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
 ) -> tuple[Array, Array]:
     """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a
     common factor, have sum 0."""
@@ -334,7 +334,7 @@ def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool
     return inverse @ moment, inverse, hidden
 
 
-def _first_gains(found: Equations, held: Array) -> Array:
+def _first_gains(found: LogEquations, held: Array) -> Array:
     """Gains with which currents agree best with base parameters that are held beforehand, friction
     being free; of joints that bodies hardly load the mean of the others'."""
     gains, sure = np.ones(len(found.rows)), np.zeros(len(found.rows), dtype=bool)
@@ -370,7 +370,7 @@ def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> fl
     return float(total)
 
 
-def misfit_by_rate(rows: Rows, residual: Array, spread: float, inflation: float) -> float:
+def misfit_by_rate(rows: JointEquations, residual: Array, spread: float, inflation: float) -> float:
     """The probability that a residual with noise alone depends on the joint's rate as much as this
     one does: whether the law of friction fits."""
     if spread <= _EXACT * np.std(rows.y):
