@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 import freebody as fb
-from freebody.identification.simulated import simulated_log
 from support import command
 from support.public_calls import public_calls, state
+from support.simulated_logs import log as simulated
 
 HIDES = """
 import importlib.metadata
@@ -152,7 +152,9 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         "assembly_modes": lambda: fb.assembly_modes(
             crank, fb.assemble(crank), free=["rod_pin", "guide"]
         ),
-        "identify": lambda: fb.identify(two, simulated_log(two), friction=["viscous"]),
+        "identify": lambda: fb.identify(
+            two, simulated(two, np.random.default_rng(0)), friction=["viscous"]
+        ),
         "notes_figure": lambda: fb.notes_figure("1.1"),
         "the kernel's text": lambda: kernel.source,
     }

@@ -63,7 +63,7 @@ def identify(
         ),
     ] = None,
 ) -> None:
-    """From logs to a robot's masses, rotors and friction, with intervals, and a model that predicts
+    """A robot's masses, rotors and friction from its logs, with intervals, and a model that predicts
     its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was

@@ -52,7 +52,7 @@ class JointFit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification(Tabled, ByValue):
-    """What logs tell of a robot.
+    """The knowledge of a robot that logs give.
 
     model: physical, with the masses, rotors and friction that predict the logs. parameters: base
     parameters, then friction joint by joint. joints: how well each is predicted. combinations:

@@ -69,7 +69,7 @@ def identify(
     cutoff: float = EVERYTHING,
     smooth: float | None = None,
 ) -> Identification:
-    """What logs tell of a robot's masses, rotors and friction, with intervals, and the physical
+    """A robot's masses, rotors and friction as its logs tell them, with intervals, and the physical
     model that predicts them.
 
     Torques are linear in base parameters, combinations of masses and inertias, and in friction:
@@ -392,7 +392,7 @@ def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior
 
 
 def _mass_doubts(held: Prior, scaled: bool) -> list[str]:
-    """What the model itself says of its masses, wherever it is saved and used."""
+    """Doubts on its masses that the model itself carries, wherever it is saved and used."""
     if held.source == "model":
         return []
     what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"

@@ -159,7 +159,7 @@ def _scaled(columns: Columns, values: Array, scale: float) -> Array:
 def _physical(
     model: Model, found: LogEquations, values: Array, scale: float, prior: Prior
 ) -> Physical:
-    """What is physical of bodies, rotors and friction, with what is held of each."""
+    """The conditions on bodies, rotors and friction, with what is held of each."""
     columns, laws = found.columns, found.columns.friction
     end = columns.base + columns.friction_size
     friction = values[columns.base : end].reshape(len(columns.joints), len(laws)).copy()

@@ -1,4 +1,4 @@
-"""What is held of a robot's masses before its logs are read: those of its model, masses of a data
+"""Masses that are held of a robot before its logs are read: those of its model, those of a data
 sheet, or none but the shape of the arm."""
 
 from __future__ import annotations

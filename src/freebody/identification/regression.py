@@ -88,8 +88,8 @@ class LogEquations:
 
     @property
     def inflation(self) -> float:
-        """By which the variance of estimates exceeds that from as many independent samples, the
-        noise being white before it was filtered."""
+        """The factor by which the variance of estimates exceeds that from as many independent
+        samples, the noise being white before it was filtered."""
         return max(p.filter.inflation for p in self.prepared)
 
     @property
@@ -115,7 +115,7 @@ class LogEquations:
             rows.x[:, rows.load] = both[:, : rows.load.stop - rows.load.start]
 
     def sums(self, values: Array) -> list[Array]:
-        """What each joint's columns add up to."""
+        """The sums of each joint's columns, torques or currents."""
         return [
             rows.x[:, rows.unknowns < self.size] @ values[rows.unknowns[rows.unknowns < self.size]]
             for rows in self.rows
@@ -283,7 +283,7 @@ def _left(x: Regressed) -> float:
 
 
 def _middle(log: Log) -> slice:
-    """At most so many samples of a log, about its middle."""
+    """The samples of a log about its middle, no more than suffice for a trial."""
     middle, half = len(log.time) // 2, int(0.5 * _TRIED * log.rate)
     return slice(max(middle - half, 0), middle + half)
 
@@ -354,8 +354,8 @@ def _first_gains(found: LogEquations, held: Array) -> Array:
 
 
 def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> float:
-    """By which the variance of the residual's mean exceeds that of independent samples, from its
-    autocorrelation up to where it first vanishes."""
+    """The factor by which the variance of the residual's mean exceeds that of independent samples,
+    from its autocorrelation up to where it first vanishes."""
     series = np.zeros(places[-1] - places[0] + 1)
     present = np.zeros(len(series))
     series[places - places[0]] = residual

@@ -89,6 +89,25 @@ def test_what_is_promised_is_the_inverse_of_the_information(found: fb.Excitation
     assert name in repr(found)
 
 
+def test_logs_of_the_motion_tell_what_it_promises(found: fb.Excitation) -> None:
+    """Errors of regressions of simulated logs are as large as the standard deviations promised."""
+    motion, rng = found.motion, np.random.default_rng(4)
+    tau = fb.inverse_dynamics(ARM, motion.q, motion.qd, motion.qdd)
+    tau += 0.7 * motion.qd + 1.1 * np.tanh(motion.qd / 0.05)
+    every = np.ones(len(motion.t), dtype=bool)
+    values = []
+    for _ in range(25):
+        noisy = tau + NOISE * rng.normal(size=tau.shape)
+        log = fb.Log(motion.t, motion.q, motion.qd, noisy, None, ARM.velocity_names, every)
+        told = fb.identify(ARM, log, friction=("viscous", "coulomb", "offset"), smooth=0.05)
+        values.append([told[name].value for name in found.names])
+
+    ratio = np.std(values, axis=0, ddof=1) / found.deviations
+
+    assert 0.85 < np.sqrt((ratio**2).mean()) < 1.2
+    assert 0.6 < ratio.min() < ratio.max() < 1.5
+
+
 def random_worst(
     model: fb.Model, excited: fb.Excitation, acceleration: Any, count: int, harmonics: int
 ) -> list[float]:
