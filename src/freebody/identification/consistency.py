@@ -1,5 +1,5 @@
-"""The masses, inertias and frictions of a robot that can exist, from base values: Newton's method on
-the fit of the data and a log-det prior.
+"""The masses, inertias and frictions of a robot that can exist, from base values: Newton's method
+on the fit of the data and a log-det prior.
 
 A body exists if its pseudo-inertia, the matrix of second moments of its mass with first moments and
 mass beside them, is positive definite (Wensing, Kim, Slotine 2018). The prior is the Bregman
@@ -62,7 +62,7 @@ def pseudo_inertia_basis(dim: int) -> Array:
 
 @dataclass(frozen=True)
 class Physical(Keeps):
-    """The conditions under which unknowns x are physical: bodies, one after the other, then scalars.
+    """The conditions under which unknowns x are physical: bodies in their order, then scalars.
 
     basis: see `pseudo_inertia_basis`. bodies: (nb, k) their prior parameters. scalars: (ns,) prior
     values of what is positive, such as friction, or NaN for what has either sign. below: (ns,)
