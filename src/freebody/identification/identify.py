@@ -128,13 +128,17 @@ def identify(
     _require_alike(model, used, by_current)
     given = None if by_current else [x for x in torques if x is not None]
     of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
+    start = None
     if smooth is None:
-        columns = suited(columns, used, given, cutoff, of_prior)
+        columns, start = suited(columns, used, given, cutoff, of_prior)
     else:
         columns = replace(columns, smooth=smooth)
     found = equations(columns, used, given, cutoff)
     scaled = held.source != "geometry" or not by_current
-    first, fit = _fitted(model, found, held, of_prior, scaled)
+    first = regressed(found, of_prior, None if by_current else start)
+    fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
+    if columns.by_load:
+        found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
     joints = _joint_fits(found, first, fit, gains, checked)
@@ -207,18 +211,6 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
             f"identify: {model.name!r} has springs, whose torques are known, and the logs have "
             f"currents with unknown gains; give torque constants in the TOML file beside the log."
         )
-
-
-def _fitted(
-    model: Model, found: LogEquations, held: Prior, of_prior: Array | None, scaled: bool
-) -> tuple[Regressed, PhysicalFit]:
-    """The regression and the physical robot nearest to it, whose transmitted torques the equations
-    have from then on."""
-    first = regressed(found, of_prior)
-    fit = fit_physical(model, found, first, held, None if found.currents and scaled else 1.0)
-    if found.columns.by_load:
-        found.put_loads(fit.values)
-    return first, fit
 
 
 def _gains(found: LogEquations, fit: PhysicalFit) -> Array:

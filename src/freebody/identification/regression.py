@@ -202,19 +202,22 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         out[where] = x
 
 
-def regressed(found: LogEquations, held: Array | None = None) -> Regressed:
+def regressed(
+    found: LogEquations, held: Array | None = None, start: Array | None = None
+) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
     round to round until none does. held: base parameters that gains are found from at first.
+    start: unknowns of which transmitted torques are near the right ones, so that fewer rounds do.
     """
     gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
     first = gains
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
-    values, residuals = np.zeros(found.size), []
+    values, residuals = np.zeros(found.size) if start is None else start, []
     more = _OF_CURRENTS * found.currents
-    for k in range(_ROUNDS + more):
+    for k in range(0 if start is None else _LOADED - 1, _ROUNDS + more):
         if 0 < k <= _LOADED + more and found.columns.by_load:
             found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
@@ -265,17 +268,22 @@ def suited(
     given: Sequence[Array] | None,
     cutoff: float,
     held: Array | None,
-) -> Columns:
+) -> tuple[Columns, Array]:
     """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a
-    part of the logs."""
+    part of the logs, and the unknowns there."""
     parts = [_middle(log) for log in logs]
     taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
     short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
     tried = []
     for width in WIDTHS:
         own = replace(columns, smooth=width)
-        tried.append((regressed(equations(own, short, taken, cutoff), held), own))
-    return min(tried, key=lambda x: _left(x[0]))[1]
+        try:
+            found = equations(own, short, taken, cutoff)
+        except FreebodyError:  # a joint rests in the parts; it may move elsewhere
+            found = equations(own, logs, given, cutoff)
+        tried.append((regressed(found, held), own))
+    best, own = min(tried, key=lambda x: _left(x[0]))
+    return own, best.values
 
 
 def _left(x: Regressed) -> float:
