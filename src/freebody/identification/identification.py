@@ -14,6 +14,8 @@ from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
+Outcome = Literal["predicts", "fails", "not validated"]
+
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
@@ -72,7 +74,7 @@ class Identification(Tabled, ByValue):
     gains: Array | None
     scale_known: bool
     prior_weight: float
-    outcome: Literal["predicts", "fails", "not validated"]
+    outcome: Outcome
     """Whether the model predicts logs that it has not seen about as well as those it was made
     from."""
     verdict: str
