@@ -28,7 +28,7 @@ from freebody.identification.identification import (
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
-from freebody.identification.priors import prior_of
+from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
     LogEquations,
     Regressed,
