@@ -218,7 +218,10 @@ def _newton(
 
     x, now = start, value(start)
     for _ in range(_STEPS):
-        by_prior, second = physical.slopes(x, weight)
+        try:
+            by_prior, second = physical.slopes(x, weight)
+        except np.linalg.LinAlgError:  # at the edge of what exists, to the last bit
+            break
         gradient = combine.T @ (information @ (combine @ x - estimate)) + by_prior
         H = of_data + second
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))

@@ -39,6 +39,8 @@ _OF_GAINS = 40.0
 bodies hardly load a joint, so that its friction alone tells no gain."""
 _SURE = 10.0
 """Standard deviations above which a first gain is taken from a joint's own current."""
+_LEAST_NOISE = 1e-6
+"""Part of a joint's torque that its noise is at least: no sensor is better."""
 _EXACT = 1e-9
 """Part of a joint's torque below which what is left is rounding."""
 _TRIED = 30.0
@@ -243,7 +245,9 @@ def regressed(
     )
     samples = np.array([w.sum() for w in weights]) / inflation
     spread = spread / np.sqrt(max(1.0 - found.size / samples.sum(), 0.1))
-    normal, moment = _normal(found, weights, 1.0 / (inflation * spread**2), gains, first)
+    least = [_LEAST_NOISE * k * np.std(r.y) for r, k in zip(found.rows, gains, strict=True)]
+    noise = inflation * np.maximum(spread, least) ** 2
+    normal, moment = _normal(found, weights, 1.0 / noise, gains, first)
     _, covariance, untold = _solved(normal, moment)
     size = found.size
     information = normal[:size, :size]
