@@ -115,7 +115,7 @@ AREAS = (
     Area(
         "identification",
         ("identification/*.py", "identification/logs/*.py"),
-        ("logs", "broken_logs", "identify", "identify_command", "excitation"),
+        ("logs", "broken_logs", "excitation", "identify", "identify_command"),
     ),
     Area(
         "design",

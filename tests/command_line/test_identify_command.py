@@ -73,4 +73,4 @@ def test_bad_input_is_one_line(
         capsys, "identify", "2R", "run.csv", "--masses", "3"
     )
     assert "viscous" in error(capsys, "identify", "2R", "run.csv", "--friction", "viscos")
-    assert "numbers need a value for m1" in error(capsys, "identify", "RR", "simulated")
+    assert "numbers need a value for" in error(capsys, "identify", "RR", "simulated")

@@ -68,12 +68,12 @@ KNOWN = {
     "has MuJoCo parse the user's; its path is an argument, never a shell's text",
     ("ways_out/fmus.py", "subprocess"): "a C compiler from the path, on text that holds words of "
     "freebody's own alone; no shell",
-    ("identification/columns.py", "compile"): "`fb.compile`, of functions of freebody's own",
-    ("identification/excitation.py", "compile"): "`fb.compile`, of functions of freebody's own",
     ("outputs/pdf.py", "subprocess"): "a browser from the path, on a page of freebody's own whose "
     "policy lets no script run; no shell",
     ("ways_out/fmus.py", "ElementTree"): "writes XML, and reads none",
     ("formats/writing/xml.py", "ElementTree"): "writes XML, and reads none",
+    ("identification/columns.py", "compile"): "formulas of scalars, by fb.compile; no text",
+    ("identification/excitation.py", "compile"): "formulas of scalars, by fb.compile; no text",
     ("model/edits.py", "setattr"): "constant names, when the module is imported",
     ("freebody_notes/contents.py", "import_module"): "the parts that contents.toml lists",
     (

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 import freebody as fb
-from freebody.identification.logs.log import Log, LogStates
 
 RATE = 100.0
 
@@ -76,7 +77,7 @@ def log(model, rng, noise=0.02, encoder=2e-5, rates=1e-3, duration=20.0, gains=N
     tau = fb.inverse_dynamics(model, q, qd, qdd)
     tau = tau + noise * np.sqrt(np.mean(tau**2, axis=0)) * rng.normal(size=tau.shape)
     current = None if gains is None else tau / gains
-    return Log(
+    return fb.Log(
         t,
         q + encoder * rng.normal(size=q.shape),
         qd + rates * rng.normal(size=q.shape),
@@ -87,10 +88,18 @@ def log(model, rng, noise=0.02, encoder=2e-5, rates=1e-3, duration=20.0, gains=N
     )
 
 
-class ExactLog(Log):
+class States(NamedTuple):
+    """Positions, rates and accelerations (samples, n)."""
+
+    q: np.ndarray
+    qd: np.ndarray
+    qdd: np.ndarray
+
+
+class ExactLog(fb.Log):
     """A log whose accelerations are known."""
 
-    exact: LogStates
+    exact: States
 
     def states(self, cutoff=0.0):
         return self.exact
@@ -101,5 +110,5 @@ def exact_log(model, rng, duration=20.0):
     t, q, qd, qdd = motion(model.nv, rng, duration)
     tau = fb.inverse_dynamics(model, q, qd, qdd)
     made = ExactLog(t, q, qd, tau, None, model.velocity_names, np.ones(len(t), dtype=bool))
-    object.__setattr__(made, "exact", LogStates(q, qd, qdd))
+    object.__setattr__(made, "exact", States(q, qd, qdd))
     return made

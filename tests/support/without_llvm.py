@@ -20,6 +20,7 @@ import numpy as np
 import freebody as fb
 from support import command
 from support.public_calls import public_calls, state
+from support.simulated_logs import log as simulated
 
 HIDES = """
 import importlib.metadata
@@ -151,6 +152,9 @@ def calls(arm: fb.Model) -> dict[str, Callable[[], Any]]:
         ),
         "assembly_modes": lambda: fb.assembly_modes(
             crank, fb.assemble(crank), free=["rod_pin", "guide"]
+        ),
+        "identify": lambda: fb.identify(
+            two, simulated(two, np.random.default_rng(0)), friction=["viscous"]
         ),
         "notes_figure": lambda: fb.notes_figure("1.1"),
         "the kernel's text": lambda: kernel.source,

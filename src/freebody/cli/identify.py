@@ -63,8 +63,8 @@ def identify(
         ),
     ] = None,
 ) -> None:
-    """From logs to a robot's masses, rotors and friction, with intervals, and a model that predicts
-    its torques.
+    """A robot's masses, rotors and friction from its logs, with intervals, and a model that
+    predicts its torques.
 
     Exit status 0: the model predicts the logs of --validate about as well as those that it was
     made from. 1: it does not, there are none, or the scale of its masses is not told. 2: bad input.

@@ -26,7 +26,7 @@ from freebody.outputs.number_text import compared
 
 @dataclass(frozen=True)
 class Beneath:
-    """What a template gives the names of its robot: values and formulas, which a file may replace;
+    """Values and formulas that a template gives the names of its robot, which a file may replace;
     `bound` are the names in whose place a file has put numbers."""
 
     numbers: Mapping[str, float] = field(default_factory=dict)

@@ -1,4 +1,4 @@
-"""From base values to the masses, inertias and frictions of a robot that can exist: Newton's method
+"""The masses, inertias and frictions of a robot that can exist, from base values: Newton's method
 on the fit of the data and a log-det prior.
 
 A body exists if its pseudo-inertia, the matrix of second moments of its mass with first moments and
@@ -62,7 +62,7 @@ def pseudo_inertia_basis(dim: int) -> Array:
 
 @dataclass(frozen=True)
 class Physical(Keeps):
-    """What is physical about unknowns x: bodies, one after the other, then scalars.
+    """The conditions under which unknowns x are physical: bodies in their order, then scalars.
 
     basis: see `pseudo_inertia_basis`. bodies: (nb, k) their prior parameters. scalars: (ns,) prior
     values of what is positive, such as friction, or NaN for what has either sign. below: (ns,)
@@ -218,7 +218,10 @@ def _newton(
 
     x, now = start, value(start)
     for _ in range(_STEPS):
-        by_prior, second = physical.slopes(x, weight)
+        try:
+            by_prior, second = physical.slopes(x, weight)
+        except np.linalg.LinAlgError:  # at the edge of what exists, to the last bit
+            break
         gradient = combine.T @ (information @ (combine @ x - estimate)) + by_prior
         H = of_data + second
         size = np.sqrt(np.maximum(np.diag(H), 1e-300))

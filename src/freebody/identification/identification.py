@@ -14,6 +14,8 @@ from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
 
+IdentificationOutcome = Literal["predicts", "fails", "not validated"]
+
 
 @dataclass(frozen=True)
 class IdentifiedParameter:
@@ -52,7 +54,7 @@ class JointFit:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Identification(Tabled, ByValue):
-    """What logs tell of a robot.
+    """The knowledge of a robot that logs give.
 
     model: physical, with the masses, rotors and friction that predict the logs. parameters: base
     parameters, then friction joint by joint. joints: how well each is predicted. combinations:
@@ -72,7 +74,7 @@ class Identification(Tabled, ByValue):
     gains: Array | None
     scale_known: bool
     prior_weight: float
-    outcome: Literal["predicts", "fails", "not validated"]
+    outcome: IdentificationOutcome
     """Whether the model predicts logs that it has not seen about as well as those it was made
     from."""
     verdict: str

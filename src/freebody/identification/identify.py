@@ -30,28 +30,28 @@ from freebody.identification.logs.read_log import read_log
 from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
-    Equations,
+    LogEquations,
     Regressed,
     equations,
     misfit_by_rate,
     regressed,
     suited,
 )
+from freebody.identification.verdict import (
+    QUANTILE,
+    mass_doubts,
+    notices_of,
+    outcome_of,
+    verdict_of,
+)
 from freebody.lazy import kept
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
-from freebody.outputs.display import counted
 
-_QUANTILE = 1.96
-"""Standard deviations on each side of an interval of 95 %."""
 _UNLIKELY = 1e-4
 """Probability below which a residual that depends on the rate is no accident."""
-_NOISY = 3.0
-"""Times the inflation of white noise above which a residual is more than noise."""
 _SMALL = 0.05
 """Part of the largest parameter of its kind below which a parameter counts as small."""
-_WORSE, _POINTS = 1.5, 0.01
-"""Factor, and part of the torque besides, by which unseen logs may be predicted worse."""
 _DETERMINED = 1e-6
 """Part of an inertial parameter that no motion shows, below which it is determined."""
 
@@ -69,7 +69,7 @@ def identify(
     cutoff: float = EVERYTHING,
     smooth: float | None = None,
 ) -> Identification:
-    """What logs tell of a robot's masses, rotors and friction, with intervals, and the physical
+    """A robot's masses, rotors and friction as its logs tell them, with intervals, and the physical
     model that predicts them.
 
     Torques are linear in base parameters, combinations of masses and inertias, and in friction:
@@ -123,27 +123,21 @@ def identify(
     held = prior_of(model, prior)
     for log in (*used, *unseen):
         _require_joints(log, columns)
-    torques = [_torques(model, log) for log in used]
-    by_current = any(x is None for x in torques)
-    _require_alike(model, used, by_current)
-    given = None if by_current else [x for x in torques if x is not None]
-    of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
-    if smooth is None:
-        columns = suited(columns, used, given, cutoff, of_prior)
-    else:
-        columns = replace(columns, smooth=smooth)
-    found = equations(columns, used, given, cutoff)
+    found, first = _solved(model, columns, used, held, cutoff, smooth)
+    columns, by_current = found.columns, found.currents
     scaled = held.source != "geometry" or not by_current
-    first, fit = _fitted(model, found, held, of_prior, scaled)
+    fit = fit_physical(model, found, first, held, None if by_current and scaled else 1.0)
+    if columns.by_load:
+        found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
     joints = _joint_fits(found, first, fit, gains, checked)
     parameters = _parameters(model, columns, first, fit, joints)
-    made = robot(model, columns, fit, _mass_doubts(held, scaled))
-    outcome = _outcome(joints)
+    made = robot(model, columns, fit, mass_doubts(held, scaled))
+    outcome = outcome_of(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
-    notices += _notices(held, scaled, joints, untold, gains, fit.unsure)
+    notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
     return Identification(
         made,
         parameters,
@@ -156,7 +150,7 @@ def identify(
         scaled,
         fit.weight,
         outcome,
-        _verdict(outcome, joints, scaled, held),
+        verdict_of(outcome, joints, scaled, held),
         tuple(notices),
     )
 
@@ -168,6 +162,29 @@ def _read(argument: str, given: Logs, model: Model) -> list[Log]:
         if not isinstance(x, Log | str | os.PathLike):
             raise KindError("identify", argument, x, "a log of fb.read_log, or its file")
     return [x if isinstance(x, Log) else read_log(x, model) for x in several]
+
+
+def _solved(
+    model: Model,
+    columns: Columns,
+    logs: Sequence[Log],
+    held: Prior,
+    cutoff: float,
+    smooth: float | None,
+) -> tuple[LogEquations, Regressed]:
+    """The equations of logs, of torques or of currents, and their regression."""
+    torques = [_torques(model, log) for log in logs]
+    by_current = any(x is None for x in torques)
+    _require_alike(model, logs, by_current)
+    given = None if by_current else [x for x in torques if x is not None]
+    of_prior = columns.matrix[:, : held.bodies.size] @ held.bodies.ravel() if by_current else None
+    start = None
+    if smooth is None:
+        columns, start = suited(columns, logs, given, cutoff, of_prior)
+    else:
+        columns = replace(columns, smooth=smooth)
+    found = equations(columns, logs, given, cutoff)
+    return found, regressed(found, of_prior, None if by_current else start)
 
 
 def _require_joints(log: Log, columns: Columns) -> None:
@@ -209,19 +226,7 @@ def _require_alike(model: Model, logs: Sequence[Log], by_current: bool) -> None:
         )
 
 
-def _fitted(
-    model: Model, found: Equations, held: Prior, of_prior: Array | None, scaled: bool
-) -> tuple[Regressed, PhysicalFit]:
-    """The regression and the physical robot nearest to it, whose transmitted torques the equations
-    have from then on."""
-    first = regressed(found, of_prior)
-    fit = fit_physical(model, found, first, held, None if found.currents and scaled else 1.0)
-    if found.columns.by_load:
-        found.put_loads(fit.values)
-    return first, fit
-
-
-def _gains(found: Equations, fit: PhysicalFit) -> Array:
+def _gains(found: LogEquations, fit: PhysicalFit) -> Array:
     """The gains with which a physical robot explains the currents best."""
     pairs = zip(found.rows, found.sums(fit.values), strict=True)
     return np.array([(total @ total) / (total @ rows.y) for rows, total in pairs])
@@ -263,7 +268,7 @@ def _rms(x: Array) -> float:
 
 
 def _joint_fits(
-    found: Equations,
+    found: LogEquations,
     first: Regressed,
     fit: PhysicalFit,
     gains: Array | None,
@@ -302,7 +307,7 @@ def _parameters(
         if row.load is not None:
             scale[row.load] = 1.0
     value = scale * first.values
-    half = _QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
+    half = QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
     half[first.untold] = np.nan
     kinds = _kinds(model, columns)
     largest = {
@@ -359,90 +364,3 @@ def _undetermined(columns: Columns) -> tuple[str, ...]:
     return tuple(
         name for name, x in zip(columns.inertial_names, hidden, strict=True) if x > _DETERMINED
     )
-
-
-def _outcome(joints: Sequence[JointFit]) -> Any:
-    if joints[0].validation is None:
-        return "not validated"
-    worse = [x for x in joints if (x.validation or 0.0) > _WORSE * x.model + _POINTS]
-    return "fails" if worse else "predicts"
-
-
-def _verdict(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Prior) -> str:
-    """The verdict in one sentence, with what it rests on."""
-    worst = max(joints, key=lambda x: x.model if x.validation is None else x.validation)
-    if outcome == "not validated":
-        said = (
-            f"Not validated: it leaves at most {100.0 * worst.model:.1f} % of a joint's torque "
-            f"({worst.joint}) of the logs that it was made from; give others to validate with"
-        )
-    else:
-        known = 100.0 * (worst.validation or 0.0)
-        does = "Predicts" if outcome == "predicts" else "Does not predict"
-        said = (
-            f"{does} logs that it has not seen: at most {known:.1f} % of a joint's torque is left "
-            f"({worst.joint})"
-        )
-    if not scaled:
-        return f"{said}; the scale of torques and masses is not told."
-    if held.source == "geometry":
-        return f"{said}; base parameters and torques are the logs', single masses are not told."
-    source = "the model's" if held.source == "model" else "the given ones"
-    return f"{said}; single masses are near {source}, which logs do not tell."
-
-
-def _mass_doubts(held: Prior, scaled: bool) -> list[str]:
-    """What the model itself says of its masses, wherever it is saved and used."""
-    if held.source == "model":
-        return []
-    what = "masses, centres and inertias" if held.source == "geometry" else "centres and inertias"
-    scale = "" if scaled else ", and all are right up to one unknown factor"
-    return [
-        f"the model is identified from logs: torques of its drives follow from them, but single "
-        f"{what} of links are estimated from its geometry{scale}."
-    ]
-
-
-def _notices(
-    held: Prior,
-    scaled: bool,
-    joints: Sequence[JointFit],
-    untold: Sequence[str],
-    gains: Array | None,
-    unsure: float,
-) -> list[str]:
-    found = []
-    if gains is not None and not scaled:
-        found.append(
-            "The scale is not told: the logs have currents with unknown gains, and no mass is "
-            "known; gains, masses and frictions are right up to one common factor. Give masses "
-            "(prior=), or a torque constant."
-        )
-    if gains is not None and scaled:
-        found.append(
-            f"Gains and masses have a common factor that the given masses alone tell, to "
-            f"{100.0 * _QUANTILE * unsure:.0f} % at best (95 %)."
-        )
-    if held.source == "geometry":
-        found.append(
-            "No masses were given: single masses, centres and inertias in the model are guesses "
-            "from its geometry that agree with the base parameters; torques do not depend on them."
-        )
-    wrong = [x.joint for x in joints if not x.law_fits]
-    if wrong:
-        found.append(
-            f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
-            f"rate; intervals of their friction are withdrawn."
-        )
-    coloured = [x.joint for x in joints if x.independent > _NOISY]
-    if coloured:
-        found.append(
-            f"What is left at {', '.join(coloured)} is more than noise; intervals are wider for "
-            f"it, and hold as far as it is independent of the motion."
-        )
-    if untold:
-        found.append(
-            f"{counted(len(untold), 'base parameter')} that these motions do not tell: "
-            f"{', '.join(untold)}."
-        )
-    return found

@@ -20,7 +20,7 @@ from freebody.identification.consistency import (
     pseudo_inertia_basis,
 )
 from freebody.identification.priors import Prior
-from freebody.identification.regression import Equations, Regressed
+from freebody.identification.regression import LogEquations, Regressed
 from freebody.model.doubts import ESTIMATED, Doubt
 from freebody.model.drives import LAWS
 from freebody.model.inertial_parameters import body_parameters
@@ -56,7 +56,7 @@ class PhysicalFit:
 
 
 def fit_physical(
-    model: Model, found: Equations, regressed: Regressed, prior: Prior, scale: float | None
+    model: Model, found: LogEquations, regressed: Regressed, prior: Prior, scale: float | None
 ) -> PhysicalFit:
     """The physical robot nearest to a regression. scale: of the torques, or None where it is to be
     found from the prior's masses."""
@@ -157,9 +157,9 @@ def _scaled(columns: Columns, values: Array, scale: float) -> Array:
 
 
 def _physical(
-    model: Model, found: Equations, values: Array, scale: float, prior: Prior
+    model: Model, found: LogEquations, values: Array, scale: float, prior: Prior
 ) -> Physical:
-    """What is physical of bodies, rotors and friction, with what is held of each."""
+    """The conditions on bodies, rotors and friction, with what is held of each."""
     columns, laws = found.columns, found.columns.friction
     end = columns.base + columns.friction_size
     friction = values[columns.base : end].reshape(len(columns.joints), len(laws)).copy()

@@ -1,4 +1,4 @@
-"""What is held of a robot's masses before its logs are read: those of its model, masses of a data
+"""Masses that are held of a robot before its logs are read: those of its model, those of a data
 sheet, or none but the shape of the arm."""
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _THINNEST = 1e-8
 """Ratio of the eigenvalues of a pseudo-inertia below which no body has it: some published masses
 are right, and their inertias impossible; such bodies get the estimated shape."""
 
-Source = Literal["model", "masses", "geometry"]
+PriorSource = Literal["model", "masses", "geometry"]
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Prior:
     given masses, or the shape of the arm alone, whose scale then means nothing."""
 
     bodies: Array
-    source: Source
+    source: PriorSource
 
 
 def prior_of(model: Model, given: Model | Mapping[str, float] | Sequence[float] | None) -> Prior:

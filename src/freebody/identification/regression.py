@@ -39,6 +39,8 @@ _OF_GAINS = 40.0
 bodies hardly load a joint, so that its friction alone tells no gain."""
 _SURE = 10.0
 """Standard deviations above which a first gain is taken from a joint's own current."""
+_LEAST_NOISE = 1e-6
+"""Part of a joint's torque that its noise is at least: no sensor is better."""
 _EXACT = 1e-9
 """Part of a joint's torque below which what is left is rounding."""
 _TRIED = 30.0
@@ -57,7 +59,7 @@ class Prepared(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Rows:
+class JointEquations:
     """The equations of one joint. x: (m, c) filtered columns, last, where there are such, those of
     load-dependent friction, and then one for the gain of the drive. unknowns: (c,) that they
     multiply. y: (m,) what they add up to. places: (m,) of the kept samples that they are of. rate:
@@ -72,12 +74,12 @@ class Rows:
 
 
 @dataclass(frozen=True)
-class Equations:
+class LogEquations:
     """The equations of logs of one robot, filtered once, a record of rows for each joint."""
 
     columns: Columns
     prepared: tuple[Prepared, ...]
-    rows: tuple[Rows, ...]
+    rows: tuple[JointEquations, ...]
     currents: bool
     """Whether they add up to currents with unknown gains, so that y is in A."""
 
@@ -88,8 +90,8 @@ class Equations:
 
     @property
     def inflation(self) -> float:
-        """By which the variance of estimates exceeds that from as many independent samples, the
-        noise being white before it was filtered."""
+        """The factor by which the variance of estimates exceeds that from as many independent
+        samples, the noise being white before it was filtered."""
         return max(p.filter.inflation for p in self.prepared)
 
     @property
@@ -115,7 +117,7 @@ class Equations:
             rows.x[:, rows.load] = both[:, : rows.load.stop - rows.load.start]
 
     def sums(self, values: Array) -> list[Array]:
-        """What each joint's columns add up to."""
+        """The sums of each joint's columns, torques or currents."""
         return [
             rows.x[:, rows.unknowns < self.size] @ values[rows.unknowns[rows.unknowns < self.size]]
             for rows in self.rows
@@ -144,7 +146,7 @@ class Regressed(NamedTuple):
 
 def equations(
     columns: Columns, logs: Sequence[Log], given: Sequence[Array] | None, cutoff: float
-) -> Equations:
+) -> LogEquations:
     """The filtered equations of logs.
 
     given: what they add up to, torques (n, joints) of each log, or None for the logs' currents.
@@ -174,8 +176,8 @@ def equations(
         x[:, : len(row.unknowns)] = whole[moving, row.results]
         y, first = whole[moving, columns.width + j], len(row.unknowns)
         load = slice(first, first + len(row.by_load))
-        rows.append(Rows(x, unknowns, y, moving, rate[moving, j], load))
-    return Equations(columns, prepared, tuple(rows), currents)
+        rows.append(JointEquations(x, unknowns, y, moving, rate[moving, j], load))
+    return LogEquations(columns, prepared, tuple(rows), currents)
 
 
 def _prepared(log: Log, cutoff: float) -> Prepared:
@@ -202,19 +204,22 @@ def _filter(columns: Columns, p: Prepared, given: Array, out: Array) -> None:
         out[where] = x
 
 
-def regressed(found: Equations, held: Array | None = None) -> Regressed:
+def regressed(
+    found: LogEquations, held: Array | None = None, start: Array | None = None
+) -> Regressed:
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
     round to round until none does. held: base parameters that gains are found from at first.
+    start: unknowns of which transmitted torques are near the right ones, so that fewer rounds do.
     """
     gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
     first = gains
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
-    values, residuals = np.zeros(found.size), []
+    values, residuals = np.zeros(found.size) if start is None else start, []
     more = _OF_CURRENTS * found.currents
-    for k in range(_ROUNDS + more):
+    for k in range(0 if start is None else _LOADED - 1, _ROUNDS + more):
         if 0 < k <= _LOADED + more and found.columns.by_load:
             found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
@@ -240,7 +245,9 @@ def regressed(found: Equations, held: Array | None = None) -> Regressed:
     )
     samples = np.array([w.sum() for w in weights]) / inflation
     spread = spread / np.sqrt(max(1.0 - found.size / samples.sum(), 0.1))
-    normal, moment = _normal(found, weights, 1.0 / (inflation * spread**2), gains, first)
+    least = [_LEAST_NOISE * k * np.std(r.y) for r, k in zip(found.rows, gains, strict=True)]
+    noise = inflation * np.maximum(spread, least) ** 2
+    normal, moment = _normal(found, weights, 1.0 / noise, gains, first)
     _, covariance, untold = _solved(normal, moment)
     size = found.size
     information = normal[:size, :size]
@@ -265,17 +272,22 @@ def suited(
     given: Sequence[Array] | None,
     cutoff: float,
     held: Array | None,
-) -> Columns:
+) -> tuple[Columns, Array]:
     """The columns with that width of the sign of rates, among `WIDTHS`, which leaves least of a
-    part of the logs."""
+    part of the logs, and the unknowns there."""
     parts = [_middle(log) for log in logs]
     taken = None if given is None else [x[part] for x, part in zip(given, parts, strict=True)]
     short = [_cut(log, part) for log, part in zip(logs, parts, strict=True)]
     tried = []
     for width in WIDTHS:
         own = replace(columns, smooth=width)
-        tried.append((regressed(equations(own, short, taken, cutoff), held), own))
-    return min(tried, key=lambda x: _left(x[0]))[1]
+        try:
+            found = equations(own, short, taken, cutoff)
+        except FreebodyError:  # a joint rests in the parts; it may move elsewhere
+            found = equations(own, logs, given, cutoff)
+        tried.append((regressed(found, held), own))
+    best, own = min(tried, key=lambda x: _left(x[0]))
+    return own, best.values
 
 
 def _left(x: Regressed) -> float:
@@ -283,7 +295,7 @@ def _left(x: Regressed) -> float:
 
 
 def _middle(log: Log) -> slice:
-    """At most so many samples of a log, about its middle."""
+    """The samples of a log about its middle, no more than suffice for a trial."""
     middle, half = len(log.time) // 2, int(0.5 * _TRIED * log.rate)
     return slice(max(middle - half, 0), middle + half)
 
@@ -302,7 +314,7 @@ def _size(residual: Array, weights: Array | float) -> float:
 
 
 def _normal(
-    found: Equations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
+    found: LogEquations, weights: Sequence[Array], scale: Array, gains: Array, first: Array
 ) -> tuple[Array, Array]:
     """The normal equations XᵀWX, XᵀWy of all joints; changes of gains, which are told up to a
     common factor, have sum 0."""
@@ -334,7 +346,7 @@ def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool
     return inverse @ moment, inverse, hidden
 
 
-def _first_gains(found: Equations, held: Array) -> Array:
+def _first_gains(found: LogEquations, held: Array) -> Array:
     """Gains with which currents agree best with base parameters that are held beforehand, friction
     being free; of joints that bodies hardly load the mean of the others'."""
     gains, sure = np.ones(len(found.rows)), np.zeros(len(found.rows), dtype=bool)
@@ -354,8 +366,8 @@ def _first_gains(found: Equations, held: Array) -> Array:
 
 
 def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> float:
-    """By which the variance of the residual's mean exceeds that of independent samples, from its
-    autocorrelation up to where it first vanishes."""
+    """The factor by which the variance of the residual's mean exceeds that of independent samples,
+    from its autocorrelation up to where it first vanishes."""
     series = np.zeros(places[-1] - places[0] + 1)
     present = np.zeros(len(series))
     series[places - places[0]] = residual
@@ -370,7 +382,7 @@ def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> fl
     return float(total)
 
 
-def misfit_by_rate(rows: Rows, residual: Array, spread: float, inflation: float) -> float:
+def misfit_by_rate(rows: JointEquations, residual: Array, spread: float, inflation: float) -> float:
     """The probability that a residual with noise alone depends on the joint's rate as much as this
     one does: whether the law of friction fits."""
     if spread <= _EXACT * np.std(rows.y):
