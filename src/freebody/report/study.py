@@ -195,6 +195,20 @@ def study(
 ) -> Study: ...
 
 
+@overload
+def study(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | DutyCycle | Segment | None = None,
+    tip: str | None = None,
+    *,
+    wrenches: FrameWrenchTable = None,
+    smooth: Smooth = False,
+    speed: float = 1.0,
+    measured: Measured | None = None,
+    progress: Progress | None = None,
+) -> Study | CycleStudy: ...
+
+
 def study(
     model: Model,
     motion: StudiedMotion = None,
