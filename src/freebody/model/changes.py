@@ -34,6 +34,7 @@ from freebody.model.parameters import (
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
+from freebody.model.shafts import shafts, without_shafts
 from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tree import Attached
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from freebody.model.model import Model
 
 _FEATURES = tuple(dict.fromkeys(law.feature for law in LAWS.values()))
-_PARTS = ("loops", "struts")
+_PARTS = ("loops", "struts", "shafts")
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
@@ -50,12 +51,18 @@ def without(model: Model, features: Sequence[str]) -> Model:
     for feature in features:
         if feature not in _FEATURES and feature not in _PARTS:
             raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, *_PARTS))
+    if "shafts" in features:
+        model = without_shafts(model)
     off = {k: x for law in LAWS.values() if law.feature in features for k, x in law.off.items()}
+    kept = shafts(model)
     bodies = tuple(
-        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
-        for body in model.bodies
+        body
+        if k in kept
+        else replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
+        for k, body in enumerate(model.bodies)
     )
-    return replace(model, bodies=bodies, **{part: () for part in _PARTS if part in features})
+    gone: dict[str, Any] = {part: () for part in ("loops", "struts") if part in features}
+    return replace(model, bodies=bodies, **gone)
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:

@@ -377,7 +377,12 @@ class Model(NamedParts, Tabled, ByValue):
 
     def without(self, *features: str) -> Model:
         """The model without "friction", "rotors", "springs" (those of joints, and cogging torques),
-        "struts", or "loops" (the tree that is left when they are cut)."""
+        "struts", "shafts" or "loops" (the tree that is left when they are cut).
+
+        A strut and the shaft of a flexible joint keep their stiffness and damping, or go as a
+        whole: without "shafts" the rotors are fixed to their links, and the twists are no
+        coordinates.
+        """
         return changed.without(self, features)
 
     def with_payload(

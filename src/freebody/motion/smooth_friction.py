@@ -177,10 +177,10 @@ def strut_damping(model: Model, q: Array, qd: Array) -> Array:
 
 
 def without_friction(model: Model) -> Model:
-    """The model without everything that dissipates energy: friction of joints, dampers of
-    struts."""
+    """The model without everything that dissipates energy: friction of joints, dampers of struts
+    and shafts."""
     struts = tuple(replace(strut, damping=0.0) for strut in model.struts)
-    return replace(model.without("friction"), struts=struts)
+    return replace(without_laws(model, lambda law: law.feature == "friction"), struts=struts)
 
 
 def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:

@@ -19,6 +19,7 @@ from freebody.model.doubt_rules.aspects import EFFORTS, MASSES, RANGES, ROTORS, 
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, shaft_names
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import Ranges, position_columns, ranges, with_drive
 from freebody.report.results import CLOSE, LimitUse, MotionVerdict, VerdictOutcome, percent
@@ -49,7 +50,7 @@ def verdict(
     run = pace(model, motion, data, allowed.velocity, effort_limits(model, allowed))
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     if loose:
-        sentences.append(_no_other_pace(loose, slower=failed))
+        sentences.append(_no_other_pace(model, loose, slower=failed))
     elif told and not doubts.wrong:
         sentences += _paces(model, run, told, bool(undriven), doubts.partly)
     if noisy and doubts.torques_meant:
@@ -149,12 +150,18 @@ def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
     if model.loops:
         return ()
     tau, acting = np.abs(data["tau"].values).max(axis=0), _acting(model, data)
-    found = []
+    found, twists = [], shaft_entries(model)
     for k in model.passive:
         if tau[k] > _UNDRIVEN * acting[k]:
             unit = str(data["effort_unit"].values[k])
             name = model.velocity_names[k]
-            found.append(f"{name} is passive, and the motion needs {tau[k]:.3g} {unit} there")
+            text = f"{name} is passive, and the motion needs {tau[k]:.3g} {unit} there"
+            if k in twists:
+                text = (
+                    f"{name} is the shaft of a flexible joint, and the motion does not twist it by "
+                    f"what it carries: it is off by {tau[k]:.3g} {unit}"
+                )
+            found.append(text)
     return tuple(found)
 
 
@@ -270,7 +277,12 @@ def _held_too_much(model: Model, run: Pace) -> str:
     )
 
 
-def _no_other_pace(names: Sequence[str], slower: bool) -> str:
+def _no_other_pace(model: Model, names: Sequence[str], slower: bool) -> str:
+    if set(names) <= set(shaft_names(model)):
+        return (
+            "At another speed the shafts of its flexible joints would twist otherwise: how much "
+            'faster the links could move, model.without("shafts") tells nearly.'
+        )
     several = len(names) > 1
     opening = "Slowing down does not help" if slower else "It cannot be run at another speed"
     return (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -132,6 +132,13 @@ class Solutions(Tabled, ByValue):
         last = np.full((*self.q.shape[:-2], 1, size), np.nan)
         every = np.concatenate([self.q, last], axis=-2)
         return np.take_along_axis(every, best[..., None, None], axis=-2)[..., 0, :]
+
+    def at(self, q: Array) -> Solutions:
+        """The same solutions as positions q (..., k, n) of another robot, NaN where there are
+        none."""
+        whole = np.where(self.valid[..., None], q, np.nan)
+        whole.flags.writeable = False
+        return replace(self, q=whole)
 
     def _found(self) -> str:
         if self.q.ndim > 2:
