@@ -31,6 +31,7 @@ from freebody.model.parameters import (
     finite,
     one_value_each,
     quantity,
+    real,
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
@@ -144,7 +145,7 @@ def _mass(mass: Any) -> float | Members:
     if isinstance(mass, np.ndarray) and not mass.ndim:
         mass = mass[()]
     if isinstance(mass, (float, int, Real)):
-        return float(mass)
+        return real(mass, "with_payload: mass")
     if is_array(mass):
         return members(mass, "with_payload: mass", LARGEST)
     raise ModelError(
@@ -182,7 +183,7 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         for name, x in given.items()
     }
     drive = replace(body.joint.drive, **numbers)
-    fault = drive.fault()
+    fault = drive.fault() or drive.idle(given)
     if fault:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))
@@ -297,6 +298,11 @@ def with_strut(
         key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
         for key, x in numbers.items()
     }
+    if given["rest"] != 0.0 and given["stiffness"] == 0.0:
+        raise ModelError(
+            f"with_strut: strut {name!r}: rest is given without stiffness, without which it has no "
+            f"effect; give both."
+        )
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.reaction_names, *model.strut_names)
     strut = checked_strut(Strut(name, frames, **given), body_of, taken)
