@@ -186,6 +186,33 @@ def test_the_pace_sees_friction_grow_by_its_own_law(effort, more):
     assert (factor >= 1) == (used(1.0) <= 1)
 
 
+def test_a_limit_that_is_exceeded_at_a_few_paces_only_ends_the_pace():
+    """A joint that brakes: its friction grows with the cube root of the pace k, its inertia takes
+    the more away, a c(k) = c k^(1/3) - x k² that is largest at one pace and small at others."""
+    rate, x = 1.0, 0.02
+    top = (1.0 / (6.0 * x)) ** 0.6
+    effort = (top ** (1 / 3) - x * top**2) * (1.0 - 1e-6)
+    model = fb.planar(
+        "P", l=[0], lc=[0], m=[1.0], I=[0], drives=[fb.Drive(cube_root=1.0)],
+        limits=[fb.Limits(effort=effort)],
+    ).replace(gravity=0.0)  # fmt: skip
+    t = np.linspace(0.0, 1.0, 41)[:, None]
+    q, qd = rate * t - 0.5 * x * t**2, rate - x * t
+    motion = fb.Motion.of(model, t[:, 0], q, qd, np.full_like(t, -x))
+    factor = fb.study(model, motion).verdict.factor
+
+    def used(k: float) -> float:
+        run = motion.faster(k)
+        return np.abs(fb.inverse_dynamics(model, run.q, run.qd, run.qdd)).max() / effort
+
+    assert used(top) > 1.0
+    assert used(0.99 * top) < 1.0
+    assert used(1.01 * top) < 1.0  # at steps of this size nothing would be seen
+    assert used(2.0 * top) < 1.0
+    assert 0.99 * top < factor < top
+    assert used(factor) <= 1.0 + 1e-8
+
+
 def test_no_pace_holds_what_gravity_springs_and_friction_ask():
     model = full(effort=10.0)
     study = fb.study(model, swing(model))
