@@ -144,7 +144,7 @@ def _mass(mass: Any) -> float | Members:
     """A load's mass (kg), or the masses for the members of a family."""
     if isinstance(mass, np.ndarray) and not mass.ndim:
         mass = mass[()]
-    if isinstance(mass, (float, int, Real)):
+    if isinstance(mass, (float, int, Real, np.bool_)):
         return real(mass, "with_payload: mass")
     if is_array(mass):
         return members(mass, "with_payload: mass", LARGEST)

@@ -17,6 +17,7 @@ from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.model.model import Model
 from freebody.model.shafts import Untwisted
+from freebody.motion.files.measured_motions import rested
 from freebody.motion.motion import Motion, derivatives
 from freebody.trees.position_rates import layout
 
@@ -70,4 +71,5 @@ def with_carried_twists(
         ):  # fmt: skip
             x[:, at], x[:, of] = own, link[:, to] - own
     words = motion.source if _WORDS in motion.source else f"{motion.source}{_WORDS}"
-    return replace(motion, q=q, qd=qd, qdd=qdd, source=words, layout=layout(model), pieces=None)
+    found = replace(motion, q=q, qd=qd, qdd=qdd, source=words, layout=layout(model), pieces=None)
+    return rested(model, found)

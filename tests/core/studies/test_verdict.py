@@ -246,6 +246,28 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
     assert " They would be kept up to 3.81 times that speed." in text
 
 
+def test_a_flexible_joint_is_judged_with_its_shaft_twisted_by_what_it_carries():
+    lever = fb.planar(
+        "R", l=[1], lc=[0.5], m=[2], I=[0.2], limits=[fb.Limits(-2.0, 2.0, 3.0, 40.0)],
+        drives=[fb.Drive(rotor=1e-3, gear=30.0, viscous=0.3)],
+    )  # fmt: skip
+    model = lever.with_flexible_joint("joint1", stiffness=800.0, damping=4.0)
+    study = fb.study(model, speed=1.3)
+    assert study.verdict.outcome == "feasible"
+    assert "the shafts of its flexible joints would twist otherwise" in study.verdict.text
+    tau = np.abs(study.data["tau"].values).max(axis=0)
+    assert tau[1] < 1e-4 * tau[0]
+    heaviest = {pose.coordinate: pose for pose in study.static}
+    assert abs(heaviest["joint1"].torque) == pytest.approx(2.0 * 9.81 * 0.5, rel=1e-6)
+    t = np.linspace(0.0, 2.0, 41)
+    links = fb.study(model, {"t": t, "joint1": 0.3 * np.sin(t) ** 2}).verdict
+    assert links.outcome == "not feasible"
+    assert (
+        "joint1_twist is the shaft of a flexible joint, and the motion does not twist it by what "
+        "it carries: it is off by "
+    ) in links.text
+
+
 # ------------------------------------------------------------ work
 def test_work_of_a_lift_and_of_a_cycle():
     model = fb.planar("R", l=[1], lc=[0.5], m=[2], I=[0.1])
