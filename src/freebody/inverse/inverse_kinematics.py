@@ -137,7 +137,7 @@ def inverse_kinematics(
             starts=starts,
             seed=seed,
         )
-        return found.at(rigid.at(found.q))
+        return found.at(rigid.at(found.q), model.family)
     problem, poses = _checked_problem(model, target, frame, task, q0, limits, starts, seed)
     batch = poses.shape[:-2]
     if model.family:

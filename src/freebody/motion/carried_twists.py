@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +25,31 @@ from freebody.trees.position_rates import layout
 SMOOTH = 5
 """The power of time with which a motion whose twists start from rest leaves its start, at least."""
 _WORDS = ", shafts twisted by what they carry"
-_PASSES = 12
-_SETTLED = 1e-9
-"""Share of the torques of shafts that may be left at them."""
+_PASSES = 2
+"""The first is exact where springs and dampers are all that acts in shafts."""
+
+
+class _Shafts:
+    """The twists of springs and dampers side by side over time, from rest to rest."""
+
+    def __init__(self, model: Model, entries: np.ndarray, t: Array):
+        drives = {body.joint.name: body.joint.drive for body in model.bodies}
+        own = [drives[model.velocity_names[k]] for k in entries]
+        slopes = None
+        if any(drive.viscous for drive in own):
+            slopes = derivatives(t, np.eye(len(t)), at_rest=True)[0]
+        self.springs: list[Any] = [float(drive.stiffness) for drive in own]
+        for k, drive in enumerate(own):
+            if drive.viscous and slopes is not None:
+                self.springs[k] = self.springs[k] * np.eye(len(t)) + drive.viscous * slopes
+
+    def twists(self, torque: Array) -> Array:
+        """The twists (T, n) that torques (T, n) make."""
+        columns = [
+            x / spring if isinstance(spring, float) else np.linalg.solve(spring, x)
+            for x, spring in zip(torque.T, self.springs, strict=True)
+        ]
+        return np.stack(columns, axis=-1)
 
 
 def links_alone(rigid: Untwisted, motion: Motion) -> Motion:
@@ -53,23 +76,13 @@ def with_carried_twists(
     q, qd, qdd = rigid.at(motion.q), rigid.at_rates(motion.qd), rigid.at_rates(motion.qdd)
     iq, iv, to_q, to_v = np.array(rigid.twists).T
     rotors = rigid.positions[to_q], rigid.rates[to_v]
-    springs = {body.joint.name: body.joint.drive.stiffness for body in model.bodies}
-    stiffness = np.array([springs[model.velocity_names[k]] for k in iv], dtype=float)
-    twist = np.zeros((len(motion.t), len(iv)))
-    most = 0.0
+    twist, give = np.zeros((len(motion.t), len(iv))), _Shafts(model, iv, motion.t)
     for _ in range(_PASSES):
-        missing = inverse_dynamics(model, q, qd, qdd, wrenches)[:, iv]
-        most = max(most, float(np.abs(missing).max()))
-        if np.abs(missing).max() <= _SETTLED * most:
-            break
-        twist = twist - missing / stiffness
-        found = (twist, *derivatives(motion.t, twist, at_rest=True))
-        links = (motion.q, motion.qd, motion.qdd)
-        for x, own, link, at, of, to in zip(
-            (q, qd, qdd), found, links, (iq, iv, iv), (rotors[0], rotors[1], rotors[1]),
-            (to_q, to_v, to_v), strict=True,
-        ):  # fmt: skip
-            x[:, at], x[:, of] = own, link[:, to] - own
+        twist = twist - give.twists(inverse_dynamics(model, q, qd, qdd, wrenches)[:, iv])
+        rate, second = derivatives(motion.t, twist, at_rest=True)
+        q[:, iq], q[:, rotors[0]] = twist, motion.q[:, to_q] - twist
+        qd[:, iv], qd[:, rotors[1]] = rate, motion.qd[:, to_v] - rate
+        qdd[:, iv], qdd[:, rotors[1]] = second, motion.qdd[:, to_v] - second
     words = motion.source if _WORDS in motion.source else f"{motion.source}{_WORDS}"
     found = replace(motion, q=q, qd=qd, qdd=qdd, source=words, layout=layout(model), pieces=None)
     return rested(model, found)

@@ -107,11 +107,12 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
             f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its "
             f"driven joints."
         )
-    names = ", ".join(model.velocity_names[k] for k in leading)
-    swing = "swings" if len(leading) == 1 else "swing"
+    twists = shaft_entries(model)
+    names = [model.velocity_names[k] for k in leading if k not in twists]
     text = (
-        f"by default {names} {swing} from rest to rest in {t[-1]:g} s, "
-        "the loops determine the other joints"
+        f"by default {', '.join(names)} {'swings' if len(names) == 1 else 'swing'} from rest to "
+        f"rest in {t[-1]:g} s, the loops determine the other joints"
+        f"{', shafts untwisted' if twists else ''}"
     )
     states = consistent_rates(model, t, q, at_rest=True)
     return rested(model, Motion(t, *states, text, layout(model), allowed.notices))

@@ -150,6 +150,40 @@ def test_a_table_of_the_links_alone_leaves_shafts_untwisted():
     assert (given.qd[:, 1] == 0.0).all()
 
 
+@pytest.mark.parametrize(("stiffness", "damping"), [(5.0, 0.1), (800.0, 40.0)])
+def test_soft_and_damped_shafts_twist_as_their_equation_says(stiffness, damping):
+    """Also where damping is more than the spring at the rates that samples can show."""
+    motion = fb.default_motion(flexible(stiffness=stiffness, damping=damping))
+    twist, rate = motion.q[:, 1], motion.qd[:, 1]
+    links = [x[:, [0, 2]] + x[:, [1]] * [1, 0] for x in (motion.q, motion.qd, motion.qdd)]
+    carried = fb.inverse_dynamics(rigid().without("friction", "rotors"), *links)[:, 0]
+    assert stiffness * twist + damping * rate == pytest.approx(-carried, abs=1e-4)
+
+
+def test_a_flexible_crank_of_a_closed_chain_stays_untwisted():
+    four = fb.load("four_bar").with_drive("crank_pin", rotor=1e-3, gear=20.0)
+    model = four.with_flexible_joint("crank_pin", stiffness=500.0, damping=1.0)
+    assert model.without("shafts") == four
+    motion = fb.default_motion(model)
+    assert (motion.q[:, 1] == 0.0).all()
+    assert np.ptp(motion.q[:, 0]) > 0.1
+    tip = fb.forward_kinematics(four, fb.assemble(four))[:2, 2]
+    found = fb.inverse_kinematics(model, tip)
+    assert len(found) == len(fb.inverse_kinematics(four, tip))
+    assert (found.q[:, 1] == 0.0).all()
+
+
+def test_each_member_of_a_family_has_the_solutions_of_its_links():
+    model = flexible(stiffness=np.array([500.0, 900.0]))
+    target = np.array([[0.9, 0.3], [0.5, 0.4], [5.0, 0.0]])[:, None]
+    found, expected = (fb.inverse_kinematics(x, target) for x in (model, rigid()))
+    assert found.q.shape == (3, 2, 2, 3)
+    for k in range(2):
+        np.testing.assert_allclose(found.q[:, k][..., [0, 2]], expected.q[:, 0], atol=1e-12)
+    assert found.within_limits.shape == (3, 2, 2)
+    assert fb.workspace(model, target[:, 0]).ways.shape == (3, 2)
+
+
 def test_plans_hold_the_twist_of_their_start():
     model, q0 = flexible(), [0.3, -0.02, 0.9]
     line = fb.line(model, q0, fb.forward_kinematics(model, q0)[:2, 2] + [0.05, 0.1], duration=1.0)
