@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import chain, pairwise
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, TypeGuard
 
 import numpy as np
 
@@ -97,7 +97,7 @@ class DataSheet(ByValue):
         return FreebodyError(f"{self.WHAT} {self.name!r}: {problem}.")
 
 
-def _is_number(value: object) -> bool:
+def _is_number(value: object) -> TypeGuard[float]:
     """Whether a value is a real number, NumPy's too; True and False are none."""
     return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 

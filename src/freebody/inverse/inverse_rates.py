@@ -128,8 +128,10 @@ def _solved(
         at = rigid.links(finite_vector(function, model, "q", q))
         rates = None if qd is None else rigid.link_rates(finite_vector(function, model, "qd", qd))
         names = [row_names(model.dim)[r] for r in rows]
-        given = (letter, wanted, rates, option.frame, names, damping)
-        return rigid.at_rates(_solved(function, rigid.model, at, *given))
+        found = _solved(
+            function, rigid.model, at, letter, wanted, rates, option.frame, names, damping
+        )
+        return rigid.at_rates(found)
     if damping is None and len(rows) <= model.nv:
         inputs = (q, wanted) if qd is None else (q, qd, wanted)
         answer = looking_closer(partial(_closer, function, letter, None), {f"{letter}_ref": letter})

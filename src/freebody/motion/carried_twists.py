@@ -17,6 +17,7 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.model.model import Model
+from freebody.model.quantity_reader import VALUES
 from freebody.model.shafts import Untwisted
 from freebody.motion.files.measured_motions import rested
 from freebody.motion.motion import Motion, derivatives
@@ -35,13 +36,15 @@ class _Shafts:
     def __init__(self, model: Model, entries: np.ndarray, t: Array):
         drives = {body.joint.name: body.joint.drive for body in model.bodies}
         own = [drives[model.velocity_names[k]] for k in entries]
-        slopes = None
-        if any(drive.viscous for drive in own):
-            slopes = derivatives(t, np.eye(len(t)), at_rest=True)[0]
-        self.springs: list[Any] = [float(drive.stiffness) for drive in own]
-        for k, drive in enumerate(own):
-            if drive.viscous and slopes is not None:
-                self.springs[k] = self.springs[k] * np.eye(len(t)) + drive.viscous * slopes
+        stiffness, damping = (
+            [float(VALUES.quantity(x)) for x in numbers]
+            for numbers in ([x.stiffness for x in own], [x.viscous for x in own])
+        )
+        self.springs: list[Any] = stiffness
+        if any(damping):
+            whole = np.eye(len(t))
+            slopes = derivatives(t, whole, at_rest=True)[0]
+            self.springs = [k * whole + d * slopes for k, d in zip(stiffness, damping, strict=True)]
 
     def twists(self, torque: Array) -> Array:
         """The twists (T, n) that torques (T, n) make."""
