@@ -76,7 +76,9 @@ class DataSheet(ByValue):
 
     def _curve(self, name: str) -> Curve:
         try:
-            pairs = [(speed, torque) for speed, torque in getattr(self, name)]
+            pairs: list[tuple[Any, Any]] = [
+                (speed, torque) for speed, torque in getattr(self, name)
+            ]
         except (TypeError, ValueError):
             pairs = [(None, None)]
         if not all(map(_is_number, chain.from_iterable(pairs))):

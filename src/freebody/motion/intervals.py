@@ -69,10 +69,10 @@ class Interval:
             return known(*ends) if known else _anything(*ends)
 
 
-Ends = tuple[Any, Any]
+Bounds = tuple[Any, Any]
 
 
-def _ends(x: Any) -> Ends:
+def _ends(x: Any) -> Bounds:
     return (x.low, x.high) if isinstance(x, Interval) else (x, x)
 
 
@@ -82,7 +82,7 @@ def _hull(values: Sequence[Any]) -> Interval:
     return Interval(np.minimum.reduce(values), np.maximum.reduce(values))
 
 
-def _anything(*ends: Ends) -> Interval:
+def _anything(*ends: Bounds) -> Interval:
     shape = np.broadcast_shapes(*(np.shape(x) for pair in ends for x in pair))
     return Interval(np.full(shape, -np.inf), np.full(shape, np.inf))
 
@@ -95,27 +95,27 @@ def _inverse(low: Any, high: Any) -> Interval:
     return Interval(np.where(split, -np.inf, one), np.where(split, np.inf, two))
 
 
-def _absolute(x: Ends) -> Interval:
+def _absolute(x: Bounds) -> Interval:
     sizes = [np.abs(end) for end in x]
     least = np.where((x[0] <= 0.0) & (x[1] >= 0.0), 0.0, np.minimum(*sizes))
     return Interval(least, np.maximum(*sizes))
 
 
-def _less(a: Ends, b: Ends) -> Interval:
+def _less(a: Bounds, b: Bounds) -> Interval:
     return Interval(np.where(a[1] < b[0], 1.0, 0.0), np.where(a[0] < b[1], 1.0, 0.0))
 
 
-def _less_equal(a: Ends, b: Ends) -> Interval:
+def _less_equal(a: Bounds, b: Bounds) -> Interval:
     return Interval(np.where(a[1] <= b[0], 1.0, 0.0), np.where(a[0] <= b[1], 1.0, 0.0))
 
 
-def _equal(a: Ends, b: Ends) -> Interval:
+def _equal(a: Bounds, b: Bounds) -> Interval:
     sure = (a[0] == a[1]) & (b[0] == b[1]) & (a[0] == b[0])
     meet = (a[0] <= b[1]) & (b[0] <= a[1])
     return Interval(np.where(sure, 1.0, 0.0), np.where(meet, 1.0, 0.0))
 
 
-def _where(condition: Ends, a: Ends, b: Ends) -> Interval:
+def _where(condition: Bounds, a: Bounds, b: Bounds) -> Interval:
     never = (condition[0] == 0.0) & (condition[1] == 0.0)
     always = (condition[0] > 0.0) | (condition[1] < 0.0)
     ends = (
@@ -125,10 +125,10 @@ def _where(condition: Ends, a: Ends, b: Ends) -> Interval:
     return Interval(*ends)
 
 
-def _wave(function: Callable[[Any], Any], top: float) -> Callable[[Ends], Interval]:
+def _wave(function: Callable[[Any], Any], top: float) -> Callable[[Bounds], Interval]:
     """A sine or cosine of an interval, which is largest at `top` and whole turns from it."""
 
-    def waved(x: Ends) -> Interval:
+    def waved(x: Bounds) -> Interval:
         low, high = np.broadcast_arrays(*map(np.asarray, x))
         one, two = function(low), function(high)
 
