@@ -298,7 +298,9 @@ def with_strut(
         key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
         for key, x in numbers.items()
     }
-    if given["rest"] != 0.0 and given["stiffness"] == 0.0:
+    alone = given["stiffness"] is None
+    given["stiffness"] = 0.0 if alone else given["stiffness"]
+    if alone and given["rest"] != 0.0:
         raise ModelError(
             f"with_strut: strut {name!r}: rest is given without stiffness, without which it has no "
             f"effect; give both."

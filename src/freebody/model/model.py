@@ -499,7 +499,7 @@ class Model(NamedParts, Tabled, ByValue):
         name: str,
         frames: tuple[str, str],
         *,
-        stiffness: Any = 0.0,
+        stiffness: Any = None,
         rest: Any = 0.0,
         damping: Any = 0.0,
         preload: Any = 0.0,
