@@ -15,7 +15,13 @@ from freebody.design.joint_loads import joint_loads
 from freebody.errors import KindError
 from freebody.model.model import Model
 from freebody.model.shafts import untwisted
-from freebody.motion.carried_twists import SMOOTH, links_alone, with_carried_twists
+from freebody.motion.carried_twists import (
+    SMOOTH,
+    carried,
+    links_alone,
+    tells_links_alone,
+    with_carried_twists,
+)
 from freebody.motion.default_motion import DURATION, SAMPLES, default_motion, swing
 from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.files.csv_files import read_motion
@@ -45,6 +51,26 @@ _BLOCK = 4096  # intervals at once
 _TELL = 0.01  # of the largest peak: a change by less is not told
 _MOST = 3  # joints, those whose peaks change most
 _UNLIKELY = 0.05  # of the largest acceleration
+
+
+def studied(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    smooth: Smooth,
+    speed: float,
+    wrenches: Mapping[str, Array],
+) -> tuple[Motion, tuple[str, ...]]:
+    """(the motion that `study` looks at, before samples are added at its peaks; sentences on its
+    noise). Shafts of flexible joints twist by what they carry where nobody tells of their twists.
+    """
+    told = given(model, motion, wrenches)
+    alone = motion is not None and tells_links_alone(model, told)
+    found, measured = filtered(model, told, smooth, wrenches)
+    found = at_speed(model, found, speed, wrenches, by_default=motion is None)
+    if alone:
+        noisy = bool(measured) and not smooth
+        found = carried(model, found, wrenches, noisy)
+    return found, measured
 
 
 def given(

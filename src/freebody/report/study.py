@@ -25,7 +25,7 @@ from freebody.report.jacobians import singularity
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
-from freebody.report.studied_motion import Smooth, at_speed, filtered, given, with_peaks
+from freebody.report.studied_motion import Smooth, studied, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
 from freebody.report.verdict import verdict
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
@@ -187,8 +187,7 @@ def study(
     for frame, load in loads.items():
         refuse_not_finite("study", f"wrenches[{frame!r}]", load, 1)
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
-        sampled = at_speed(model, sampled, speed, loads, by_default=motion is None)
+        sampled, measured = studied(model, motion, smooth, speed, loads)
         followed = with_peaks(model, sampled, loads)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)

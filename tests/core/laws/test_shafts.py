@@ -150,6 +150,39 @@ def test_a_table_of_the_links_alone_leaves_shafts_untwisted():
     assert (given.qd[:, 1] == 0.0).all()
 
 
+def pendulum() -> fb.Model:
+    """A rod on a flexible joint."""
+    drive = fb.Drive(rotor=1e-3, gear=20.0, coulomb=0.2)
+    rod = fb.planar("R", m=[2.0], lc=[0.3], l=[0.6], I=[0.1], drives=[drive], limits=LIMITS[:1])
+    return rod.with_flexible_joint("joint1", stiffness=400.0, damping=3.0)
+
+
+def test_a_study_of_the_links_motion_twists_shafts_by_what_they_carry():
+    """The motor carries what it does with a rigid joint and the rotor's inertia beside, and the
+    links move as told."""
+    t = np.linspace(0.0, 1.0, 61)
+    told = 0.4 * np.sin(2.0 * t) + 0.3
+    study = fb.study(pendulum(), {"t": t, "joint1": told})
+    assert study.verdict.outcome == "feasible"
+    assert any("Twists of the shafts (joint1_twist): by what they" in x for x in study.warnings)
+    given = np.isin(study.motion.t, t)
+    rotor, twist = study.motion.q[given].T
+    assert rotor + twist == pytest.approx(told, abs=1e-12)
+    rod = pendulum().without("shafts", "rotors", "friction")
+    qdd = -1.6 * np.sin(2.0 * t)
+    carried = fb.inverse_dynamics(rod, told[:, None], told[:, None], qdd[:, None])[:, 0]
+    felt = 400.0 * twist + 3.0 * study.motion.qd[given, 1]
+    assert felt == pytest.approx(-carried, abs=1e-3)
+
+
+def test_a_study_says_why_shafts_cannot_twist_along_a_plan():
+    plan = fb.trapezoid(pendulum(), [[0.1, 0.0], [0.3, 0.0]], acceleration=2.0)
+    study = fb.study(pendulum(), plan)
+    assert study.verdict.outcome == "not feasible"
+    assert any("stays as it is given: the motion's accelerations jump" in x for x in study.warnings)
+    assert (study.motion.q[:, 1] == 0.0).all()
+
+
 @pytest.mark.parametrize(("stiffness", "damping"), [(5.0, 0.1), (800.0, 40.0)])
 def test_soft_and_damped_shafts_twist_as_their_equation_says(stiffness, damping):
     """Also where damping is more than the spring at the rates that samples can show."""
