@@ -183,7 +183,7 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         for name, x in given.items()
     }
     drive = replace(body.joint.drive, **numbers)
-    fault = drive.fault() or drive.idle(given)
+    fault = drive.idle(given) or drive.fault()
     if fault:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))

@@ -143,7 +143,11 @@ class Drive(_LawNumbers, Keeps):
 
     def idle(self, given: Collection[str]) -> str | None:
         """The reason why one of the numbers given has no effect, its law's strength being 0 and not
-        given, or None."""
+        given, or is not enough, as another must stand beside it; or None."""
+        for strength, name in _TOGETHER:
+            alone = strength in given and name not in given and not _is_given(getattr(self, name))
+            if alone and _is_given(getattr(self, strength)):
+                return f"{strength} is given without {name}, which has no default; give both"
         for law in LAWS.values():
             if law.strength in given or _is_given(getattr(self, law.strength)):
                 continue

@@ -39,13 +39,13 @@ _CORNER = 1e-3
 class _Shafts:
     """The twists of springs and dampers side by side over time."""
 
-    def __init__(self, model: Model, entries: np.ndarray, t: Array, at_rest: bool):
+    def __init__(self, model: Model, entries: np.ndarray, t: Array):
         drives = {body.joint.name: body.joint.drive for body in model.bodies}
         own = [drives[model.velocity_names[k]] for k in entries]
         self.numbers = [
             [float(VALUES.quantity(x)) for x in (drive.stiffness, drive.viscous)] for drive in own
         ]
-        self.t, self.at_rest = t, at_rest
+        self.t = t
 
     def twists(self, torque: Array) -> Array:
         """The twists (T, n) that torques (T, n) make."""
@@ -59,7 +59,7 @@ class _Shafts:
         start as if the torque had changed so before, too."""
         if not damping:
             return torque / stiffness
-        curve = CubicSpline(self.t, torque, bc_type="clamped" if self.at_rest else "not-a-knot")
+        curve = CubicSpline(self.t, torque)
         lag = damping / stiffness
         begin, end = (np.zeros(len(self.t) - 1) for _ in range(2))
         for order in range(4):  # a polynomial that obeys the equation between two samples
@@ -93,17 +93,16 @@ def with_carried_twists(
     rigid: Untwisted,
     motion: Motion,
     wrenches: Mapping[str, Array] | None = None,
-    at_rest: bool = True,
 ) -> Motion:
     """The motion of a robot with flexible joints whose links move as in a motion of the rigid one,
-    under wrenches (..., six) by frame; at_rest: whether the twists start and end at rest."""
+    under wrenches (..., six) by frame."""
     q, qd, qdd = rigid.at(motion.q), rigid.at_rates(motion.qd), rigid.at_rates(motion.qdd)
     iq, iv, to_q, to_v = np.array(rigid.twists).T
     rotors = rigid.positions[to_q], rigid.rates[to_v]
-    twist, give = np.zeros((len(motion.t), len(iv))), _Shafts(model, iv, motion.t, at_rest)
+    twist, give = np.zeros((len(motion.t), len(iv))), _Shafts(model, iv, motion.t)
     for _ in range(_PASSES):
         twist = twist - give.twists(inverse_dynamics(model, q, qd, qdd, wrenches)[:, iv])
-        rate, second = derivatives(motion.t, twist, at_rest)
+        rate, second = derivatives(motion.t, twist)
         q[:, iq], q[:, rotors[0]] = twist, motion.q[:, to_q] - twist
         qd[:, iv], qd[:, rotors[1]] = rate, motion.qd[:, to_v] - rate
         qdd[:, iv], qdd[:, rotors[1]] = second, motion.qdd[:, to_v] - second
@@ -131,7 +130,7 @@ def carried(
         said = f"The twist of the flexible joints' shafts ({names}) stays as it is given: {why}."
         return replace(motion, notices=(*motion.notices, said))
     links = links_alone(rigid, _dense(motion))
-    found = with_carried_twists(model, rigid, links, wrenches, at_rest=False)
+    found = with_carried_twists(model, rigid, links, wrenches)
     said = (
         f"Twists of the shafts ({names}): by what they carry, static and inertial, of the links' "
         f"motion; the rotors turn by so much less.",

@@ -114,6 +114,14 @@ def test_kinematic_measures_are_those_of_the_links():
     assert np.sin(poses[:, 2]) == pytest.approx(0.0, abs=1e-6)
 
 
+def test_shafts_transmit_what_motors_exert_to_the_tip():
+    q, tau = [[0.2, 0.1, 0.5], [0.4, -0.1, 0.9]], [5.0, 0.0, -3.0]
+    found = fb.tip_wrench(flexible(), q, tau)
+    assert found == pytest.approx(fb.tip_wrench(rigid(), [[0.3, 0.5], [0.3, 0.9]], [5.0, -3.0]))
+    with pytest.raises(fb.FreebodyError, match="joint1_twist"):
+        fb.tip_wrench(flexible(), q, [5.0, 1.0, -3.0])
+
+
 def test_ways_to_a_point_are_counted_once():
     points = [[0.9, 0.3], [5.0, 0.0]]
     found, expected = (fb.workspace(x, points) for x in (flexible(), rigid()))
