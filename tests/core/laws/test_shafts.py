@@ -183,14 +183,6 @@ def test_a_study_of_the_links_motion_twists_shafts_by_what_they_carry():
     assert felt == pytest.approx(-carried, abs=1e-3)
 
 
-def test_a_study_says_why_shafts_cannot_twist_along_a_plan():
-    plan = fb.trapezoid(pendulum(), [[0.1, 0.0], [0.3, 0.0]], acceleration=2.0)
-    study = fb.study(pendulum(), plan)
-    assert study.verdict.outcome == "not feasible"
-    assert any("stays as it is given: the motion's accelerations jump" in x for x in study.warnings)
-    assert (study.motion.q[:, 1] == 0.0).all()
-
-
 @pytest.mark.parametrize(("stiffness", "damping"), [(5.0, 0.1), (800.0, 40.0)])
 def test_soft_and_damped_shafts_twist_as_their_equation_says(stiffness, damping):
     """Also where damping is more than the spring at the rates that samples can show."""
