@@ -220,7 +220,7 @@ def _careful_torques(
 
 
 def _instead(model: Model) -> str:
-    """What to do where the driven joints cannot force a motion."""
+    """A sentence on the remedy where the driven joints cannot force a motion."""
     twists = shaft_names(model)
     if not twists:
         return "Drive another joint: actuated=[...]."

@@ -69,7 +69,7 @@ class _Shafts:
             end += factor * np.polyval(list(part.c), np.diff(self.t))
         decay = np.exp(-np.diff(self.t) / lag)
         x = np.empty_like(torque)
-        x[0] = (torque[0] - lag * curve.derivative()(self.t[0])) / stiffness
+        x[0] = (torque[0] - lag * curve.c[-2, 0]) / stiffness
         for k in range(len(decay)):
             x[k + 1] = end[k] + decay[k] * (x[k] - begin[k])
         return x
