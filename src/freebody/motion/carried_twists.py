@@ -43,14 +43,16 @@ class _Shafts:
         drives = {body.joint.name: body.joint.drive for body in model.bodies}
         own = [drives[model.velocity_names[k]] for k in entries]
         self.numbers = [
-            [float(VALUES.quantity(x)) for x in (drive.stiffness, drive.viscous)] for drive in own
+            (float(VALUES.quantity(drive.stiffness)), float(VALUES.quantity(drive.viscous)))
+            for drive in own
         ]
         self.t = t
 
     def twists(self, torque: Array) -> Array:
         """The twists (T, n) that torques (T, n) make."""
         columns = [
-            self._twist(*x, column) for x, column in zip(self.numbers, torque.T, strict=True)
+            self._twist(stiffness, damping, column)
+            for (stiffness, damping), column in zip(self.numbers, torque.T, strict=True)
         ]
         return np.stack(columns, axis=-1)
 
