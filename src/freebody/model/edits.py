@@ -80,7 +80,9 @@ def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
             raise UnknownNameError("number", name, "a drive", tuple(NUMBERS))
     named = {f"{joint}.{NUMBERS[name].label}": x for name, x in given.items()}
     found = _edited(model, named) if type(joint) is str else None
-    return _asked(model, changes.with_drive(model, joint, given)) if found is None else found
+    if found is None or any(name.endswith(_FURTHER) for name in named):
+        return _asked(model, changes.with_drive(model, joint, given))
+    return found
 
 
 def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -103,7 +105,9 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
         return None
     for name, value in values.items():
         if type(value) is not float:
-            if not isinstance(value, (float, int)) or not -LARGEST <= value <= LARGEST:
+            if not isinstance(value, (float, int)) or isinstance(value, bool):
+                return None
+            if not -LARGEST <= value <= LARGEST:
                 return None
             value = float(value)
         if not -LARGEST <= value <= LARGEST:
