@@ -39,7 +39,7 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
         ) from None
     if array.dtype == np.float64:
         return array
-    if array.dtype.kind not in "iufb":
+    if array.dtype.kind not in "iuf":
         raise FreebodyError(
             f"{function}: {argument} holds {array.dtype} values, expected real numbers."
         )

@@ -11,9 +11,9 @@ with friction added). Of closed chains too: what the drives feel of each part de
 position alone. What gears lose is a part of the torque t(k) = (M q̈ + C q̇) k² + gravity + springs
 that they transmit, one where its power flows to the joint, another where it flows back, so that τ
 is one of two such polynomials, by the sign of t(k). Friction at rest (k = 0) is not asked about.
-Friction that is neither constant nor proportional to the rate is evaluated at each pace, and the
-pace then found by a search in small steps, between which a limit that is exceeded and kept again is
-not seen. Speeds are looked at between the samples of the motion too, torques at them.
+Friction that is neither constant nor proportional to the rate is evaluated over intervals of the
+pace: up to the pace then found no limit is exceeded anywhere, be it between paces that keep all.
+Speeds are looked at between the samples of the motion too, torques at them.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from freebody.any_chain.effort_limits import Followers, effort_limits, followers
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
+from freebody.motion.intervals import Interval
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import CLOSE, Flags, angular, ranges
 from freebody.motion.smooth_friction import (
@@ -102,12 +103,19 @@ class _LimitedTorques:
     turns: Flags
     limits: Array
     time: Array
-    at: Callable[[float], Array]
+    at: Callable[[Any], Any]
+    """Torques at a pace, or those that occur at the paces of an interval."""
     ways: list[tuple[list[Array], list[Array]]] | None
 
     @property
     def bound(self) -> Array:
         return self.limits * (1.0 + CLOSE)
+
+    def kept(self, slow: float, fast: float) -> bool:
+        """Whether the limits are surely kept at all paces from one to another."""
+        torques = self.at(Interval(slow, fast))
+        sizes = torques.size if isinstance(torques, Interval) else np.abs(torques)
+        return bool((sizes <= self.bound).all())
 
 
 def limited(
@@ -231,8 +239,7 @@ def pace(runs: Sequence[LimitedMotion]) -> Pace:
         factor = _within(low, high, quickest)
     else:
         factor = _searched(
-            lambda k: all(bool((np.abs(part.at(k)) <= part.bound).all()) for part in torques),
-            quickest,
+            lambda slow, fast: all(part.kept(slow, fast) for part in torques), quickest
         )
     if not np.isfinite(factor):
         return Pace(factor)
@@ -259,14 +266,15 @@ def _array(data: MotionTorques, name: str) -> Array:
     return np.asarray(data[name])
 
 
-def _torque_at(model: Model, data: MotionTorques) -> Callable[[float], Array]:
-    """k -> the torques (T, nv) at a pace; at 0 those of slow motion."""
+def _torque_at(model: Model, data: MotionTorques) -> Callable[[Any], Any]:
+    """k -> the torques (T, nv) at a pace, or those that occur at the paces of an interval; at 0
+    those of slow motion."""
     (a, b, c), sent = parts(model, data), _transmitted(model, data)
     q, qd = _array(data, "q"), _array(data, "qd")
     changing = ChangingFriction(model, q, qd)
     constant = c - changing.at_pace(1.0)
 
-    def torque(k: float) -> Array:
+    def torque(k: Any) -> Any:
         square, linear, held = sent
         lost = lost_torque(model, qd, (square * k + linear) * k + held)
         return (a * k + b) * k + constant + changing.at_pace(k) + lost
@@ -372,40 +380,49 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
     return [(first_low, first_high), (second_low, second_high)]
 
 
-def _searched(keeps: Callable[[float], bool], quickest: float) -> float:
-    """The pace as of `_within`, by steps: `keeps` tells whether a pace is within all limits of
-    torque."""
+def _searched(keeps: Callable[[float, float], bool], quickest: float) -> float:
+    """The pace as of `_within`; keeps: whether all paces from one to another are surely within all
+    limits of torque."""
     start = min(1.0, quickest)
-    if start == 1.0 and keeps(start):
-        good = start
-        while good < quickest:
-            k = min(good * _STEP, quickest)
-            if not keeps(k):
-                return _edge(keeps, good, k)
-            if k > _FASTEST:
-                return np.inf
-            good = k
-        return quickest
-    if keeps(start):
-        return start
+    if keeps(start, start):
+        return start if start < 1.0 else _reached(keeps, quickest)
     bad = start
     while bad > 1.0 / _FASTEST:
-        if keeps(bad / _STEP):
-            return _edge(keeps, bad / _STEP, bad)
-        bad /= _STEP
+        good = bad / _STEP
+        if keeps(good, good):
+            return _edge(keeps, good, bad)
+        bad = good
     return 0.0
 
 
+def _reached(keeps: Callable[[float, float], bool], quickest: float) -> float:
+    """The pace up to which all from 1 are surely within the limits, in steps as long as that can be
+    told of: where they become very short, a limit is reached."""
+    good, step = 1.0, _STEP - 1.0
+    while good < quickest:
+        if good > _FASTEST:
+            return good
+        k = min(good * (1.0 + step), quickest)
+        if keeps(good, k):
+            good, step = k, 2.0 * step
+        elif step > _FINEST:
+            step *= 0.25
+        else:
+            return good
+    return quickest
+
+
 _STEP = 1.005
+_FINEST = 1e-10
 _FASTEST = 1e4
 """A pace beyond which no motion is looked at; its inverse is one below which none is."""
 
 
-def _edge(keeps: Callable[[float], bool], good: float, bad: float) -> float:
+def _edge(keeps: Callable[[float, float], bool], good: float, bad: float) -> float:
     """The largest pace found that is within all limits, between one that is and one that is not."""
     while bad - good > 1e-9 * good:
         k = 0.5 * (good + bad)
-        good, bad = (k, bad) if keeps(k) else (good, k)
+        good, bad = (k, bad) if keeps(k, k) else (good, k)
     return good
 
 

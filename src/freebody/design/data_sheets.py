@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from itertools import chain, pairwise
+from typing import Any, ClassVar, Literal, TypeGuard
 
 import numpy as np
 
@@ -68,7 +68,7 @@ class DataSheet(ByValue):
         value = getattr(self, number.name)
         if value is None and not number.needed:
             return
-        if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+        if not _is_number(value):
             raise self.refusal(f"{number.name} is {shown(value)}, expected a number")
         if fault := number.fault(float(value)):
             raise self.refusal(fault)
@@ -76,9 +76,14 @@ class DataSheet(ByValue):
 
     def _curve(self, name: str) -> Curve:
         try:
-            points = tuple((float(speed), float(torque)) for speed, torque in getattr(self, name))
+            pairs: list[tuple[Any, Any]] = [
+                (speed, torque) for speed, torque in getattr(self, name)
+            ]
         except (TypeError, ValueError):
-            raise self.refusal(f"{name} must be pairs (speed, torque)") from None
+            pairs = [(None, None)]
+        if not all(map(_is_number, chain.from_iterable(pairs))):
+            raise self.refusal(f"{name} must be pairs of numbers (speed, torque)")
+        points = tuple((float(speed), float(torque)) for speed, torque in pairs)
         if not all(math.isfinite(x) and x >= 0.0 for point in points for x in point):
             raise self.refusal(f"{name} has a speed or torque that is negative or not finite")
         for (slow, high), (fast, low) in pairwise(points):
@@ -92,6 +97,11 @@ class DataSheet(ByValue):
     def refusal(self, problem: str) -> FreebodyError:
         """The error of a number that no such part has."""
         return FreebodyError(f"{self.WHAT} {self.name!r}: {problem}.")
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    """Whether a value is a real number, NumPy's too; True and False are none."""
+    return isinstance(value, int | float | np.number) and not isinstance(value, bool)
 
 
 def sure(number: float | None) -> float:

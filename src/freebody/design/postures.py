@@ -6,6 +6,7 @@ import numpy as np
 
 from freebody.arrays import Array
 from freebody.model.model import Model
+from freebody.model.shafts import untwisted
 from freebody.motion.ranges import position_columns, ranges
 from freebody.trees import dynamics
 from freebody.trees.positions import integrate, random_state
@@ -19,8 +20,16 @@ def heaviest_postures(model: Model) -> Array:
     gravity torque found.
 
     4096 random ones (the same every time); the best of each coordinate is then improved by random
-    steps of shrinking size.
+    steps of shrinking size. Shafts of flexible joints are untwisted, and carry what their joints
+    do.
     """
+    rigid = untwisted(model)
+    if rigid is not None:
+        whole, found = rigid.at(heaviest_postures(rigid.model)), np.empty((model.nv, model.nq))
+        found[rigid.rates] = whole
+        for _, at, _, to in rigid.twists:
+            found[at] = whole[to]
+        return found
     q, _, _ = random_state(model, seed=0, batch=_SAMPLES)
     load = np.abs(dynamics.gravity_torque(model, q))
     return _improved(model, q[np.argmax(load, axis=0)])

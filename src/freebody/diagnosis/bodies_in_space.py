@@ -13,11 +13,11 @@ from freebody.arrays import Array
 from freebody.diagnosis.facts import ArrayPose, composed, norm, pose_of
 from freebody.lazy import Keeps, cached_property
 from freebody.model.bodies import Body
-from freebody.model.flexible_joints import with_rigid_joints
 from freebody.model.inertia import combined
 from freebody.model.model import Model
 from freebody.model.placement import Placement
 from freebody.model.quantity_reader import VALUES
+from freebody.model.shafts import with_rigid_joints
 from freebody.model.tree import Attached
 
 _Z = np.array([0.0, 0.0, 1.0])

@@ -111,6 +111,8 @@ def strut(table: TomlTable) -> Strut:
     """The strut that a table [[strut]] puts between two frames."""
     numbers = [number.name for number in STRUT_NUMBERS]
     table = table.called(f"strut {table.text('name')!r}").only("name", "frames", *numbers)
+    if "rest" in table and "stiffness" not in table:
+        table.refuse("stiffness is missing, without which rest has no effect; give both.", "rest")
     given = {key: table.quantity(key, default=0.0) for key in numbers}
     return Strut(table.text("name"), _two_frames(table), **given, line=table.line)
 

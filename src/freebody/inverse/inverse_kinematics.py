@@ -29,6 +29,7 @@ from freebody.inverse.ways.from_nearby import by_nearby, nearby_form, of_family
 from freebody.inverse.ways.many_starts import by_search
 from freebody.model.families import FamilyError
 from freebody.model.model import Model
+from freebody.model.shafts import untwisted
 from freebody.targets import Kernel
 from freebody.trees.public_calls import JointVector, finite_vector
 
@@ -65,6 +66,8 @@ def inverse_kinematics(
     atan2 and with both elbows), SCARA robots, three joints that place a point, three that orient,
     six with a spherical wrist (Pieper 1968) or with three parallel axes (Elias and Wen 2022), seven
     of which six are such an arm. Else Levenberg–Marquardt.
+
+    Flexible joints are solved with their shafts untwisted, in the solutions and at q0.
 
     Of a closed chain these are the working modes, at which the loops are closed too: all of them,
     and named by the sides on which elbows lie, where a planar robot comes apart into dyads, else
@@ -116,6 +119,25 @@ def inverse_kinematics(
             return sure
     except _UNCLEAR:
         pass
+    rigid = untwisted(model)
+    if rigid is not None:
+        near = (
+            None
+            if q0 is None
+            else rigid.links(finite_vector("inverse_kinematics", model, "q0", q0))
+        )
+        found = inverse_kinematics(
+            rigid.model,
+            target,
+            frame,
+            task,
+            q0=near,
+            limits=limits,
+            redundancy=redundancy,
+            starts=starts,
+            seed=seed,
+        )
+        return found.at(rigid.at(found.q), model.family)
     problem, poses = _checked_problem(model, target, frame, task, q0, limits, starts, seed)
     batch = poses.shape[:-2]
     if model.family:

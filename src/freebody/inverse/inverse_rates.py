@@ -19,6 +19,7 @@ from freebody.kernels.formulas import Option
 from freebody.labels import aligned, labels_of
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
+from freebody.model.shafts import untwisted
 from freebody.trees.closer_looks import looking_closer
 from freebody.trees.kinematics import jacobian, jacobian_dot
 from freebody.trees.operational_space import as_it_is
@@ -58,7 +59,7 @@ def inverse_velocity(
     Returns
     -------
     (..., nv)
-        rad/s and m/s.
+        rad/s and m/s; 0 of the shafts of flexible joints, which do not twist meanwhile.
 
     Raises
     ------
@@ -122,6 +123,15 @@ def _solved(
         )
     rows, wanted = _wanted(function, model, letter, given, task)
     option = Option(model.frame(frame).name, rows=tuple(rows))
+    rigid = untwisted(model)
+    if rigid is not None:
+        at = rigid.links(finite_vector(function, model, "q", q))
+        rates = None if qd is None else rigid.link_rates(finite_vector(function, model, "qd", qd))
+        names = [row_names(model.dim)[r] for r in rows]
+        found = _solved(
+            function, rigid.model, at, letter, wanted, rates, option.frame, names, damping
+        )
+        return rigid.at_rates(found)
     if damping is None and len(rows) <= model.nv:
         inputs = (q, wanted) if qd is None else (q, qd, wanted)
         answer = looking_closer(partial(_closer, function, letter, None), {f"{letter}_ref": letter})

@@ -18,6 +18,7 @@ from freebody.expressions.exact_singularities import Condition, Determinant, jac
 from freebody.expressions.expression import Expression
 from freebody.inverse.problem.task import row_names, rows_of
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, untwisted
 from freebody.outputs.display import Titled
 from freebody.trees.kinematics import jacobian, jacobian_derivatives
 from freebody.trees.positions import generic_state, integrate
@@ -96,7 +97,8 @@ class Singularities(Titled):
     def _scaled(self, q: JointVector) -> Array:
         names = row_names(self.model.dim)
         rows = [names.index(row) for row in self.rows]
-        J = jacobian(self.model, finite_vector("singularities", self.model, "q", q), self.frame)
+        at = finite_vector("singularities", self.model, "q", q)
+        J = jacobian(self.model, at, self.frame)
         return self._scale(rows)[:, None] * J[..., rows, :][..., _moving(self.model, self.frame)]
 
     def _scale(self, rows: list[int]) -> Array:
@@ -111,7 +113,10 @@ class Singularities(Titled):
         joints' limits.
         """
         model = self.model
+        rigid = untwisted(model)
         q, _, _ = generic_state(model, seed, starts)
+        if rigid is not None:
+            q = rigid.at(rigid.links(q))
         names = row_names(model.dim)
         rows = [names.index(row) for row in self.rows]
         columns = _moving(model, self.frame)
@@ -122,6 +127,7 @@ class Singularities(Titled):
                 * jacobian_derivatives(model, q, self.frame)[..., rows, :, :]
             )
             slope = np.einsum("ni,nijk,nj->nk", U[:, :, -1], slopes[:, :, columns], Vt[:, -1])
+            slope[:, shaft_entries(model)] = 0.0
             square = np.sum(slope**2, axis=-1)
             gain = np.where(square > 1e-20, sigma[:, -1] / np.where(square > 0, square, 1.0), 0.0)
             step = -gain[:, None] * slope
@@ -142,12 +148,14 @@ def singularities(
     the pose, for three the position. Parameters stay symbols; for `measure` and `search` they need
     values.
 
-    With another number of joints than rows there is no determinant, only the measure and the
-    search. Raises FreebodyError where fewer joints than rows are asked for by name.
+    Shafts of flexible joints do not twist: the positions in conditions are the links'. With another
+    number of joints than rows there is no determinant, only the measure and the search. Raises
+    FreebodyError where fewer joints than rows are asked for by name.
     """
     model.require_tree("singularities", "fb.input_output(model, q).kind")
     name = model.frame(frame).name
-    closed = _symbolic(model, name)
+    rigid = untwisted(model)
+    closed = _symbolic(model if rigid is None else rigid.model, name)
     if isinstance(closed, str):
         rows = rows_of("singularities", model, task or "pose")
         return Singularities(model, name, _names(model, rows), None, (closed,))
@@ -192,7 +200,8 @@ def _moving(model: Model, frame: str) -> list[int]:
     """The coordinates, as columns of the Jacobian, of the joints between base and frame."""
     tree = model.tree
     path = ancestors(tree, tree.frames[frame][0])
-    return sorted({k for i in path for k in tree.bodies[i].coordinates.v})
+    twists = shaft_entries(model)
+    return sorted({k for i in path for k in tree.bodies[i].coordinates.v if k not in twists})
 
 
 def _length(arm: Kinematics) -> int:

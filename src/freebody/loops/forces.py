@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from freebody.algorithms.singular_thresholds import RANK
 from freebody.arrays import Array, at_sample
-from freebody.errors import SingularError
+from freebody.errors import SingularError, listed
 from freebody.kernels.formulas import Option
 from freebody.kernels.structural import fetch
 from freebody.loops.closure_checks import (
@@ -30,6 +30,7 @@ from freebody.loops.scaled_equations import (
     row_scale,
 )
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_names
 from freebody.trees.public_calls import (
     FrameWrenchTable,
     JointVector,
@@ -212,10 +213,21 @@ def _careful_torques(
             raise SingularError(
                 f"{function}: the driven joints of {model.name!r} ({names}) cannot force this "
                 f"motion{where}: it can move with these joints locked (too few drives, or a "
-                f"singular position of the second type). Drive another joint: actuated=[...]."
+                f"singular position of the second type). {_instead(model)}"
             )
         tau[at[:, None], driven] = found / rates[driven]
     return tau
+
+
+def _instead(model: Model) -> str:
+    """A sentence on the remedy where the driven joints cannot force a motion."""
+    twists = shaft_names(model)
+    if not twists:
+        return "Drive another joint: actuated=[...]."
+    return (
+        f"In a closed chain the shafts of flexible joints ({listed(twists, 4)}) are not twisted by "
+        f"what they carry: take the rigid robot, model.without('shafts'), or simulate."
+    )
 
 
 def _shape(model: Model) -> tuple[int, int]:

@@ -31,9 +31,11 @@ from freebody.model.parameters import (
     finite,
     one_value_each,
     quantity,
+    real,
 )
 from freebody.model.piece_paths import get, put
 from freebody.model.placement import AxisRotation, Placement, Rotate, Shift, rotate, shift
+from freebody.model.shafts import shafts, without_shafts
 from freebody.model.strut_ends import strut_fault
 from freebody.model.struts import Strut, checked_strut
 from freebody.model.tree import Attached
@@ -42,7 +44,7 @@ if TYPE_CHECKING:
     from freebody.model.model import Model
 
 _FEATURES = tuple(dict.fromkeys(law.feature for law in LAWS.values()))
-_PARTS = ("loops", "struts")
+_PARTS = ("loops", "struts", "shafts")
 
 
 def without(model: Model, features: Sequence[str]) -> Model:
@@ -50,12 +52,18 @@ def without(model: Model, features: Sequence[str]) -> Model:
     for feature in features:
         if feature not in _FEATURES and feature not in _PARTS:
             raise UnknownNameError("feature", feature, "Model.without", (*_FEATURES, *_PARTS))
+    if "shafts" in features:
+        model = without_shafts(model)
     off = {k: x for law in LAWS.values() if law.feature in features for k, x in law.off.items()}
+    kept = shafts(model)
     bodies = tuple(
-        replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
-        for body in model.bodies
+        body
+        if k in kept
+        else replace(body, joint=replace(body.joint, drive=replace(body.joint.drive, **off)))
+        for k, body in enumerate(model.bodies)
     )
-    return replace(model, bodies=bodies, **{part: () for part in _PARTS if part in features})
+    gone: dict[str, Any] = {part: () for part in ("loops", "struts") if part in features}
+    return replace(model, bodies=bodies, **gone)
 
 
 def actuated(model: Model, names: Sequence[str]) -> tuple[Body, ...]:
@@ -136,8 +144,8 @@ def _mass(mass: Any) -> float | Members:
     """A load's mass (kg), or the masses for the members of a family."""
     if isinstance(mass, np.ndarray) and not mass.ndim:
         mass = mass[()]
-    if isinstance(mass, (float, int, Real)):
-        return float(mass)
+    if isinstance(mass, (float, int, Real, np.bool_)):
+        return real(mass, "with_payload: mass")
     if is_array(mass):
         return members(mass, "with_payload: mass", LARGEST)
     raise ModelError(
@@ -175,7 +183,7 @@ def with_drive(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
         for name, x in given.items()
     }
     drive = replace(body.joint.drive, **numbers)
-    fault = drive.fault()
+    fault = drive.idle(given) or drive.fault()
     if fault:
         raise ModelError(f"with_drive: joint {joint!r}: {fault}.")
     driven = replace(body, joint=replace(body.joint, drive=drive))
@@ -290,6 +298,13 @@ def with_strut(
         key: members(x, f"with_strut: {key}", LARGEST) if is_array(x) else x
         for key, x in numbers.items()
     }
+    alone = given["stiffness"] is None
+    given["stiffness"] = 0.0 if alone else given["stiffness"]
+    if alone and given["rest"] != 0.0:
+        raise ModelError(
+            f"with_strut: strut {name!r}: rest is given without stiffness, without which it has no "
+            f"effect; give both."
+        )
     body_of = {frame.name: frame.body for frame in model.frames}
     taken = (*model.reaction_names, *model.strut_names)
     strut = checked_strut(Strut(name, frames, **given), body_of, taken)

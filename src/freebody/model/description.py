@@ -4,8 +4,10 @@ of."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, make_dataclass
+from functools import wraps
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -104,6 +106,15 @@ else:
         frozen=True,
         namespace={"__post_init__": _read},
     )
+    _all_at_once = _LawNumbers.__init__
+
+    @wraps(_all_at_once)
+    def _checked(drive: Drive, *numbers: Quantity, **more: Quantity) -> None:
+        _all_at_once(drive, *numbers, **more)
+        if fault := drive.idle((*islice(NUMBERS, len(numbers)), *more)):
+            raise ModelError(f"Drive: {fault}.")
+
+    _LawNumbers.__init__ = _checked
 
 
 @dataclass(frozen=True, init=False)
@@ -129,6 +140,25 @@ class Drive(_LawNumbers, Keeps):
     def listed(self) -> tuple[LawNumber, ...]:
         """The numbers of the laws by which a joint is described."""
         return tuple([number for law in self.listed_laws for number in law.numbers])
+
+    def idle(self, given: Collection[str]) -> str | None:
+        """The reason why one of the numbers given has no effect, its law's strength being 0 and not
+        given, or is not enough, as another must stand beside it; or None."""
+        for strength, name in _TOGETHER:
+            alone = strength in given and name not in given and not _is_given(getattr(self, name))
+            if alone and _is_given(getattr(self, strength)):
+                return f"{strength} is given without {name}, which has no default; give both"
+        for law in LAWS.values():
+            if law.strength in given or _is_given(getattr(self, law.strength)):
+                continue
+            for number in law.numbers[1:]:
+                differs = getattr(self, number.name) != number.default
+                if number.name in given and differs and not number.waits:
+                    return (
+                        f"{number.name} is given without {law.strength}, without which it has no "
+                        f"effect; give both"
+                    )
+        return None
 
     def fault(self, strict: bool = False) -> str | None:
         """The reason why no joint has this drive, or None; for a family, that of the first member

@@ -212,9 +212,11 @@ def _drive(row: Mapping[str, Any], where: str) -> Drive:
             )
         friction = dict(zip(_FRICTION, friction, strict=True))
     given = {**friction, "rotor": row.get("rotor", 0.0), "gear": row.get("gear", 1.0)}
-    return Drive(
-        **{
-            name: quantity(x, f"{where}: {'friction' if name in friction else name}")
-            for name, x in given.items()
-        }
-    )
+    numbers = {
+        name: quantity(x, f"{where}: {'friction' if name in friction else name}")
+        for name, x in given.items()
+    }
+    try:
+        return Drive(**numbers)
+    except ModelError as error:
+        raise ModelError(f"{where}: {error}") from None

@@ -13,14 +13,15 @@ model made anew; of these only what a changed slot leads to is found again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from operator import add as plus
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, ModelError, UnknownNameError
 from freebody.model import changes, named_numbers
-from freebody.model.drives import NUMBERS
+from freebody.model.drives import LAWS, NUMBERS
 from freebody.model.families import copied, fields_of
 from freebody.model.inertia import Inertia, is_surely_physical
 from freebody.model.named_numbers import known
@@ -40,17 +41,38 @@ Edits = dict[int, float]
 
 def bound(model: Model, values: Mapping[Any, Any]) -> Model:
     """The model with other numbers; see `Model.bind`."""
-    found = _bound(model, values)
-    if problem := strut_fault(found):
-        raise ModelError(f"bind: {problem}.")
-    return found
-
-
-def _bound(model: Model, values: Mapping[Any, Any]) -> Model:
     if "_layout" in model.__dict__ or _are_plain(model, values):
-        found = _edited(model, values)
-        return _asked(model, named_numbers.bind(model, values)) if found is None else found
-    return named_numbers.bind(model, values)
+        result = _edited(model, values)
+        if result is None:
+            result = _asked(model, named_numbers.bind(model, values))
+    else:
+        result = named_numbers.bind(model, values)
+    texts = [x if isinstance(x, str) else ".".join(x) for x in values]
+    if any(text.endswith(_FURTHER) for text in texts):
+        _refuse_idle(result, texts)
+    if problem := strut_fault(result):
+        raise ModelError(f"bind: {problem}.")
+    return result
+
+
+def _refuse_idle(model: Model, names: Sequence[str]) -> None:
+    """Refuse numbers of drives, just bound under full names, that have no effect."""
+    for body in model.bodies:
+        start = f"{body.joint.name}."
+        own = [x.removeprefix(start) for x in names if x.startswith(start)]
+        fault = body.joint.drive.idle([_BY_LABEL[x] for x in own if x in _BY_LABEL])
+        if fault:
+            raise ModelError(f"{model.name!r}: joint {body.joint.name!r}: {fault}.")
+
+
+_BY_LABEL = {number.label: name for name, number in NUMBERS.items()}
+_FURTHER = tuple(
+    f".{number.label}"
+    for law in LAWS.values()
+    for number in law.numbers[1:]
+    if not number.waits and number.below == math.inf
+)
+"""Ends of names of numbers that have no effect without their law's strength."""
 
 
 def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
@@ -60,7 +82,9 @@ def driven(model: Model, joint: str, given: Mapping[str, Any]) -> Model:
             raise UnknownNameError("number", name, "a drive", tuple(NUMBERS))
     named = {f"{joint}.{NUMBERS[name].label}": x for name, x in given.items()}
     found = _edited(model, named) if type(joint) is str else None
-    return _asked(model, changes.with_drive(model, joint, given)) if found is None else found
+    if found is None or any(name.endswith(_FURTHER) for name in named):
+        return _asked(model, changes.with_drive(model, joint, given))
+    return found
 
 
 def loaded(model: Model, inertia: Inertia, frame: str | None, name: str) -> Model:
@@ -83,7 +107,9 @@ def _edited(model: Model, values: Mapping[Any, Any]) -> Model | None:
         return None
     for name, value in values.items():
         if type(value) is not float:
-            if not isinstance(value, (float, int)) or not -LARGEST <= value <= LARGEST:
+            if not isinstance(value, (float, int)) or isinstance(value, bool):
+                return None
+            if not -LARGEST <= value <= LARGEST:
                 return None
             value = float(value)
         if not -LARGEST <= value <= LARGEST:

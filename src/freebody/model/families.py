@@ -72,7 +72,7 @@ def members(value: Any, owner: str, largest: float) -> Members:
         raise too_large(owner, {"the array": np.asarray(value)}, problem) from None
     except ValueError:
         array = np.array(None)
-    if array.dtype.kind not in "iufb":
+    if array.dtype.kind not in "iuf":
         raise ModelError(
             f"{owner}: {shown(value)} is not an array of real numbers, one for each member."
         )

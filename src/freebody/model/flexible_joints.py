@@ -1,36 +1,27 @@
 """Flexible joints: between the motor's rotor and the link a shaft that twists (Spong 1987). The
 rotor's angle, seen behind its gear, is the coordinate of the joint; the twist of the shaft is that
 of a passive joint behind it, with a spring and a damper, about the same axis. The link's angle is
-their sum. The rotor has its inertia about that axis alone, as everywhere in freebody.
+their sum. The rotor has its inertia about that axis alone, as everywhere in freebody. Which joints
+of a model are such shafts, and the robot without them: `model.shafts`.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from freebody.errors import ModelError, UnknownNameError
 from freebody.model.bodies import Body, Frame
 from freebody.model.changes import with_symbols_known
 from freebody.model.description import Drive, Joint, Limits, Link
-from freebody.model.families import Members, is_array, members, one_family
-from freebody.model.parameters import LARGEST, Parameter, Quantity, quantity
-from freebody.model.placement import Placement, rotate, shift
-from freebody.model.quantity_reader import VALUES
-from freebody.spatial import of_dimension
+from freebody.model.families import is_array, members, one_family
+from freebody.model.parameters import LARGEST, Quantity, quantity
+from freebody.model.placement import Placement
+from freebody.model.shafts import least
 
 if TYPE_CHECKING:
     from freebody.model.model import Model
-
-
-_NEAR = 1e-9
-"""Distance (m) or difference of directions of two lines that are one."""
-_TRACE = 1e-6
-"""Share of a robot's mass that a rotor's link has where a format knows none without mass."""
 
 
 def split(joint: Joint, stiffness: Quantity, damping: Quantity) -> tuple[Joint, Link, Joint]:
@@ -54,10 +45,10 @@ def split(joint: Joint, stiffness: Quantity, damping: Quantity) -> tuple[Joint, 
 
 def _fault(joint: Joint, shaft: Drive) -> str | None:
     """Why a joint cannot be flexible, or None."""
-    if (least := _least(shaft.stiffness)) <= 0.0:
-        return f"the stiffness of its shaft is {least:g}; give a number above 0"
-    if (least := _least(shaft.viscous)) < 0.0:
-        return f"the damping of its shaft is {least:g}; give it as 0 or more"
+    if (smallest := least(shaft.stiffness)) <= 0.0:
+        return f"the stiffness of its shaft is {smallest:g}; give a number above 0"
+    if (smallest := least(shaft.viscous)) < 0.0:
+        return f"the damping of its shaft is {smallest:g}; give it as 0 or more"
     if joint.mimic is not None:
         return f"it follows {joint.mimic.joint!r}; give a joint that has a motor of its own"
     acting = [x for x in joint.drive.listed_laws if getattr(joint.drive, x.strength) != 0.0]
@@ -73,14 +64,6 @@ def _fault(joint: Joint, shaft: Drive) -> str | None:
                 f"coordinate; leave it out, {law.strength} = 0"
             )
     return None
-
-
-def _least(number: Quantity) -> float:
-    """The least value of a quantity among the members of a family; infinite where it has none."""
-    known = number.value if isinstance(number, Parameter) else number
-    if known is None:
-        return math.inf
-    return float(known.array.min()) if isinstance(known, Members) else known
 
 
 def with_flexible_joint(model: Model, name: str, given: Mapping[str, Any]) -> Model:
@@ -127,69 +110,3 @@ def with_flexible_joint(model: Model, name: str, given: Mapping[str, Any]) -> Mo
     changed = replace(model, bodies=tuple(bodies), frames=tuple(frames))
     result = with_symbols_known(changed, *numbers.values())
     return one_family(result, model, *numbers.values())
-
-
-def with_rigid_joints(model: Model) -> tuple[Model, dict[int, Body]]:
-    """The model with shafts that do not twist, and the shaft of each body of it that has one: a
-    body whose joint goes on along the axis of the joint above, with nothing between."""
-    shafts = {k for k in range(len(model.bodies)) if _is_shaft(model, k)}
-    if not shafts:
-        return model, {}
-    above = {model.bodies[k].parent for k in shafts}
-    kept = [k for k in range(len(model.bodies)) if k not in above]
-    index = {-1: -1} | {k: i for i, k in enumerate(kept)}
-    index |= {model.bodies[k].parent: index[k] for k in shafts}
-    bodies = []
-    for k in kept:
-        body = model.bodies[k]
-        if k in shafts:
-            rotor = model.bodies[body.parent]
-            placement = rotor.joint.placement.then(body.joint.placement)
-            axis, child = body.joint.axis, body.joint.child
-            joint = replace(rotor.joint, placement=placement, axis=axis, child=child)
-            body = replace(body, joint=joint, parent=rotor.parent)
-        bodies.append(replace(body, parent=index[body.parent]))
-    behind = {model.bodies[k].parent: model.bodies[k].joint.placement for k in shafts}
-    frames = []
-    for frame in model.frames:
-        if frame.body in behind and behind[frame.body].steps:
-            R, p = _pose(behind[frame.body], model.dim)
-            back = rotate(R.T, frame.name).then(shift(*(-p).tolist()))
-            frame = replace(frame, placement=back.then(frame.placement))
-        frames.append(replace(frame, body=index[frame.body]))
-    rigid = replace(model, bodies=tuple(bodies), frames=tuple(frames), home=())
-    return rigid, {index[k]: model.bodies[k] for k in shafts}
-
-
-def _is_shaft(model: Model, k: int) -> bool:
-    """Whether a body's joint goes on along the joint above, from a link without mass."""
-    body = model.bodies[k]
-    if body.parent < 0 or body.kind.nv != 1 or body.joint.mimic is not None:
-        return False
-    rotor = model.bodies[body.parent]
-    mass = sum(part.inertia.numbers()[0] for part in rotor.inertias)
-    return (
-        body.kind.motion is rotor.kind.motion
-        and body.joint.numbers == rotor.joint.numbers
-        and mass <= _TRACE * model.mass
-        and sum(other.parent == body.parent for other in model.bodies) == 1
-        and _goes_on(rotor, body, model.dim)
-    )
-
-
-def _goes_on(rotor: Body, body: Body, dim: int) -> bool:
-    """Whether the axes of two joints in a row are one line; those of slides are parallel."""
-    R, p = _pose(body.joint.placement, dim)
-    if not body.joint.axis:
-        return not p.any()
-    one, two, aside = np.array(rotor.joint.axis), np.array(body.joint.axis), p
-    if len(two) == dim:  # else it is normal to the plane
-        two, aside = R @ two, p - one * (one @ p)
-    if body.kind.slides:
-        aside = np.zeros(dim)
-    return max(abs(one - two).max(), abs(aside).max()) <= _NEAR
-
-
-def _pose(placement: Placement, dim: int) -> tuple[np.ndarray, np.ndarray]:
-    R, p = placement.lower(of_dimension(dim), VALUES)
-    return np.array(R, dtype=float), np.array(p, dtype=float)

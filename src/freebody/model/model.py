@@ -377,7 +377,12 @@ class Model(NamedParts, Tabled, ByValue):
 
     def without(self, *features: str) -> Model:
         """The model without "friction", "rotors", "springs" (those of joints, and cogging torques),
-        "struts", or "loops" (the tree that is left when they are cut)."""
+        "struts", "shafts" or "loops" (the tree that is left when they are cut).
+
+        A strut and the shaft of a flexible joint keep their stiffness and damping, or go as a
+        whole: without "shafts" the rotors are fixed to their links, and the twists are no
+        coordinates.
+        """
         return changed.without(self, features)
 
     def with_payload(
@@ -494,7 +499,7 @@ class Model(NamedParts, Tabled, ByValue):
         name: str,
         frames: tuple[str, str],
         *,
-        stiffness: Any = 0.0,
+        stiffness: Any = None,
         rest: Any = 0.0,
         damping: Any = 0.0,
         preload: Any = 0.0,

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
+import numpy as np
+
 from freebody.errors import ModelError, shown
 from freebody.model.families import Members, fields_of
 from freebody.outputs.number_text import compared
@@ -55,7 +57,7 @@ overflow."""
 def real(value: object, owner: str) -> float:
     """`value` as a float, perhaps infinite or NaN, or an error that names its owner."""
     try:
-        if isinstance(value, str | bytes):  # float() would read some
+        if isinstance(value, str | bytes | bool | np.bool_):  # float() would read some
             raise TypeError
         return float(value)  # type: ignore[arg-type]  # whatever float() refuses is told below
     except (TypeError, ValueError):

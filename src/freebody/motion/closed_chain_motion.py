@@ -17,6 +17,7 @@ from freebody.loops.rates import loop_acceleration, loop_velocity
 from freebody.loops.redundancy import redundancy
 from freebody.loops.scaled_equations import backward, length, null_space, rate_scale
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, untwisted
 from freebody.motion.motion import Motion, derivatives
 from freebody.motion.piecewise import hermite
 from freebody.motion.ranges import position_columns, ranges
@@ -40,18 +41,22 @@ _GOOD = 0.15  # regularity at which a home is as good as any
 
 
 def leaders(model: Model, q: Array) -> list[int]:
-    """Coordinates that determine all others near the closed position q (nq,): the driven joints' if
-    they do, else the choice of `mobility`."""
+    """Coordinates that determine all others near the closed position q (nq,): the driven joints'
+    and the shafts' of flexible joints if they do, else the choice of `mobility`."""
     N, _ = null_space(scaled_jacobian(model, q), RANK)
-    driven = list(model.driven)
-    if len(driven) == N.shape[1] and np.linalg.matrix_rank(N[driven], tol=1e-6) == len(driven):
-        return driven
+    own = sorted({*model.driven, *shaft_entries(model)})
+    if len(own) == N.shape[1] and np.linalg.matrix_rank(N[own], tol=1e-6) == len(own):
+        return own
     return free_coordinates(model, mobility(model, q).independent, "leaders")
 
 
 def home(model: Model) -> Array:
     """The closed position (nq,) near the model's home; without one, a position within the limits
-    from which the mechanism moves well: the first good one, else the best."""
+    from which the mechanism moves well: the first good one, else the best. Shafts of flexible
+    joints are untwisted, unless the model's home twists them."""
+    rigid = untwisted(model)
+    if rigid is not None and rigid.model.home == model.home:
+        return rigid.at(home(rigid.model))
     if model.home:
         return assemble(model)
     starts = [neutral(model), *(random_state(model, seed=k)[0] for k in range(_SEEDS))]

@@ -8,6 +8,8 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, LoopError, listed
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, untwisted
+from freebody.motion.carried_twists import SMOOTH, with_carried_twists
 from freebody.motion.closed_chain_motion import (
     consistent_rates,
     followed,
@@ -41,7 +43,8 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     duration: s. samples: number of them. Each coordinate swings about a middle with its own phase
     and one to two periods, under a window that brings rate and acceleration to zero at both ends;
     at most 0.7 rad or 0.15 m, 8 % clear of the limits and at 60 % of the speed limit. Free and
-    spherical joints do likewise.
+    spherical joints do likewise. The links of flexible joints move so, their shafts twisted by what
+    they carry; in a closed chain shafts stay as they are.
     """
     if duration <= 0:
         raise FreebodyError(f"default_motion: duration is {duration}, expected seconds above 0.")
@@ -52,8 +55,17 @@ def default_motion(model: Model, duration: float = DURATION, samples: int = SAMP
     t = np.linspace(0.0, duration, samples)
     if model.loops:
         return _of_closed_chain(model, t)
-    allowed = ranges(model)
-    sines, speeds = _sines(model.nv, samples)
+    rigid = untwisted(model)
+    if rigid is None:
+        return swing(model, t)
+    return with_carried_twists(model, rigid, swing(rigid.model, t, SMOOTH))
+
+
+def swing(model: Model, t: Array, power: int = 3) -> Motion:
+    """The default motion of an open chain at times t (T,); power: of time with which it leaves
+    rest."""
+    duration, allowed = float(t[-1]), ranges(model)
+    sines, speeds = _sines(model.nv, len(t), power)
     middle, amplitude = _swing(allowed, speeds / duration)
     q = integrate(model, neutral(model), middle + amplitude * sines)
     where = layout(model)
@@ -78,9 +90,10 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
             f"gives its degrees of freedom."
         )
     least = _CLEAR * regularity(model, start, leading)
-    sines, _ = _sines(len(leading), len(t))
+    sines, _ = _sines(len(leading), len(t), 3)
     allowed = ranges(model)
     amplitude = np.where(allowed.turns, *_MODEST)[leading]
+    amplitude[np.isin(leading, shaft_entries(model))] = 0.0
     for _ in range(_HALVINGS):
         try:
             q = followed(model, start, leading, amplitude * sines)
@@ -94,11 +107,12 @@ def _of_closed_chain(model: Model, t: Array) -> Motion:
             f"default_motion: {model.name!r} hardly moves from {start}; give a motion of its "
             f"driven joints."
         )
-    names = ", ".join(model.velocity_names[k] for k in leading)
-    swing = "swings" if len(leading) == 1 else "swing"
+    twists = shaft_entries(model)
+    names = [model.velocity_names[k] for k in leading if k not in twists]
     text = (
-        f"by default {names} {swing} from rest to rest in {t[-1]:g} s, "
-        "the loops determine the other joints"
+        f"by default {', '.join(names)} {'swings' if len(names) == 1 else 'swing'} from rest to "
+        f"rest in {t[-1]:g} s, the loops determine the other joints"
+        f"{', shafts untwisted' if twists else ''}"
     )
     states = consistent_rates(model, t, q, at_rest=True)
     return rested(model, Motion(t, *states, text, layout(model), allowed.notices))
@@ -109,13 +123,14 @@ def _clear(model: Model, q: Array, leading: list[int], least: float) -> bool:
     return regularity(model, q, leading) > least and not outside(model, q)
 
 
-def _sines(n: int, samples: int) -> tuple[Array, Array]:
-    """Curves (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1."""
+def _sines(n: int, samples: int, power: int) -> tuple[Array, Array]:
+    """Curves (samples, n) within ±1, and the largest slope of each (n,) over s from 0 to 1; power:
+    of s with which they leave 0."""
     s = np.linspace(0.0, 1.0, samples)[:, None]
     k = np.arange(n)
     periods = 1.0 + (k * _GOLDEN) % 1.0
     phase = 2 * np.pi * ((0.25 + k * _GOLDEN**2) % 1.0)
-    window = (4 * s * (1 - s)) ** 3
+    window = (4 * s * (1 - s)) ** power
     shape = window * np.sin(2 * np.pi * periods * (s - 0.5) + phase)
     shape /= np.abs(shape).max(axis=0)
     return shape, np.abs(np.gradient(shape, s[:, 0], axis=0)).max(axis=0)

@@ -12,13 +12,14 @@ from freebody.algorithms.rnea import rnea
 from freebody.algorithms.simulation_steps import FRICTION_WIDTH
 from freebody.algorithms.struts import struts_alone
 from freebody.arrays import Array
-from freebody.elementary import tanh
+from freebody.elementary import Scalar, tanh
 from freebody.errors import FreebodyError
 from freebody.model.coordinates import Coordinates
 from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
+from freebody.motion.intervals import side_by_side
 
 WIDTH = FRICTION_WIDTH
 """rad/s or m/s: sticking creeps at rates below this."""
@@ -140,17 +141,19 @@ class ChangingFriction:
         """Whether the model has such friction."""
         return len(self.drives) > 0
 
-    def at_pace(self, k: float) -> Array:
-        """Its torque (..., nv) where the motion is run k times as fast; for 0 the limit of slow
-        motion."""
-        signs = np.sign(self.qd)
-        found = np.zeros(self.qd.shape)
+    def at_pace(self, k: Scalar) -> Scalar:
+        """Its torque (T, nv) where the motion is run k times as fast, or at the paces of an
+        interval k above 0; for 0 the limit of slow motion."""
+        found: list[Scalar] = [0.0] * self.qd.shape[-1]
+        q, rates = _columns(self.q, self.qd)
+        signs = tuple(np.sign(rate) for rate in rates)
+        fast = tuple(k * rate for rate in rates)
         for drive in self.drives:
-            at = _columns(self.q, k * self.qd)
-            (sense,) = drive.at.rates(at[0], _columns(self.q, signs)[1])
+            (sense,) = drive.at.rates(q, signs)
             moving = replace(drive, sign=lambda law, rate, sense=sense: np.sign(sense))
-            found[..., drive.at.v[0]] += drive.at.felt(at[0], moving.torque(*at))
-        return found
+            v = drive.at.v[0]
+            found[v] = found[v] + drive.at.felt(q, moving.torque(q, fast))
+        return side_by_side(found, self.qd.shape[:-1])
 
 
 def _changes(law: DriveLaw) -> bool:
@@ -177,22 +180,22 @@ def strut_damping(model: Model, q: Array, qd: Array) -> Array:
 
 
 def without_friction(model: Model) -> Model:
-    """The model without everything that dissipates energy: friction of joints, dampers of
-    struts."""
+    """The model without everything that dissipates energy: friction of joints, dampers of struts
+    and shafts."""
     struts = tuple(replace(strut, damping=0.0) for strut in model.struts)
-    return replace(model.without("friction"), struts=struts)
+    return replace(without_laws(model, lambda law: law.feature == "friction"), struts=struts)
 
 
-def lost_torque(model: Model, qd: Array, transmitted: Array) -> Array:
-    """The torque (..., nv) that drives supply in addition to what their joints transmit (..., nv)
-    at the rates qd (..., nv), because of losses."""
-    found = np.zeros(qd.shape)
+def lost_torque(model: Model, qd: Array, transmitted: Scalar) -> Scalar:
+    """The torque (..., nv) that drives supply in addition to what their joints transmit, an array
+    (..., nv) or an interval of them, at the rates qd (..., nv), because of losses."""
+    found: list[Scalar] = [0.0] * qd.shape[-1]
     for body in model.tree.bodies:
         if body.drive is not None and body.drive.lossy:
             k = body.coordinates.v[0]
             sent = transmitted[..., k]
-            found[..., k] = body.drive.lost_part(tuple(np.moveaxis(qd, -1, 0)), sent) * sent
-    return found
+            found[k] = body.drive.lost_part(tuple(np.moveaxis(qd, -1, 0)), sent) * sent
+    return side_by_side(found, qd.shape[:-1])
 
 
 def lost_parts(model: Model) -> tuple[Array, Array]:

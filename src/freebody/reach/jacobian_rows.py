@@ -18,6 +18,7 @@ from freebody.kernels.formulas import Option
 from freebody.kernels.formulas.record import frame_of
 from freebody.kernels.structural import Bound, Over, fetch_own
 from freebody.model.model import Model
+from freebody.model.shafts import untwisted
 from freebody.program import Argument, Program, trace
 from freebody.spatial import Matrix, scale
 from freebody.trees.closer_looks import closer_where_unclear
@@ -40,7 +41,10 @@ class OfRows:
 
     def at(self, model: Model, option: Option, q: JointVector, length: float = 1.0) -> Any:
         """The function's outputs at joint positions q (..., nq); length: the divisor of linear rows
-        (m); option: the frame and its rows."""
+        (m); option: the frame and its rows. Twists of flexible joints are no motions."""
+        rigid = untwisted(model)
+        if rigid is not None:
+            model, q = rigid.model, rigid.links(finite_vector(self.function, model, "q", q))
         key = self.function, option
         return evaluate(key, model, (q, length), None, None, self._answer)
 

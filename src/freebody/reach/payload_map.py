@@ -160,7 +160,7 @@ def refuse_passive(function: str, model: Model) -> None:
     raise PassiveJointError(
         f"{function}: {model.passive_names[0]!r} of {model.name!r} is passive: a spring holds it "
         f"and gives way to the mass, on which the posture then depends. Ask the robot with this "
-        f"joint rigid, such as the model before with_flexible_joint: its motors hold as much."
+        f"joint rigid, such as model.without('shafts'): its motors hold as much."
     )
 
 

@@ -11,6 +11,7 @@ from freebody.arrays import Array
 from freebody.loops.closure_checks import scaled_jacobian
 from freebody.loops.scaled_equations import null_space, rate_scale
 from freebody.model.model import Model
+from freebody.model.shafts import shafts
 from freebody.motion.ranges import angular
 from freebody.report.results import Singularity
 from freebody.trees import kinematics
@@ -29,8 +30,11 @@ def _bodies_before(model: Model, frame: str) -> list[int]:
 
 
 def _coordinates_before(model: Model, frame: str) -> list[int]:
-    """Indices of the velocity coordinates that move a frame, in the order of q̇."""
-    return sorted({k for i in _bodies_before(model, frame) for k in model.coordinates[i].v})
+    """Indices of the velocity coordinates that move a frame, in the order of q̇; shafts of flexible
+    joints are none."""
+    gone = shafts(model)
+    bodies = (i for i in _bodies_before(model, frame) if i not in gone)
+    return sorted({k for i in bodies for k in model.coordinates[i].v})
 
 
 def task(model: Model, tip: str, q: Array) -> tuple[int, str]:

@@ -16,7 +16,15 @@ from freebody.capacity.torque_parts import torque_parts
 from freebody.design.joint_loads import joint_loads
 from freebody.errors import KindError
 from freebody.model.model import Model
-from freebody.motion.default_motion import default_motion
+from freebody.model.shafts import untwisted
+from freebody.motion.carried_twists import (
+    SMOOTH,
+    carried,
+    links_alone,
+    tells_links_alone,
+    with_carried_twists,
+)
+from freebody.motion.default_motion import DURATION, SAMPLES, default_motion, swing
 from freebody.motion.files.contradictions import GivenRates
 from freebody.motion.files.csv_files import read_motion
 from freebody.motion.files.measured_motions import recognised, smoothed
@@ -45,6 +53,26 @@ _MOST = 3  # joints, those whose peaks change most
 _UNLIKELY = 0.05  # of the largest acceleration
 
 
+def studied(
+    model: Model,
+    motion: Motion | MotionTable | str | os.PathLike[str] | None,
+    smooth: Smooth,
+    speed: float,
+    wrenches: Mapping[str, Array],
+) -> tuple[Motion, tuple[str, ...]]:
+    """(the motion that `study` looks at, before samples are added at its peaks; sentences on its
+    noise). Shafts of flexible joints twist by what they carry where nobody tells of their twists.
+    """
+    told = given(model, motion, wrenches)
+    alone = motion is not None and tells_links_alone(model, told)
+    found, measured = filtered(model, told, smooth, wrenches)
+    found = at_speed(model, found, speed, wrenches, by_default=motion is None)
+    if alone:
+        noisy = bool(measured) and not smooth
+        found = carried(model, found, wrenches, noisy)
+    return found, measured
+
+
 def given(
     model: Model,
     motion: Motion | MotionTable | str | os.PathLike[str] | None,
@@ -53,8 +81,36 @@ def given(
     """The motion that `study` was given, or the default one, at a pace that
     wrenches on the robot allow."""
     if motion is None:
-        return _unhurried(model, default_motion(model), wrenches)
+        return _by_default(model, wrenches)
     return _from_zero(_found(model, motion))
+
+
+def _by_default(model: Model, wrenches: Mapping[str, Array] | None) -> Motion:
+    """The default motion at a pace that limits and wrenches allow; shafts of flexible joints twist
+    by what they carry at that pace."""
+    rigid = None if model.loops else untwisted(model)
+    if rigid is None:
+        return _unhurried(model, default_motion(model), wrenches)
+    links = swing(rigid.model, np.linspace(0.0, DURATION, SAMPLES), SMOOTH)
+    return with_carried_twists(model, rigid, _unhurried(rigid.model, links, wrenches), wrenches)
+
+
+def at_speed(
+    model: Model,
+    motion: Motion,
+    speed: float,
+    wrenches: Mapping[str, Array] | None,
+    by_default: bool,
+) -> Motion:
+    """A motion run `speed` times as fast; by_default: whether nobody has told it, so that shafts of
+    flexible joints twist by what they carry at that speed."""
+    if speed == 1.0:
+        return motion
+    rigid = None if model.loops or not by_default else untwisted(model)
+    if rigid is None:
+        return motion.faster(speed)
+    links = links_alone(rigid, motion).faster(speed)
+    return with_carried_twists(model, rigid, links, wrenches)
 
 
 def _found(model: Model, motion: Motion | MotionTable | str | os.PathLike[str]) -> Motion:

@@ -34,7 +34,7 @@ from freebody.report.measured import Measured, beside_measured, measured_torques
 from freebody.report.replay import replayed
 from freebody.report.results import Check, MotionVerdict, Replay, Singularity, StaticPose, Worst
 from freebody.report.series import series
-from freebody.report.studied_motion import Smooth, filtered, given, with_peaks
+from freebody.report.studied_motion import Smooth, studied, with_peaks
 from freebody.report.summary import drive_table, limit_notices, summary, worst, worst_poses
 from freebody.report.verdict import judged_motion, verdict
 from freebody.trees.public_calls import FrameWrenchTable, wrenches_by_frame
@@ -326,9 +326,7 @@ def _along(
 ) -> tuple[Study, bool]:
     """The study of one motion, and whether the motion's noise is part of its torques."""
     with clock.part("motion", 0.0):
-        sampled, measured = filtered(model, given(model, motion, loads), smooth, loads)
-        if speed != 1.0:
-            sampled = sampled.faster(speed)
+        sampled, measured = studied(model, motion, smooth, speed, loads)
         followed = with_peaks(model, sampled, loads)
     with clock.part("torques, reactions, energies", 0.05):
         data = series(model, followed, loads)

@@ -24,6 +24,7 @@ from freebody.model.doubt_rules.aspects import MASSES, RANGES, ROTORS, SPEEDS
 from freebody.model.doubts import Doubt, barring, capital
 from freebody.model.drives import DriveLaw
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, shaft_names
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import CLOSE, Ranges, angular, position_columns, ranges
 from freebody.outputs.number_text import rounded_down
@@ -98,7 +99,7 @@ def verdict(
     sentences = [*_reasons(outcome, told, over, undriven, barring(doubts.every))]
     factor, limit = float("nan"), None
     if loose:
-        sentences.append(_no_other_pace(loose, slower=bool(over or undriven)))
+        sentences.append(_no_other_pace(motions[0].model, loose, slower=bool(over or undriven)))
     elif told and not doubts.wrong:
         run = pace([*(one.limited for one in motions), *rests])
         sentences += _paces(motions[0].model, run, told, bool(undriven), doubts.partly)
@@ -246,12 +247,18 @@ def _undriven(model: Model, data: xr.Dataset) -> tuple[str, ...]:
     if model.loops:
         return ()
     tau, acting = np.abs(data["tau"].values).max(axis=0), _acting(model, data)
-    found = []
+    found, twists = [], shaft_entries(model)
     for k in model.passive:
         if tau[k] > _UNDRIVEN * acting[k]:
             unit = str(data["effort_unit"].values[k])
             name = model.velocity_names[k]
-            found.append(f"{name} is passive, and the motion needs {tau[k]:.3g} {unit} there")
+            text = f"{name} is passive, and the motion needs {tau[k]:.3g} {unit} there"
+            if k in twists:
+                text = (
+                    f"{name} is the shaft of a flexible joint, and the motion does not twist it by "
+                    f"what it carries: it is off by {tau[k]:.3g} {unit}"
+                )
+            found.append(text)
     return tuple(found)
 
 
@@ -365,7 +372,12 @@ def _held_too_much(model: Model, run: Pace) -> str:
     )
 
 
-def _no_other_pace(names: Sequence[str], slower: bool) -> str:
+def _no_other_pace(model: Model, names: Sequence[str], slower: bool) -> str:
+    if set(names) <= set(shaft_names(model)):
+        return (
+            "At another speed the shafts of its flexible joints would twist otherwise: how much "
+            'faster the links could move, model.without("shafts") tells nearly.'
+        )
     several = len(names) > 1
     opening = "Slowing down does not help" if slower else "It cannot be run at another speed"
     return (

@@ -19,6 +19,7 @@ from freebody.model.kept_facts import fact
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
 from freebody.model.model_argument import require_model
+from freebody.model.shafts import untwisted
 from freebody.model.tree import about_origin
 from freebody.spatial import of_dimension
 from freebody.trees.closer_looks import looking_closer
@@ -152,11 +153,16 @@ def tip_wrench(model: Model, q: JointVector, tau: JointVector, frame: str | None
 
     In the plane (..., 3). With fewer joints than rows the least-squares solution is not taken: a
     planar arm of two joints returns the force alone (moment 0). Gravity and springs are not
-    counted. Raises SingularError at a singular Jacobian, PassiveJointError for a torque at a
-    passive joint.
+    counted. Flexible joints transmit what their motors exert. Raises SingularError at a singular
+    Jacobian, PassiveJointError for a torque at a passive joint.
     """
     if isinstance(model, Model) and model.passive:
         refuse_passive("tip_wrench", model, tau)
+        rigid = None if model.loops else untwisted(model)
+        if rigid is not None:
+            links = rigid.links(finite_vector("tip_wrench", model, "q", q))
+            motors = finite_vector("tip_wrench", model, "tau", tau)[..., rigid.rates]
+            return tip_wrench(rigid.model, links, motors, model.frame(frame).name)
     return evaluate(("tip_wrench", frame), model, (q, tau), _square, None, _TIP_WRENCH)
 
 

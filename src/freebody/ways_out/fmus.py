@@ -19,6 +19,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element, SubElement
 
 from freebody import __version__
+from freebody.arrays import above_zero
 from freebody.errors import FreebodyError, KindError, warn
 from freebody.formats.writing.format_contents import kept_name
 from freebody.identifiers import identifiers
@@ -78,8 +79,7 @@ def export_fmu(model: Model, path: str | os.PathLike[str], *, step: float = 1e-3
     target = Path(path)
     if target.suffix.lower() != ".fmu":
         raise FreebodyError(f"export_fmu: {os.fspath(path)!r} must end in .fmu.")
-    if not (isinstance(step, int | float) and 0.0 < step < float("inf")):
-        raise FreebodyError(f"export_fmu: step is {step!r}, expected seconds above 0.")
+    step = above_zero("export_fmu", "step", step, "seconds")
     if not model.nv:
         raise FreebodyError(f"export_fmu: nothing of {model.name!r} moves.")
     word = identifiers([model.name])[model.name]

@@ -274,6 +274,74 @@ def test_what_no_drive_has():
         arm.with_drive("joint1", colomb=1.0)
 
 
+ALONE = [
+    (law, number)
+    for law in LAWS.values()
+    for number in law.numbers[1:]
+    if not number.waits and number.below == np.inf
+]
+
+
+@pytest.mark.parametrize(("law", "number"), ALONE, ids=lambda x: x.name)
+def test_a_number_without_its_strength_is_refused(law, number):
+    """As files refuse it; where the strength is given too, or was before, it is taken."""
+    alone, arm = {number.name: VALUES[number.name]}, fb.planar("R")
+    words = rf"{number.name} is given without {law.strength}, without which it has no effect; give"
+    with pytest.raises(ModelError, match=f"^Drive: {words}"):
+        fb.Drive(**alone)
+    with pytest.raises(ModelError, match=f"joint 'joint1': {words}"):
+        arm.with_drive("joint1", **alone)
+    label = f"joint1.{number.label}"
+    if label in [x.name for x in fb.parameters(arm)]:
+        with pytest.raises(ModelError, match=f"joint 'joint1': {words}"):
+            arm.bind({label: alone[number.name]})
+        with pytest.raises(ModelError, match=words):
+            arm.bind({label: np.array([0.0, 1.0])})
+        more = {label: alone[number.name], f"joint1.{law.numbers[0].label}": 2.0}
+        assert fb.parameters(arm.bind(more))[label].value == alone[number.name]
+    whole = {x.name: VALUES[x.name] for x in law.numbers}
+    assert getattr(fb.Drive(**whole), number.name) == VALUES[number.name]
+    off = arm.with_drive("joint1", **whole).with_drive("joint1", **{law.strength: 0.0})
+    again = off.with_drive("joint1", viscous=1.0)  # what stands there from before is no matter
+    with pytest.raises(ModelError, match=words):
+        again.with_drive("joint1", **alone)
+    arm.with_drive("joint1", **whole).with_drive("joint1", **alone)
+
+
+def test_a_gear_may_wait_for_its_rotor_and_turn_the_other_way():
+    arm = fb.planar("R", m=[1], l=[1], lc=[0.5], I=[0.1])
+    there, back = (
+        arm.with_drive("joint1", gear=n).with_drive("joint1", rotor=0.1) for n in (5, -5)
+    )
+    assert fb.mass_matrix(there, [0.3]) == fb.mass_matrix(back, [0.3])
+    text = PENDULUM.format(drive="rotor = { inertia = 1, gear = 0 }")
+    with pytest.raises(FreebodyError, match=r"joint 'a': gear is 0; give the ratio"):
+        fb.load(text=text, format="toml", physical="ignore")
+
+
+@pytest.mark.parametrize(
+    "give",
+    [
+        *(lambda x, name=name: fb.Drive(**{name: x}) for name in VALUES),
+        lambda x: fb.Limits(lower=x),
+        lambda x: fb.planar("R", m=[x]),
+        lambda x: fb.planar("R").with_drive("joint1", viscous=np.array([0.5, x], dtype=type(x))),
+        lambda x: fb.planar("R").with_payload(x),
+        lambda x: fb.planar("R").bind(m1=x),
+        lambda x: fb.planar("R").with_strut("s", ("base", "tip"), stiffness=x),
+        lambda x: fb.planar("R").replace(gravity=x),
+        lambda x: fb.Bearing("b", "ball", x),
+        lambda x: fb.inverse_dynamics(fb.load("2R"), np.array([x, x]), [0, 0], [0, 0]),
+        lambda x: fb.export_fmu(fb.load("2R"), "x.fmu", step=x),
+    ],
+)
+@pytest.mark.parametrize("value", [True, np.True_])
+def test_booleans_are_no_numbers(give, value):
+    words = r"True_? is (not|neither)|not an array of real n|holds bool v|is (np\.)?True_?, expect"
+    with pytest.raises(FreebodyError, match=words):
+        give(value)
+
+
 PENDULUM = """
 [[link]]
 name = "ground"

@@ -353,11 +353,13 @@ def test_what_locks_itself_is_refused():
         ({"efficiency": 0.5, "back_efficiency": 0.0}, r"back_efficiency .* locks itself, and acc"),
         ({"efficiency": 0.5, "back_efficiency": -0.2}, r"locks itself"),
         ({"efficiency": 1.5, "back_efficiency": 0.5}, r"efficiency of the gear is 1\.5; give a n"),
-        ({"efficiency": 0.5}, r"back_efficiency of the gear is 0"),
-        ({"back_efficiency": 0.5}, r"back_efficiency is given without efficiency above 0; give b"),
+        ({"efficiency": 0.5}, r"efficiency is given without back_efficiency, which has no default"),
+        ({"back_efficiency": 0.5}, r"back_efficiency is given without efficiency, without which"),
     ):
         with pytest.raises(ModelError, match=words):
             model.with_drive("joint1", **given)
+    with pytest.raises(ModelError, match=r"^Drive: efficiency is given without back_efficiency"):
+        fb.Drive(efficiency=0.5)
     good = model.with_drive("joint1", **BOTH)
     for name, value in (("friction.load", 1.1), ("transmission.back_efficiency", -0.1)):
         with pytest.raises(ModelError, match="locks itself"):

@@ -358,7 +358,7 @@ def test_what_is_refused():
         lambda: model.with_strut("g", ("head", "link1")),
     )
     refused("strut 'gas': rest is -1 m; give it as 0 or more.",
-            lambda: model.with_strut("gas", ends, rest=-1.0))  # fmt: skip
+            lambda: model.with_strut("gas", ends, stiffness=1.0, rest=-1.0))  # fmt: skip
     refused("strut 'gas': the name is taken or empty; choose another.",
             lambda: gas.with_strut("gas", ends))  # fmt: skip
     hinged = (model.frame_names[0], model.bodies[0].name)

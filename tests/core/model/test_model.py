@@ -588,11 +588,11 @@ NO_DRIVE = [
     ({"viscous": -1.0}, "viscous friction -1 is negative; give it as 0 or more"),
     ({"coulomb": -2.0}, "Coulomb friction -2 is negative; give it as 0 or more"),
     ({"rotor": -1e-4}, "rotor inertia -0.0001 is negative; give it as 0 or more"),
-    ({"gear": 0.0}, "gear is 0; give the ratio of motor speed to joint speed, 1 without a gear"),
 ]
+NO_GEAR = ({"gear": 0.0}, "gear is 0; give the ratio of motor speed to joint speed, below 0 where ")
 
 
-@pytest.mark.parametrize(("given", "words"), NO_DRIVE)
+@pytest.mark.parametrize(("given", "words"), [*NO_DRIVE, NO_GEAR])
 @pytest.mark.parametrize("changes", [0, 3])
 def test_a_drive_that_no_motor_has_is_refused(given: dict[str, float], words: str, changes: int):
     """Of a model, and of a copy that is edited for the third time."""

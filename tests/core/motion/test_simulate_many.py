@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 import signal
+from functools import partial
 
 import numpy as np
 import pytest
@@ -233,6 +234,20 @@ def test_implicit_steps_take_the_slopes_of_a_compiled_law():
     spring = fb.compile(lambda q: [-1e8 * q[0]], {"q": 1}, {"tau": 1})  # without any damping
     found = fb.simulate(ROD, start, [0.0], [0, 0.5], spring, method="implicit", step=0.01)
     assert np.abs(found.q.values[:, -1]).max() < 1e-3
+
+
+@pytest.mark.parametrize("law", ["coulomb", "cube_root"])
+def test_equal_steps_too_long_for_friction_at_rest_are_told_of_though_the_motion_starts_fast(law):
+    """Steps of the length that the warning allows stop the rod; those that it warns of do not."""
+    rod = fb.planar("R", l=[1], lc=[0.5], m=[1], I=[0.75], g=0, drives=[fb.Drive(**{law: 200.0})])
+    run = partial(fb.simulate, rod, [1.0], [1.0], [0.0, 0.02], method="rk4")
+    said = r"friction is stiff where joints of the motion come to rest: .* stable up to (\S+) s"
+    with pytest.warns(FreebodyWarning, match=said) as told:
+        lost = run(step=4e-4)
+    longest = float(re.search(said, str(told[0].message))[1])
+    assert abs(lost.qd.values[-1, 0]) > 1e-3
+    assert abs(run(step=longest).qd.values[-1, 0]) < 1e-6
+    assert np.isfinite(run(step=4e-4, friction_width=0.5).qd.values).all()
 
 
 def test_motions_that_diverge_leave_the_others_alone():

@@ -186,6 +186,33 @@ def test_the_pace_sees_friction_grow_by_its_own_law(effort, more):
     assert (factor >= 1) == (used(1.0) <= 1)
 
 
+def test_a_limit_that_is_exceeded_at_a_few_paces_only_ends_the_pace():
+    """A joint that brakes: its friction grows with the cube root of the pace k, its inertia takes
+    the more away, a c(k) = c k^(1/3) - x k² that is largest at one pace and small at others."""
+    rate, x = 1.0, 0.02
+    top = (1.0 / (6.0 * x)) ** 0.6
+    effort = (top ** (1 / 3) - x * top**2) * (1.0 - 1e-6)
+    model = fb.planar(
+        "P", l=[0], lc=[0], m=[1.0], I=[0], drives=[fb.Drive(cube_root=1.0)],
+        limits=[fb.Limits(effort=effort)],
+    ).replace(gravity=0.0)  # fmt: skip
+    t = np.linspace(0.0, 1.0, 41)[:, None]
+    q, qd = rate * t - 0.5 * x * t**2, rate - x * t
+    motion = fb.Motion.of(model, t[:, 0], q, qd, np.full_like(t, -x))
+    factor = fb.study(model, motion).verdict.factor
+
+    def used(k: float) -> float:
+        run = motion.faster(k)
+        return np.abs(fb.inverse_dynamics(model, run.q, run.qd, run.qdd)).max() / effort
+
+    assert used(top) > 1.0
+    assert used(0.99 * top) < 1.0
+    assert used(1.01 * top) < 1.0  # at steps of this size nothing would be seen
+    assert used(2.0 * top) < 1.0
+    assert 0.99 * top < factor < top
+    assert used(factor) <= 1.0 + 1e-8
+
+
 def test_no_pace_holds_what_gravity_springs_and_friction_ask():
     model = full(effort=10.0)
     study = fb.study(model, swing(model))
@@ -217,6 +244,30 @@ def test_a_pace_is_not_promised_where_limits_are_not_given():
         "are kept; "
     )
     assert " They would be kept up to 3.81 times that speed." in text
+
+
+def test_a_flexible_joint_is_judged_with_its_shaft_twisted_by_what_it_carries():
+    lever = fb.planar(
+        "R", l=[1], lc=[0.5], m=[2], I=[0.2], limits=[fb.Limits(-2.0, 2.0, 3.0, 40.0)],
+        drives=[fb.Drive(rotor=1e-3, gear=30.0, viscous=0.3)],
+    )  # fmt: skip
+    model = lever.with_flexible_joint("joint1", stiffness=800.0, damping=4.0)
+    study = fb.study(model, speed=1.3)
+    assert study.verdict.outcome == "feasible"
+    assert "the shafts of its flexible joints would twist otherwise" in study.verdict.text
+    tau = np.abs(study.data["tau"].values).max(axis=0)
+    assert tau[1] < 1e-4 * tau[0]
+    heaviest = {pose.coordinate: pose for pose in study.static}
+    assert abs(heaviest["joint1"].torque) == pytest.approx(2.0 * 9.81 * 0.5, rel=1e-6)
+    jumping = fb.study(model, fb.trapezoid(model, [[0.1, 0.0], [0.3, 0.0]], acceleration=2.0))
+    assert jumping.verdict.outcome == "not feasible"
+    assert (
+        "joint1_twist is the shaft of a flexible joint, and the motion does not twist it by what "
+        "it carries: it is off by "
+    ) in jumping.verdict.text
+    said = "(joint1_twist) stays as it is given: the motion's accelerations jump, first at t = 0."
+    assert any(said in x for x in jumping.warnings)
+    assert (jumping.motion.q[:, 1] == 0.0).all()
 
 
 # ------------------------------------------------------------ work

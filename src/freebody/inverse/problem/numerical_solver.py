@@ -25,6 +25,7 @@ from freebody.lazy import cached_property
 from freebody.loops.closure_checks import scaled_jacobian, scaled_residual
 from freebody.loops.scaled_equations import length as mechanism_length
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries, shafts
 from freebody.model.usable_limits import usable_limits
 from freebody.program import Argument, Program, trace
 from freebody.targets import Kernel
@@ -40,7 +41,8 @@ _TOGETHER = 4
 
 @dataclass(frozen=True, eq=False)
 class NumericalSolver:
-    """A numerical solver for positions of a model's frame that fulfil a task, from many starts."""
+    """A numerical solver for positions of a model's frame that fulfil a task, from many starts.
+    Shafts of flexible joints stand as they do at the start."""
 
     model: Model
     frame: str
@@ -81,10 +83,10 @@ class NumericalSolver:
     @cached_property
     def moving(self) -> np.ndarray:
         """Which entries of q move the frame (nq,)."""
-        tree = self.model.tree
+        tree, gone = self.model.tree, shafts(self.model)
         mask = np.zeros(self.model.nq, dtype=bool)
         for i in ancestors(tree, tree.frames[self.frame][0]):
-            mask[list(tree.bodies[i].coordinates.q)] = True
+            mask[list(tree.bodies[i].coordinates.q)] = i not in gone
         return mask
 
     @cached_property
@@ -115,10 +117,16 @@ class NumericalSolver:
         """T (..., dim + 1, dim + 1) and the counted rows of J (..., r, nv) at q (..., nq)."""
         T, J = self._kernel(q)
         J = J[..., list(self.task.rows), :]
-        if self.still is not None:
-            at = next(x for x in self.model.coordinates if self.still in x.q)
-            J[..., list(at.v)] = 0.0
+        if self._still:
+            J[..., self._still] = 0.0
         return T, J
+
+    @cached_property
+    def _still(self) -> list[int]:
+        """The entries of q̇ that are not moved."""
+        where = self.model.coordinates
+        held = [] if self.still is None else [next(x for x in where if self.still in x.q)]
+        return [k for at in held for k in at.v] + list(shaft_entries(self.model))
 
     def equations(self, q: Array, target: Array, weight: float = 1.0) -> tuple[Array, Array]:
         """(residuals (..., r + m), their slopes (..., r + m, nv) over `rates`) of the task and of a

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -132,6 +132,20 @@ class Solutions(Tabled, ByValue):
         last = np.full((*self.q.shape[:-2], 1, size), np.nan)
         every = np.concatenate([self.q, last], axis=-2)
         return np.take_along_axis(every, best[..., None, None], axis=-2)[..., 0, :]
+
+    def at(self, q: Array, family: tuple[int, ...]) -> Solutions:
+        """The same solutions as positions q (..., k, n) of another robot, or of all members of a
+        family, NaN where there are none."""
+        whole = np.where(self.valid[..., None], q, np.nan)
+        batch, k = np.broadcast_shapes(self.distance.shape, family), len(self)
+        return replace(
+            self,
+            q=np.broadcast_to(whole, (*batch, *whole.shape[-2:])),
+            branches=np.broadcast_to(self.branches, (*batch, k)),
+            residual=np.broadcast_to(self.residual, (*batch, k)),
+            within_limits=np.broadcast_to(self.within_limits, (*batch, k)),
+            distance=np.broadcast_to(self.distance, batch),
+        )
 
     def _found(self) -> str:
         if self.q.ndim > 2:

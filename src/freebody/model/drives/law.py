@@ -38,8 +38,8 @@ class LawNumber:
     position, of the joint. what: in words. short: in tables of symbols, where that differs.
     refused: why no joint has such a number, or None. strict: whether without such a number the law
     says nothing, so that no policy accepts what is refused. needed: whether a file that has its
-    table gives it too. below: of a number within bounds the upper one. period: after which it means
-    the same again.
+    table gives it too. waits: whether it may be known before the strength, as of data sheets.
+    below: of a number within bounds the upper one. period: after which it means the same again.
     """
 
     name: str
@@ -51,6 +51,7 @@ class LawNumber:
     refused: Callable[[float], str | None] | None = None
     strict: bool = False
     needed: bool = False
+    waits: bool = False
     below: float = math.inf
     period: float = math.inf
 

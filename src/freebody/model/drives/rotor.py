@@ -46,10 +46,13 @@ LAW = DriveLaw(
             "gear ratio",
             default=1.0,
             refused=lambda x: (
-                "gear is 0; give the ratio of motor speed to joint speed, 1 without a gear"
+                "gear is 0; give the ratio of motor speed to joint speed, below 0 where they turn "
+                "in opposite directions, 1 without a gear"
                 if x == 0.0
                 else None
             ),
+            strict=True,
+            waits=True,
         ),
     ),
     inertia=lambda p: p[0],

@@ -18,11 +18,13 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_names
 from freebody.motion.files.csv_columns import CsvColumns, quoted, read_columns
 from freebody.motion.files.motion_columns import (
     check_names,
     doubted,
     motion_from_columns,
+    with_untold_twists,
     without_jumps,
 )
 from freebody.motion.motion import FEWEST, Motion, require_motion
@@ -52,9 +54,10 @@ def read_motion(model: Model, path: str | os.PathLike[str]) -> Motion:
         raise read.refusal(f"{_count(count)} of numbers; a motion needs at least {FEWEST}.")
     table = read.values()
     columns = {name: table[:, k] for k, name in enumerate(read.header)}
+    columns, untwisted = with_untold_twists(model, columns, count)
     t, columns, before = without_jumps(model, columns.pop("t"), columns)
     _require_increasing(read, t)
-    source = f"read from {file.name}, {count} rows"
+    source = f"read from {file.name}, {count} rows{untwisted}"
     motion = motion_from_columns(model, t, columns, source, read.refusal, before)
     return doubted(model, motion, columns, read.stated, "'{} ({})' in the header")
 
@@ -83,6 +86,7 @@ def read_waypoints(model: Model, path: str | os.PathLike[str]) -> tuple[Array, A
     table = read.values()
     columns = dict(zip(read.header, table.T, strict=True))
     names = _planned_names(model, set(columns))
+    columns = dict.fromkeys(shaft_names(model), np.zeros(len(table))) | columns
     missing = [name for name in names if name not in columns]
     if missing:
         raise read.refusal(f"there is no column for {quoted(missing)}.")

@@ -12,6 +12,7 @@ import numpy as np
 from freebody.arrays import Array
 from freebody.errors import LoopError, UnknownNameError, listed
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_names
 from freebody.motion.closed_chain_motion import completed
 from freebody.motion.files.contradictions import contradictions
 from freebody.motion.files.csv_columns import quoted
@@ -64,7 +65,8 @@ def check_names(model: Model, header: list[str], problem: Refusal) -> None:
         unknown = str(UnknownNameError("column", name, f"a motion of {model.name!r}", known))
         raise problem(f"{unknown[:-1]}; a column that is not part of the motion must be removed.")
     given = set(header)
-    missing = [name for name in model.position_names if name not in given]
+    twists = shaft_names(model)
+    missing = [name for name in model.position_names if name not in given and name not in twists]
     if model.loops:
         _check_leaders(model, header, problem)
     elif missing:
@@ -81,6 +83,21 @@ def _check_leaders(model: Model, header: list[str], problem: Refusal) -> None:
         raise problem(
             f"there is no position; a motion gives at least those of the driven joints: {drives}."
         )
+
+
+def with_untold_twists(
+    model: Model, columns: dict[str, Array], count: int
+) -> tuple[dict[str, Array], str]:
+    """(the columns, and for each shaft of a flexible joint of which none tells one of zeros, with
+    rates and accelerations where all others have them; words on that)."""
+    untold = [name for name in shaft_names(model) if name not in columns]
+    if not untold:
+        return columns, ""
+    simple = [model.position_names[k] for k in position_columns(model)[0]]
+    told = [name for name in simple if name not in untold]
+    ends = [end for end in ("", ".v", ".a") if {f"{name}{end}" for name in told} <= set(columns)]
+    zeros = {f"{name}{end}": np.zeros(count) for name in untold for end in ends}
+    return columns | zeros, f", {listed(untold, 4)} untwisted since no column tells of it"
 
 
 def without_jumps(

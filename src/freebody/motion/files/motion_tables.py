@@ -18,6 +18,7 @@ from freebody.motion.files.motion_columns import (
     doubted,
     given_motion,
     motion_from_columns,
+    with_untold_twists,
     without_jumps,
 )
 from freebody.motion.motion import Motion, vector_of_times
@@ -91,9 +92,10 @@ def motion_from_table(model: Model, table: Any) -> Motion:
     for name, column in columns.items():
         if len(column) != len(times):
             raise _problem(f"{name!r} has {len(column)} samples, 't' has {len(times)}.")
+    columns, untwisted = with_untold_twists(model, columns, len(times))
     times, columns, before = without_jumps(model, times, columns)
     t = vector_of_times(times)
-    motion = motion_from_columns(model, t, columns, "a table", _problem, before)
+    motion = motion_from_columns(model, t, columns, f"a table{untwisted}", _problem, before)
     where = "attrs['units'] of '{}' as '{}'" if hasattr(table, "data_vars") else "'{} ({})'"
     return doubted(model, motion, columns, frozenset(stated), where)
 

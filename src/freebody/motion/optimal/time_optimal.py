@@ -17,6 +17,7 @@ from freebody.labels import is_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, SPEEDS
 from freebody.model.doubts import Doubt, doubts_on, doubts_used
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_names
 from freebody.motion.motion import Motion
 from freebody.motion.optimal.geometric_path import (
     grid,
@@ -122,9 +123,10 @@ def time_optimal(
         for k, one in enumerate(given)
     ]
     if model.passive and not model.loops:
+        hint = ", such as model.without('shafts') has" if shaft_names(model) else ""
         raise FreebodyError(
             f"{_NAME}: nothing drives {listed(model.passive_names, 4)} of {model.name!r}; a "
-            f"motion along a path needs a drive in every joint."
+            f"motion along a path needs a drive in every joint{hint}."
         )
     motions = [
         motion

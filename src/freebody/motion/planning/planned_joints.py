@@ -11,13 +11,15 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from freebody.arrays import Array
-from freebody.errors import ShapeError
+from freebody.errors import FreebodyError, ShapeError
 from freebody.lazy import cached_property
 from freebody.model.model import Model
+from freebody.model.shafts import shaft_entries
 from freebody.motion.motion import Motion
 from freebody.motion.piecewise import PiecewisePolynomial, hermite
 from freebody.motion.planning.planned import planned, sample_times, times_and_breaks
 from freebody.motion.planning.planning_limits import (
+    SAME,
     SLACK,
     PlanningLimits,
     checked_waypoints,
@@ -67,8 +69,10 @@ class PlannedJoints:
             return PlannedJoints(function, model, limits, driven.q, driven=driven)
         if model.nq != model.nv and straight:
             turning = _turning_waypoints(function, model, given, limits, one)
+            _refuse_twisting(function, model, turning.q)
             return PlannedJoints(function, model, limits, turning.q, turning=turning)
         q = checked_waypoints(function, model, given, limits, one)
+        _refuse_twisting(function, model, q)
         return PlannedJoints(function, model, limits, q)
 
     @property
@@ -119,6 +123,19 @@ class PlannedJoints:
         if self.turning is not None:
             return _along_turns(self.function, self.model, curve, marks, self.turning, words, step)
         return planned(self.function, self.model, curve, words, self.limits, step)
+
+
+def _refuse_twisting(function: str, model: Model, q: Array) -> None:
+    """Refuse waypoints (k, nv) between which the shaft of a flexible joint twists."""
+    for k in shaft_entries(model):
+        away = np.abs(q[:, k] - q[0, k])
+        if away.max() > SAME:
+            there = int(np.argmax(away))
+            raise FreebodyError(
+                f"{function}: from waypoint 0 to {there} {model.velocity_names[k]} goes from "
+                f"{q[0, k]:g} to {q[there, k]:g}; it is a shaft, which twists by what it carries "
+                f"and by no plan: give it the same twist in all, such as 0."
+            )
 
 
 @dataclass(frozen=True, eq=False)

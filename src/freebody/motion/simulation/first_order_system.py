@@ -145,6 +145,16 @@ class System:
         found = self._eigenvalues(t, y, drive)
         return float(np.abs(found[found.real < 0.1 * np.abs(found)]).max(initial=0.0))
 
+    def fastest_at_rest(self, t: Array, y: Array, drive: TorqueLaw, width: float) -> float:
+        """The rate (1/s) of the fastest motion that does not grow near rest at a state's positions,
+        at the steepest slope of friction smoothed over `width`; 0 without such friction."""
+        friction, q = smooth_friction(self.model, width)[1], self.split(y)[0]
+        if not friction.acts and not lossy_joints(self.model.bodies):
+            return 0.0
+        resting = np.concatenate([q, np.zeros(self.model.nv)])
+        # laws may be steeper beside rest than in it
+        return max(self.fastest(t, resting, drive), decay_rate(self.model, friction, q))
+
     def _eigenvalues(self, t: Array, y: Array, drive: TorqueLaw) -> NDArray[np.complex128]:
         slopes = self.jacobian_under(t, y, drive)
         if not np.isfinite(slopes).all():

@@ -262,7 +262,8 @@ def _longest(run: Simulation, times: StepTimes) -> float:
 
 
 def _warn_unstable(run: Simulation, method: str, times: StepTimes, driving: Driving) -> None:
-    """Warn where equal steps of an explicit method are too long for the motion at its start."""
+    """Warn where equal steps of an explicit method are too long for the motion at its start, or for
+    the smooth friction of its joints where they come to rest."""
     model, lanes, reach = run.model, run.lanes, STEP_METHODS[method].reach
     function = any(
         callable(x) and not isinstance(x, CompiledTorque) for x in (run.torque, run.forces)
@@ -271,17 +272,32 @@ def _warn_unstable(run: Simulation, method: str, times: StepTimes, driving: Driv
         return
     step = _longest(run, times)
     for k in sorted({0, lanes.count // 2, lanes.count - 1})[:_LOOKED_AT]:
-        index = lanes.index(k)
+        where, whole = at_sample(lanes.index(k)), lane_system(run, k)
+        drive = lane_drive(run, k, driving)
         y = np.concatenate([some_of(lanes.each(x, 1), 1, k) for x in (run.q, run.qd)])
-        rate = lane_system(run, k).fastest(run.t[0], y, lane_drive(run, k, driving))
+        rate = whole.fastest(run.t[0], y, drive)
         if rate * step > reach:
-            where = at_sample(index)
             warn(
                 f"simulate: the motion{where} is stiff: a part of it changes within "
-                f"{1.0 / rate:.1g} s, and steps of {method!r} are stable up to {reach / rate:.1g} "
-                f"s; these are {step:.1g} s. Take a shorter step= or method 'implicit'.",
+                f"{1.0 / rate:.1g} s, and {_stable(method, reach / rate, step)}. Take a shorter "
+                f"step= or method 'implicit'.",
             )
             return
+        rate = whole.fastest_at_rest(run.t[0], y, drive, run.width)
+        if rate * step > reach:
+            warn(
+                f"simulate: smooth friction is stiff where joints of the motion{where} come to "
+                f"rest: it acts there within {1.0 / rate:.1g} s, and "
+                f"{_stable(method, reach / rate, step)}. A joint that comes to rest would not stay "
+                f"so: take a shorter step=, a larger friction_width= or method 'implicit'.",
+            )
+            return
+
+
+def _stable(method: str, longest: float, step: float) -> str:
+    """A clause on steps (s) that are too long, and the length up to which they are stable."""
+    told = 0.95 * longest  # so that its two digits are not above it
+    return f"steps of {method!r} are stable up to {told:.2g} s; these are {step:.2g} s"
 
 
 def _tell_stopped(
