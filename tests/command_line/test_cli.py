@@ -44,6 +44,11 @@ def test_study_writes_a_report_and_data(capsys: pytest.CaptureFixture[str]):
     assert lines.pop(2) == (
         "Load: none. Mounting: base fixed, gravity (0, -9.81) m/s² in world axes."
     )
+    card = lines[2 : (drives := next(k for k, x in enumerate(lines) if x.startswith("joint  ")))]
+    assert [row.partition("  ")[0] for row in card[1:] if row[0] != " "] == [
+        "carries", "can be run", "gives out first",
+    ]  # fmt: skip
+    del lines[2:drives]
     assert re.split("  +", lines[2].strip()) == [
         "joint", "peak torque", "at", "RMS torque", "peak speed", "peak power",
     ]  # fmt: skip

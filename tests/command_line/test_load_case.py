@@ -170,7 +170,7 @@ def test_the_commands_study_under_a_wrench(tmp_path: Path, monkeypatch, capsys):
     assert f"Wrenches: {told}" in said
     assert json.loads(Path("s/manifest.json").read_text("utf-8"))["about"]["wrenches"] == told
     page = Path("s/report.html").read_text("utf-8")
-    assert f"<dt>Wrenches</dt><dd>{told}</dd>" in page
+    assert f"<dt>Wrenches</dt><dd>{told.replace('-', '−')}</dd>" in page
     assert "tau_wrenches" in Path("s/torques.csv").read_text("utf-8").splitlines()[0]
 
 

@@ -1,4 +1,5 @@
-"""Freebody where llvmlite is not installed: everything is computed by NumPy.
+"""Freebody where llvmlite is not installed: everything is computed by NumPy, within the limits of
+Python in a browser.
 
 Run in a process of its own, `python -m support.without_llvm`, whose path begins with a folder that
 holds `HIDES` as `sitecustomize.py`: what a process has compiled before cannot be taken back.
@@ -24,9 +25,13 @@ from support.simulated_logs import log as simulated
 
 HIDES = """
 import importlib.metadata
+import os
+import subprocess
 import sys
+import threading
 
-sys.modules["llvmlite"] = None  # an import fails, and a search finds nothing
+for absent in ("llvmlite", "fcntl", "pwd", "resource"):
+    sys.modules[absent] = None  # an import fails, and a search finds nothing
 found = importlib.metadata.Distribution.from_name
 
 
@@ -37,7 +42,24 @@ def from_name(name):
 
 
 importlib.metadata.Distribution.from_name = from_name
+
+
+def no_thread(self):
+    raise RuntimeError("can't start new thread")
+
+
+def no_process(*words, **options):
+    raise OSError(138, "emscripten does not support processes.")
+
+
+threading.Thread.start = no_thread
+subprocess.Popen.__init__ = no_process
+os.fork = no_process
+os.environ["PATH"] = ""
+os.cpu_count = lambda: 1
+del os.sched_getaffinity
 """
+"""Takes away what Pyodide does not have under WebAssembly, in the words in which it refuses."""
 
 ELSEWHERE = ("study", "singularity_loci")
 """Functions that take long, and that what else is walked, or has a test of its own, calls."""

@@ -117,7 +117,7 @@ def card(
         payload_joint=joint,
         payload_time=time,
         payload_remark=remark,
-        faster=judged.factor,
+        faster=np.nan if _unlimited(judged) else judged.factor,
         faster_joint=limit.coordinate if limit else "",
         faster_quantity=limit.quantity if limit else "",
         faster_remark=_pace_words(judged),
@@ -166,9 +166,14 @@ def _no_payload(model: Model) -> str:
     return ""
 
 
+def _unlimited(judged: MotionVerdict) -> bool:
+    """Whether no limit ends the pace only because limits are lacking."""
+    return judged.outcome == "not judged" and bool(np.isinf(judged.factor))
+
+
 def _pace_words(judged: MotionVerdict) -> str:
     limit, factor = judged.factor_limit, judged.factor
-    if np.isnan(factor):
+    if np.isnan(factor) or _unlimited(judged):
         return "not known: see the verdict"
     if limit is None:
         return "no limit depends on the speed"

@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import re
 import signal
+import threading
 from functools import partial
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -76,7 +78,7 @@ def test_many_motions_are_those_of_each():
             np.testing.assert_allclose(found, expected, rtol=0, atol=2e-9, err_msg=name)
 
 
-def test_a_result_does_not_depend_on_what_is_beside_it_or_on_threads():
+def test_a_result_does_not_depend_on_what_is_beside_it_or_on_threads(monkeypatch):
     model = fb.load("2R")
     q, qd, tau = fb.random_state(model, 1, (600,))
 
@@ -88,6 +90,9 @@ def test_a_result_does_not_depend_on_what_is_beside_it_or_on_threads():
         whole = run(slice(None), threads=1, **more)
         np.testing.assert_array_equal(run(slice(None), threads=3, **more), whole)
         np.testing.assert_array_equal(run(slice(5, 18), **more), whole[5:18])
+        with monkeypatch.context() as browser:
+            browser.setattr(threading.Thread, "start", Mock(side_effect=RuntimeError("no thread")))
+            np.testing.assert_array_equal(run(slice(None), threads=3, **more), whole)
 
 
 def test_batches_broadcast_and_a_family_has_its_own_dimension():

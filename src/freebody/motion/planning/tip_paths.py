@@ -72,6 +72,8 @@ class _Leg:
 
 def rotations(vectors: Array) -> Array:
     """Rotation matrices (N, 3, 3) of rotation vectors (N, 3), or (N, 2, 2) of angles (N, 1)."""
+    if not len(vectors):  # SciPy 1.14, which Pyodide 0.27 has, takes no empty arrays
+        return np.empty((0, 3, 3) if vectors.shape[1] == 3 else (0, 2, 2))
     if vectors.shape[1] == 3:
         return Rotation.from_rotvec(vectors).as_matrix()
     c, s = np.cos(vectors[:, 0]), np.sin(vectors[:, 0])

@@ -3,6 +3,7 @@ that fit the processor's caches are shared among threads."""
 
 from __future__ import annotations
 
+import contextlib
 import threading
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -374,11 +375,10 @@ class _LaneRun:
                 if self.controller is not None:
                     self._call(self.controller, first, last)
                 todo = deque(enumerate(blocks))
-                if threads == 1:
-                    for _ in self._section(todo, first, last, reached):
-                        self.tell(float(reached.mean()))
-                else:
+                if threads > 1:
                     self._shared(pool, threads, todo, first, last, reached)
+                for _ in self._section(todo, first, last, reached):
+                    self.tell(float(reached.mean()))
 
     def _shared(
         self,
@@ -389,13 +389,17 @@ class _LaneRun:
         last: int,
         reached: Array,
     ) -> None:
-        """Move all blocks through a section by several threads; an interrupt ends them soon."""
+        """Move blocks through a section by as many threads as the system starts, all of them where
+        it starts one; an interrupt ends them soon."""
 
         def run() -> None:
             for _ in self._section(todo, first, last, reached):
                 pass
 
-        running = [pool.submit(run) for _ in range(threads)]
+        running = []
+        with contextlib.suppress(RuntimeError):  # no more threads; in a browser there is no other
+            for _ in range(threads):
+                running.append(pool.submit(run))
         try:
             # in slices of time: an interrupt may have come to another thread
             while wait(running, timeout=_LOOK).not_done:

@@ -231,7 +231,7 @@ def _exclusive(room: int, what: str) -> Iterator[None]:
 def _require_room(size: int, what: str) -> None:
     """Check that memory can be allocated as LLVM will do, by allocating and freeing it
     untouched."""
-    import mmap  # what has LLVM has it; Python in a browser has neither
+    import mmap  # what has LLVM has it; not every Python does
 
     try:
         np.empty(size, np.uint8)
