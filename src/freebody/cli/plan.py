@@ -12,6 +12,7 @@ import typer
 from freebody.cli import numbers, options, terminal
 from freebody.errors import FreebodyError, MissingArgumentError, listed
 from freebody.outputs.display import TextTable, counted
+from freebody.outputs.number_text import compared
 
 if TYPE_CHECKING:
     from freebody.arrays import Array
@@ -170,9 +171,10 @@ def _slowed(motion: Motion, duration: float, timed: bool) -> Motion:
             "--speed runs a motion more slowly)."
         )
     if not duration >= motion.duration * (1.0 - _ROUNDING):
+        given, needed = compared(duration, motion.duration)
         raise FreebodyError(
-            f"--duration {duration:g} s is too short: within the limits the motion takes "
-            f"{motion.duration:.4g} s at least."
+            f"--duration {given} s is too short: within the limits the motion takes {needed} s at "
+            f"least."
         )
     return motion.faster(motion.duration / duration)
 

@@ -12,6 +12,7 @@ from freebody.design.duty_cycle import DutyCycle
 from freebody.errors import listed
 from freebody.model.model import Model
 from freebody.motion.ranges import CLOSE, angular
+from freebody.outputs.number_text import compared
 
 
 def without_motor(model: Model, where: str) -> tuple[str, ...]:
@@ -48,8 +49,9 @@ def _beyond(model: Model, cycles: Sequence[DutyCycle]) -> Iterator[str]:
     for name, size, limit, turning in zip(own.names, largest, own.limits, turns, strict=True):
         if size > limit * (1.0 + CLOSE):
             what, unit = ("torque", "N m") if turning else ("force", "N")
+            reached, most = compared(size, limit)
             yield (
-                f"The {what} that reaches {name}, which follows another joint, is {size:.4g} "
-                f"{unit}, {100.0 * size / limit:.4g} % of its own limit of {limit:.4g} {unit}, "
+                f"The {what} that reaches {name}, which follows another joint, is {reached} "
+                f"{unit}, {100.0 * size / limit:.4g} % of its own limit of {most} {unit}, "
                 f"without the mass of any drive: no choice of motors mends that."
             )

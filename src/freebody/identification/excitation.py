@@ -35,7 +35,7 @@ from freebody.model.model import Model
 from freebody.motion.motion import Motion
 from freebody.motion.planning.planning_limits import Limit, PlanningLimits, planning_limits
 from freebody.outputs.display import Tabled, TextTable, counted
-from freebody.outputs.number_text import shortest
+from freebody.outputs.number_text import compared, shortest
 from freebody.trees.base_parameters import independent
 from freebody.trees.position_rates import layout
 from freebody.trees.public_calls import JointVector, finite_vector
@@ -286,9 +286,10 @@ class _MotionSearch:
         duration = above_zero("excitation", "duration", duration, "seconds")
         rate = above_zero("excitation", "rate", rate, "Hz")
         if duration <= 3.0 * SETTLES:
+            given, least = compared(duration, 3.0 * SETTLES)
             raise FreebodyError(
-                f"excitation: duration is {duration:.4g} s, expected more than {3 * SETTLES:g} s: "
-                f"{SETTLES:g} s at both ends tells nothing."
+                f"excitation: duration is {given} s, expected more than {least} s: {SETTLES:g} s "
+                f"at both ends tells nothing."
             )
         chosen = harmonics
         if chosen is None:

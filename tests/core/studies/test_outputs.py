@@ -60,7 +60,8 @@ def error(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 def test_only_one_module_writes_files():
     """But for the cache of compiled code, which keeps its entries by the same rule under stricter
     ones of its own, the store of a sweep, which Zarr writes and clears of what was left half
-    written, and the text of an FMU in a folder of the system for a moment, for the compiler."""
+    written, and in a folder of the system for a moment the text of an FMU, for the compiler, and a
+    page, for the browser that prints it."""
     writers = {}
     for path in SOURCES:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
@@ -69,6 +70,7 @@ def test_only_one_module_writes_files():
     known = {
         "outputs/files.py",
         "outputs/folder.py",
+        "outputs/pdf.py",
         "targets/llvm/cache.py",
         "sweeps/store.py",
         "ways_out/fmus.py",
@@ -311,7 +313,7 @@ def test_one_failed_output_costs_no_other(
     )
     assert (
         said.err == f"error: out: not written: study.nc: {other}; motion.csv: {other}. "
-        "The other 6 are there.\n"
+        "The other 7 are there.\n"
     )
     assert "report: out/report.html\n" in said.out
     assert "data:" not in said.out
@@ -329,7 +331,7 @@ def test_one_failed_output_costs_no_other(
         OutputError, match=r"study\.nc: RuntimeError: planted \(an error in freebody"
     ) as failure:
         fb.study(fb.load("2R")).save("other")
-    assert len(failure.value.written) == 6
+    assert len(failure.value.written) == 7
 
 
 def test_a_disk_that_fills_up_keeps_the_old_file_and_the_others(

@@ -15,6 +15,7 @@ from freebody.identification.logs.clock import RowPlace, RowRefusal
 from freebody.model.model import Model
 from freebody.motion.ranges import Flags, ranges
 from freebody.outputs.display import counted
+from freebody.outputs.number_text import compared
 
 _TURN = 2.0 * np.pi
 _DEGREES = 180.0 / np.pi
@@ -142,8 +143,9 @@ def beyond_limits(
     if "position" not in stated:
         for k in np.flatnonzero((far > _BEYOND * bound) & (far / scale <= _BEYOND * bound)):
             unit, short = ("rad", "deg") if allowed.turns[k] else ("m", "mm")
+            reached, end = compared(far[k], bound[k])
             raise refuse(
-                f"{names[k]} goes to {far[k]:.4g} {unit}, where its range ends at {bound[k]:.3g} "
+                f"{names[k]} goes to {reached} {unit}, where its range ends at {end} "
                 f'{unit}: if these are {short}, write units = {{ position = "{short}" }} in the '
                 f'table [log] of the log\'s TOML file; if not, "{unit}".',
                 None,
