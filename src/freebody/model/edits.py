@@ -14,7 +14,7 @@ model made anew; of these only what a changed slot leads to is found again.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from operator import add as plus
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -47,25 +47,11 @@ def bound(model: Model, values: Mapping[Any, Any]) -> Model:
             result = _asked(model, named_numbers.bind(model, values))
     else:
         result = named_numbers.bind(model, values)
-    texts = [x if isinstance(x, str) else ".".join(x) for x in values]
-    if any(text.endswith(_FURTHER) for text in texts):
-        _refuse_idle(result, texts)
     if problem := strut_fault(result):
         raise ModelError(f"bind: {problem}.")
     return result
 
 
-def _refuse_idle(model: Model, names: Sequence[str]) -> None:
-    """Refuse numbers of drives, just bound under full names, that have no effect."""
-    for body in model.bodies:
-        start = f"{body.joint.name}."
-        own = [x.removeprefix(start) for x in names if x.startswith(start)]
-        fault = body.joint.drive.idle([_BY_LABEL[x] for x in own if x in _BY_LABEL])
-        if fault:
-            raise ModelError(f"{model.name!r}: joint {body.joint.name!r}: {fault}.")
-
-
-_BY_LABEL = {number.label: name for name, number in NUMBERS.items()}
 _FURTHER = tuple(
     f".{number.label}"
     for law in LAWS.values()

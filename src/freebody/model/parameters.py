@@ -107,7 +107,9 @@ def each_parameter(thing: Any) -> Iterator[Parameter]:
                 yield from each_parameter(item)
     else:
         for name in fields_of(type(thing)):
-            yield from each_parameter(getattr(thing, name))
+            item = getattr(thing, name)
+            if type(item) is not float:
+                yield from each_parameter(item)
 
 
 def one_value_each(thing: T, owner: str) -> T:
@@ -150,7 +152,10 @@ def with_parameters(thing: Any, change: Callable[[Parameter], Any]) -> Any:
             for field in dataclasses.fields(thing)
             if field.init
         }
-        new = {name: with_parameters(value, change) for name, value in old.items()}
+        new = {
+            name: value if type(value) is float else with_parameters(value, change)
+            for name, value in old.items()
+        }
         if all(new[name] is old[name] for name in old):
             return thing
         return dataclasses.replace(thing, **new)

@@ -258,7 +258,7 @@ def function_of(
             raise ShapeError("simulate", returned, tau.shape, str(whole), hint)
         if model.passive and np.isfinite(tau).all():
             refuse_passive("simulate", model, tau)
-        return np.broadcast_to(tau, whole)
+        return tau if tau.shape == whole else np.broadcast_to(tau, whole)
 
     return drive
 
