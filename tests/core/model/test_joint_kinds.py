@@ -402,6 +402,7 @@ OTHERWISE = {
     "formats/urdf.py": "what the format calls them",
     "formats/urdf_motors.py": "what the format calls them",
     "formats/sdf.py": "what the format calls them",
+    "formats/sdf_gears.py": "what the format calls them",
     "formats/mjcf/reader.py": "what the format calls them",
     "formats/mjcf/equalities.py": "what two equalities of the format are",
     "formats/writing/dh_csv.py": "the kinds that the format has",
