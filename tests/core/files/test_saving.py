@@ -72,6 +72,8 @@ def left(model: fb.Model, lost: list[str]) -> fb.Model:
         model = model.replace(gravity=[0.0, 0.0, -size])
     if said(lost, "the stiffness of the spring"):
         model = model.without("springs")
+        for name in model.passive_names:  # shafts keep theirs
+            model = model.with_drive(name, stiffness=0.0) if name.endswith("_twist") else model
     if any(loss.startswith(("the strut ", "the struts ")) for loss in lost):
         model = model.without("struts")
     if said(lost, "load-dependent friction") or said(lost, "efficiency of the gear"):

@@ -153,8 +153,8 @@ def test_results_name_the_load_case_and_the_command_that_makes_them_again(
     assert said.endswith(f"again: {about['command']}")
     page = (tmp_path / asked[-1] / "report.html").read_text("utf-8")
     for row in (
-        f"<dt>Load</dt><dd>{load}</dd>",
-        f"<dt>Mounting</dt><dd>{mounting}</dd>",
+        f"<dt>Load</dt><dd>{load}</dd>".replace("-", "−"),
+        f"<dt>Mounting</dt><dd>{mounting}</dd>".replace("-", "−"),
         "<dt>Again</dt><dd><code>freebody study 2R --payload 2@0.1,0,box=0.3,0.4",
     ):
         assert row in page

@@ -214,7 +214,7 @@ def test_what_was_called_before_changes_no_bit():
             gravity=1.0
         ),
         lambda m: m.with_drive("elbow_joint", viscous=2.0),
-        lambda m: m.with_drive("elbow_joint", rest=2.0),
+        lambda m: m.with_drive("elbow_joint", stiffness=3.0, rest=2.0),
     ],
 )
 @pytest.mark.parametrize("driven", [False, True])

@@ -239,14 +239,14 @@ def test_a_study_without_a_tip_leaves_out_what_is_of_a_tip(tmp_path: Path):
     page = (tmp_path / "report.html").read_text("utf-8")
     assert page.count("Candidates: l2 and r2.") == 2  # above, and where the tip's path would be
     assert "Orange: the path" not in page
-    assert "Payload at rest" not in page
+    assert "Largest payload at rest" not in page
     chosen = fb.study(model, tip="r2")
     assert (chosen.tip, chosen.model.tip) == ("r2", "r2")
     assert chosen.model.tip_reason == "The tip is 'r2', as asked."
     assert chosen.model.tip_reason not in chosen.notices
     whole = chosen.to_html(tmp_path / "whole.html").read_text("utf-8")
     assert "Orange: the path of r2" in whole
-    assert "Payload at rest" in whole
+    assert "Largest payload at rest" in whole
 
 
 # ---------------------------------------------------------------- the command
