@@ -132,7 +132,7 @@ AREAS = (
         "closed chains",
         ("loops/**/*.py", "model/loop_kinds.py", "model/loops.py", "motion/closed_chain*.py",
          "motion/simulation/first_order_system.py",
-         "any_chain/reactions.py"),
+         "any_chain/reactions.py", "any_chain/effort_limits.py"),
         ("closed_*", "dyads", "simulate"),
     ),
     Area(

@@ -39,7 +39,7 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
         ) from None
     if array.dtype == np.float64:
         return array
-    if array.dtype.kind not in "iuf":
+    if array.dtype.kind not in "iufb":
         raise FreebodyError(
             f"{function}: {argument} holds {array.dtype} values, expected real numbers."
         )
@@ -48,10 +48,12 @@ def as_floats(function: str, argument: str, value: ArrayLike) -> Array:
 
 def above_zero(function: str, argument: str, value: float, unit: str = "") -> float:
     """`value` as a finite number above 0; `unit`: what it counts, for the message."""
+    what = f"a number of {unit} above 0" if unit else "a number above 0"
+    if isinstance(value, bool | np.bool_):
+        raise FreebodyError(f"{function}: {argument} is {value!r}, expected {what}.")
     array = as_floats(function, argument, value)
     if array.ndim or not (np.isfinite(array) and array > 0.0):
         said = f"{float(array):g}" if array.ndim == 0 else f"of shape {array.shape}"
-        what = f"a number of {unit} above 0" if unit else "a number above 0"
         raise FreebodyError(f"{function}: {argument} is {said}, expected {what}.")
     return float(array)
 

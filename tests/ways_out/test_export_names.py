@@ -72,7 +72,7 @@ def looked_up(found: dict[str, np.ndarray], word: str) -> float | None:
     [
         ("ur5e", "inverse_dynamics", 35),
         ("ur5e", "forward_dynamics", 25),
-        ("ur5e", "forward_kinematics", 20),
+        ("ur5e", "forward_kinematics", 10),
         ("panda", "mass_matrix", 5),
         ("iiwa14", "inverse_dynamics", 30),
         ("quadrotor", "inverse_dynamics", 1),

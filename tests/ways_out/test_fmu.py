@@ -60,7 +60,7 @@ def test_what_is_refused(tmp_path):
     model = fb.load("2R")
     with pytest.raises(fb.FreebodyError, match=r"must end in \.fmu"):
         fb.export_fmu(model, tmp_path / "arm.zip")
-    with pytest.raises(fb.FreebodyError, match="expected seconds above 0"):
+    with pytest.raises(fb.FreebodyError, match="expected a number of seconds above 0"):
         fb.export_fmu(model, tmp_path / "arm.fmu", step=0.0)
 
 

@@ -50,6 +50,10 @@ OF_JOINTS = {("deflection", "stiffness"), ("natural_frequencies", "stiffness")}
 """Functions and arguments of one number for each rate, of a name that means rows elsewhere; the
 others of a mapping are found."""
 
+NAMED_ELSEWHERE = {("identify", "prior"), ("excitation", "noise")}
+"""Functions and arguments whose numbers are put in order by names of bodies and of rates, and that
+are too slow for this file."""
+
 BY_POSITION = {
     "rotation": {"angles": [0.1, 0.2, 0.3]},
     "quat_wxyz": {"R": np.eye(3)},
@@ -61,6 +65,7 @@ BY_POSITION = {
     "inertia_from": {"com": [0.1, 0.2], "about": [0.3, 0.1]},
     "simulate": {"t": [0.0, 0.01, 0.02], "breakpoints": [0.01, 0.02]},
     **{name: {"pose_ref": np.eye(3)} for name in ("operational_space_control", "impedance")},
+    "excitation": {"box": [[-1.0, -1.0], [1.0, 1.0]]},
     "discrete_lqr": {"A": np.eye(2), "B": np.eye(2), "Q": np.eye(2), "R": np.eye(2)},
     "inverse_kinematics": {"target": [0.3, 0.2], "redundancy": [0.1, 0.2]},
     "workspace": {"points": [0.3, 0.2], "orientation": np.eye(2)},
@@ -92,6 +97,7 @@ OTHERS = {
     },
     "time_optimal": {"model": fb.load("2R"), "path": [[0.0, 0.0], [1.0, 1.0]]},
     **{name: {"model": fb.load("2R"), "q0": [0.3, 1.0]} for name in ("line", "arc")},
+    "excitation": {"model": fb.load("2R"), "duration": 6.0},
     "blend": {"model": fb.load("2R"), "q0": [0.3, 1.0], "radius": 0.1},
 }
 
@@ -160,6 +166,7 @@ def test_every_argument_that_takes_numbers_is_tried():
     """A new one is put into one of the tables above."""
     for function, argument in public_arguments():
         known = argument in BY_NAME or argument in BY_POSITION.get(function, {})
+        known = known or (function, argument) in NAMED_ELSEWHERE
         assert known, (
             f"are the entries of {argument} of fb.{function} known by name or by position?"
         )

@@ -103,8 +103,8 @@ def test_names_of_strangers_stay_text(tmp_path, monkeypatch):
 DISPLAYS = ("_repr_html_", "_repr_svg_", "_repr_latex_", "_repr_pretty_")
 PLAIN = {
     "Limits", "Drive", "Inertia", "Parameter", "ModelParameter", "Frame", "Coordinates",  # records
-    "Members", "LawNumber", "DriveLaw", "TextTable", "Motor", "Gear", "Bearing", "Segment", "RejectedPair",
-    "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
+    "Members", "LawNumber", "DriveLaw", "Motor", "Gear", "Bearing", "Segment", "RejectedPair",
+    "TextTable", "Mistake", "UnreadEquation", "LimitExcess", "Doubt",
     "DoubtKind",  # records with a sentence in them
     "Label", "Prism", "Mark", "Arc", "Turn", "Dimension", "Arrow", "Line",
     "Cells", "ColourKey",  # elements of a drawing

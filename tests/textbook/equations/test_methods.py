@@ -27,6 +27,7 @@ OTHERWISE = [
         "freebody_textbook/commands/derive.py",
         "Example: freebody derive 2R --method lagrange",
     ),  # the help's example, which is run
+    ("report/page.py", "kinematics"),  # the plot of the tip's path
     ("expressions/closed_form_kinematics.py", "kinematics"),  # the function that an error is of
 ]
 """Where such a word means something else, or is shown to be typed."""
