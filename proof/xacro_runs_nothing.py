@@ -12,6 +12,7 @@ try:
     fb.load(text=TEXT, format="xacro")
 except fb.FileError as error:
     print(error)
+    assert "is not allowed (Lambda)" in str(error)
 else:
     raise AssertionError("the file was read")
 assert not Path("ran").exists()
