@@ -307,7 +307,7 @@ REFUSED: dict[str, tuple[Lines, str, str]] = {
     "degrees": (
         text(scaled(180 / np.pi, *POSITIONS, *RATES)),
         "",
-        "shoulder_pan_joint goes to 51.57 rad, where its range ends at 6.28 rad: if these "
+        "shoulder_pan_joint goes to 51.57 rad, where its range ends at 6.283 rad: if these "
         'are deg, write units = { position = "deg" }',
     ),
     "rates in degrees": (
