@@ -20,6 +20,7 @@ from support.dying_workers import (  # noqa: F401 - hooks, which pytest finds he
     pytest_handlecrashitem,
 )
 from support.extras import extra
+from support.sampled import pytest_collection_modifyitems  # noqa: F401 - a hook as well
 
 # the same examples everywhere, however slow the machine is
 settings.register_profile("freebody", deadline=None, derandomize=True, database=None)

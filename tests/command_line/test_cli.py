@@ -220,6 +220,7 @@ def test_what_cannot_be_compared_is_refused_before_anything_is_printed_or_writte
     assert not Path("derivation.txt").exists()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "start"),
     [

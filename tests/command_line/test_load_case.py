@@ -140,6 +140,7 @@ def test_a_robot_is_shown_and_exported_in_its_case(tmp_path, monkeypatch, capsys
     assert fb.source(loaded, "gravity_torque", "numpy").split("def ")[-1] in text
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["2R", "ur5e", "five_bar"])
 def test_a_study_under_a_wrench(name):
     """Its torques, parts, reactions and replay agree with each other, and with those of the robot

@@ -23,6 +23,7 @@ COMMANDS = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("encoding", ["cp1252", "ascii"])
 @pytest.mark.parametrize("command", COMMANDS, ids=" ".join)
 def test_every_command_prints_in_every_encoding(

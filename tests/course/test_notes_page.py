@@ -161,6 +161,7 @@ def test_links_lead_from_page_to_page(site):
 COMMANDS = [task["command"] for chapter in chapters().values() for task in chapter.tasks]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("command", COMMANDS)
 def test_what_a_chapter_tells_to_try_runs(html, command, tmp_path: Path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
@@ -258,6 +259,7 @@ def texts_in(x):
     return [text for y in (x.values() if isinstance(x, dict) else x) for text in texts_in(y)]
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("exercise", exercises(), ids=lambda e: e.id)
 def test_exercises_are_solved(exercise):
     found = solution(exercise)

@@ -57,6 +57,7 @@ def run_doctest(text: str, names: dict, page: str, line: int) -> None:
     assert not said, "".join(said)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("page", [p for p in PAGES if any(examples(p))], ids=name)
 def test_examples_run(
     page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest
@@ -101,6 +102,7 @@ def test_links_lead_somewhere(page: Path):
 HELP = {"": told(["--help"])[1], **commands()}
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("command", HELP)
 def test_help_has_an_example_that_runs(
     command: str,

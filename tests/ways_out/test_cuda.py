@@ -102,6 +102,7 @@ def gives_what_is_true(model: fb.Model, name: str, dtype: str) -> None:
 
 
 # ---------------------------------------------------------------- what a thread computes
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize(
     ("name", "quantity"),
@@ -131,6 +132,7 @@ def test_every_formula_of_every_robot(name, dtype):
             gives_what_is_true(model, quantity, dtype)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("name", [*FUNCTIONS])
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_operations_have_the_bits_that_the_cpu_gives(name, dtype):
@@ -186,6 +188,7 @@ def expected_of(q: np.ndarray, A: np.ndarray, h: np.ndarray) -> tuple[np.ndarray
     return y, B, (A[:, 1, 1] - h)[:, None]
 
 
+@pytest.mark.sample(18)
 @pytest.mark.parametrize("threads", [1, 7, 32])
 @pytest.mark.parametrize("count", [1, 31, 32, 33])
 @pytest.mark.parametrize("layout", ["rows", "columns", "apart"])
@@ -229,6 +232,7 @@ def many(inputs: int, outputs: int) -> Program:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("layout", ["rows", "columns"])
 def test_arrays_of_many_entries_are_read_and_written_in_their_places(layout):
     n = 2 * TOGETHER + 3
@@ -273,6 +277,7 @@ def test_a_sample_with_an_input_that_is_not_finite_is_nan_and_no_other(bad):
 
 
 # ---------------------------------------------------------------- registers
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("name", ["ur5e", "panda"])
 def test_dynamics_spill_nothing(name, dtype, tmp_path):
@@ -285,6 +290,7 @@ def test_dynamics_spill_nothing(name, dtype, tmp_path):
         assert spilled == [0, 0]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "quantity", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives"]
 )
@@ -469,6 +475,7 @@ def test_no_assembler_contracts_what_has_to_be_rounded(name):
     assert not re.search(r"\b(mul|add|sub)\.f(32|64)", text)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("dtype", DTYPES)
 @pytest.mark.parametrize("quantity", ["inverse_dynamics", "forward_dynamics_derivatives"])
 def test_a_package_passes_its_own_test_on_an_emulated_driver_and_can_fail(

@@ -67,6 +67,7 @@ def looked_up(found: dict[str, np.ndarray], word: str) -> float | None:
     return float(found[letter][index]) * (-1.0 if word.startswith("minus_") else 1.0)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("robot", "quantity", "least"),
     [

@@ -84,6 +84,7 @@ ROBOTS = {
 
 
 # ---------------------------------------------------------------- each language runs
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("language", [x for x in LANGUAGES if x not in ("casadi", "jax", "cuda")])
 def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path):
     fb.export(
@@ -103,6 +104,7 @@ def test_a_package_passes_its_own_test_and_its_test_can_fail(language, tmp_path)
     assert "FAILED" in done.stdout
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", having("FUNCTIONS"))
 def test_no_input_has_the_name_of_a_function_that_the_text_calls(language, tmp_path):
     module = module_of(language)
@@ -158,6 +160,7 @@ def everything() -> Program:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_every_operation_in_every_language(language, tmp_path):
     program = everything()
@@ -180,6 +183,7 @@ FLATTENED = {
 """Of languages whose arrays have shapes, what makes a matrix a row of its entries."""
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", FLATTENED)
 def test_a_matrix_that_lost_its_shape_fails_its_test(language, tmp_path):
     written = fb.export(fb.load("2R"), "mass_matrix", tmp_path, language)
@@ -203,6 +207,7 @@ def test_inputs_that_are_matrices(language, tmp_path):
     passes(tmp_path, language, "inverse_kinematics")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("language", having("LONGEST"))
 def test_long_programs_are_cut_and_compute_the_same(language, tmp_path, monkeypatch):
     monkeypatch.setattr(module_of(language), "LONGEST", 60)
@@ -232,6 +237,7 @@ def test_a_language_that_marks_its_variables_marks_each():
 
 
 # ---------------------------------------------------------------- C beside the kernel
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("robot", ROBOTS)
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_c_gives_what_the_kernel_gives(robot, dtype, tmp_path):
@@ -315,6 +321,7 @@ def test_a_ring_that_does_not_close_near_every_random_position(tmp_path):
     passes(tmp_path, "numpy", "semi_implicit_step")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("language", "closed"), [("c", False), ("javascript", True), ("matlab", True), ("numpy", False)]
 )
@@ -438,6 +445,7 @@ def test_the_vectors_of_a_kernel_with_inputs_are_near_the_robots_own_numbers(tmp
     assert [names["numbers"][word] for word in listed] == list(kernel.parameters)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "bricard"])
 def test_rates_and_forces_of_loops_in_32_bits(name, tmp_path):
     """Of Bricard's loop one equation follows from the others, as exactly as numbers of 32 bits
@@ -500,6 +508,7 @@ WORDS = (
 )  # fmt: skip
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", [x for x in LANGUAGES if x != "jax"])  # its words are NumPy's
 def test_arguments_that_are_called_like_the_languages_own_words(language, tmp_path):
     inputs = [Argument(word, (2,)) for word in WORDS]

@@ -45,6 +45,7 @@ QUANTITIES = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "names", "options"), QUANTITIES.values(), ids=QUANTITIES)
 def test_the_kernels_own_numbers_bit_by_bit(robot, names, options):
     model = fb.load(robot)
@@ -91,6 +92,7 @@ SHAPES = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("shapes", SHAPES.values(), ids=SHAPES)
 def test_batches_broadcast(shapes):
     model = fb.load("2R")
@@ -152,6 +154,7 @@ DERIVED = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "name"), DERIVED.values(), ids=DERIVED)
 def test_derivatives_forward_and_reverse(robot, name):
     """Against central differences of the kernel; by all nq entries of q, also off unit
@@ -368,6 +371,7 @@ def test_the_gradient_through_a_simulation():
     np.testing.assert_allclose(reverse, moved, rtol=1e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "right"), [("implicit_step", True), ("semi_implicit_step", False)]
 )

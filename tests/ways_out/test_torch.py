@@ -110,6 +110,7 @@ def quantities():
     }  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", [
     "inverse dynamics", "forward dynamics, with a wrench", "a free base, by quaternions",
     "a closed chain",
@@ -128,6 +129,7 @@ def test_gradcheck(case):
     assert torch.autograd.gradcheck(f, given, check_forward_ad=True, eps=1e-6, atol=1e-4)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "case",
     ["inverse dynamics", "a free base, by quaternions", "a closed chain", "numbers of the robot"],
@@ -248,6 +250,7 @@ def test_numbers_of_the_robot_are_differentiated_by_name():
 
 
 # ---------------------------------------------------------------- graphs
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("backend", ["eager", "aot_eager"])
 def test_in_a_compiled_function(backend):
     from torch.func import vmap

@@ -30,7 +30,7 @@ from freebody.any_chain.effort_limits import Followers, effort_limits, followers
 from freebody.arrays import Array
 from freebody.model.losses import lossy_joints
 from freebody.model.model import Model
-from freebody.motion.intervals import Interval
+from freebody.motion.intervals import Interval, for_each
 from freebody.motion.motion import Motion
 from freebody.motion.ranges import CLOSE, Flags, angular, ranges
 from freebody.motion.smooth_friction import (
@@ -104,18 +104,20 @@ class _LimitedTorques:
     limits: Array
     time: Array
     at: Callable[[Any], Any]
-    """Torques at a pace, or those that occur at the paces of an interval."""
+    """Torques at a pace, or those that occur at the paces of an interval; (K, T, n) at K of
+    them."""
     ways: list[tuple[list[Array], list[Array]]] | None
 
     @property
     def bound(self) -> Array:
         return self.limits * (1.0 + CLOSE)
 
-    def kept(self, slow: float, fast: float) -> bool:
-        """Whether the limits are surely kept at all paces from one to another."""
+    def kept(self, slow: Array, fast: Array) -> Flags:
+        """(K,) whether the limits are surely kept at all paces from slow (K,) to fast (K,)."""
         torques = self.at(Interval(slow, fast))
         sizes = torques.size if isinstance(torques, Interval) else np.abs(torques)
-        return bool((sizes <= self.bound).all())
+        within = (sizes <= self.bound).all(axis=(-2, -1))
+        return np.broadcast_to(within, slow.shape)
 
 
 def limited(
@@ -190,7 +192,7 @@ def _own_torques(model: Model, data: MotionTorques, effort: Array) -> _LimitedTo
         angular(model)[some],
         effort[some],
         _array(data, "time"),
-        lambda k: torque(k)[:, some],
+        lambda k: torque(k)[..., some],
         None if changing else ways,
     )
 
@@ -214,13 +216,13 @@ def _followers_torques(
     changing = ChangingFriction(freed, own, own_rates)
     viscous = viscous_torque(freed, own, own_rates)[:, columns]
     a, b = 0.5 * (forth + back) - still, 0.5 * (forth - back) + viscous
-    c = still + rubbing(1.0) - viscous - changing.at_pace(1.0)[:, columns]
+    c = still + rubbing(1.0) - viscous - changing.at_pace(1.0)[..., columns]
     return _LimitedTorques(
         following.names,
         angular(freed)[columns],
         following.limits,
         _array(data, "time"),
-        lambda k: (a * k + b) * k + c + changing.at_pace(k)[:, columns],
+        lambda k: (a * (pace := for_each(k, 2)) + b) * pace + c + changing.at_pace(k)[..., columns],
         None if changing.acts else [([a, b, c], [0.0 * a, 0.0 * a, 0.0 * a + 1.0])],
     )
 
@@ -238,9 +240,13 @@ def pace(runs: Sequence[LimitedMotion]) -> Pace:
         low, high = (np.concatenate(side) for side in zip(*ends, strict=True))
         factor = _within(low, high, quickest)
     else:
-        factor = _searched(
-            lambda slow, fast: all(part.kept(slow, fast) for part in torques), quickest
-        )
+        numbers = max(part.time.size * part.limits.size for part in torques)
+        together = int(np.clip(_NUMBERS / max(numbers, 1), *_TOGETHER))
+
+        def keeps(slow: Array, fast: Array) -> Flags:
+            return np.logical_and.reduce([part.kept(slow, fast) for part in torques])
+
+        factor = _searched(keeps, quickest, together)
     if not np.isfinite(factor):
         return Pace(factor)
     found = [x for run in runs for x in _used(run, factor)]
@@ -267,17 +273,17 @@ def _array(data: MotionTorques, name: str) -> Array:
 
 
 def _torque_at(model: Model, data: MotionTorques) -> Callable[[Any], Any]:
-    """k -> the torques (T, nv) at a pace, or those that occur at the paces of an interval; at 0
-    those of slow motion."""
+    """k -> the torques (T, nv) at a pace, or those that occur at the paces of an interval, (K, T,
+    nv) at K of them; at 0 those of slow motion."""
     (a, b, c), sent = parts(model, data), _transmitted(model, data)
     q, qd = _array(data, "q"), _array(data, "qd")
     changing = ChangingFriction(model, q, qd)
     constant = c - changing.at_pace(1.0)
 
     def torque(k: Any) -> Any:
-        square, linear, held = sent
-        lost = lost_torque(model, qd, (square * k + linear) * k + held)
-        return (a * k + b) * k + constant + changing.at_pace(k) + lost
+        (square, linear, held), pace = sent, for_each(k, 2)
+        lost = lost_torque(model, qd, (square * pace + linear) * pace + held)
+        return (a * pace + b) * pace + constant + changing.at_pace(k) + lost
 
     return torque
 
@@ -380,36 +386,41 @@ def _positive(a: Array, b: Array, c: Array) -> list[tuple[Array, Array]]:
     return [(first_low, first_high), (second_low, second_high)]
 
 
-def _searched(keeps: Callable[[float, float], bool], quickest: float) -> float:
+def _searched(keeps: Callable[[Array, Array], Flags], quickest: float, together: int) -> float:
     """The pace as of `_within`; keeps: whether all paces from one to another are surely within all
-    limits of torque."""
+    limits of torque, asked of `together` pairs of paces at a time."""
     start = min(1.0, quickest)
-    if keeps(start, start):
-        return start if start < 1.0 else _reached(keeps, quickest)
+    if keeps(np.array([start]), np.array([start]))[0]:
+        return start if start < 1.0 else _reached(keeps, quickest, together)
     bad = start
     while bad > 1.0 / _FASTEST:
-        good = bad / _STEP
-        if keeps(good, good):
-            return _edge(keeps, good, bad)
-        bad = good
+        slower = bad / _STEP ** np.arange(1.0, together + 1)
+        kept = keeps(slower, slower)
+        if kept.any():
+            first = int(np.argmax(kept))
+            return _edge(keeps, slower[first], slower[first - 1] if first else bad, together)
+        bad = float(slower[-1])
     return 0.0
 
 
-def _reached(keeps: Callable[[float, float], bool], quickest: float) -> float:
-    """The pace up to which all from 1 are surely within the limits, in steps as long as that can be
-    told of: where they become very short, a limit is reached."""
-    good, step = 1.0, _STEP - 1.0
-    while good < quickest:
-        if good > _FASTEST:
-            return good
-        k = min(good * (1.0 + step), quickest)
-        if keeps(good, k):
-            good, step = k, 2.0 * step
-        elif step > _FINEST:
-            step *= 0.25
-        else:
-            return good
-    return quickest
+def _reached(keeps: Callable[[Array, Array], Flags], quickest: float, together: int) -> float:
+    """The pace up to which all from 1 are surely within the limits. A piece of which that cannot be
+    told is cut into smaller ones; where they become very short, a limit is reached."""
+    last = min(quickest, _FASTEST)
+    ends = np.geomspace(1.0, last, together + 1)
+    left = [(ends, keeps(ends[:-1], ends[1:]))]  # pieces of which it is known; the slowest last
+    while left:
+        ends, kept = left.pop()
+        if kept.all():
+            continue
+        first = int(np.argmin(kept))
+        slow, fast = ends[first], ends[first + 1]
+        if fast - slow <= _FINEST * slow:
+            return float(slow)
+        left.append((ends[first + 1 :], kept[first + 1 :]))
+        pieces = np.linspace(slow, fast, together + 1)
+        left.append((pieces, keeps(pieces[:-1], pieces[1:])))
+    return float(last)
 
 
 _STEP = 1.005
@@ -417,13 +428,24 @@ _FINEST = 1e-10
 _FASTEST = 1e4
 """A pace beyond which no motion is looked at; its inverse is one below which none is."""
 
+_TOGETHER = (4, 64)
+"""At least and at most so many pieces at a time: the fewer calls, the more work for nothing."""
 
-def _edge(keeps: Callable[[float, float], bool], good: float, bad: float) -> float:
+_NUMBERS = 2e5
+"""Torques that are computed at a time; they stay in the processor's caches."""
+
+
+def _edge(keeps: Callable[[Array, Array], Flags], good: float, bad: float, together: int) -> float:
     """The largest pace found that is within all limits, between one that is and one that is not."""
     while bad - good > 1e-9 * good:
-        k = 0.5 * (good + bad)
-        good, bad = (k, bad) if keeps(k, k) else (good, k)
-    return good
+        between = np.linspace(good, bad, together + 2)[1:-1]
+        kept = keeps(between, between)
+        last = int(np.max(np.flatnonzero(kept), initial=-1))
+        good, bad = (
+            between[last] if last >= 0 else good,
+            between[last + 1] if last + 1 < together else bad,
+        )
+    return float(good)
 
 
 def _within(low: Array, high: Array, quickest: float) -> float:

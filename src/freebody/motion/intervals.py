@@ -30,6 +30,11 @@ class Interval:
         """The largest size of its numbers."""
         return np.maximum(np.abs(self.low), np.abs(self.high))
 
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """That of its bounds together."""
+        return np.broadcast_shapes(np.shape(self.low), np.shape(self.high))
+
     def __getitem__(self, index: Any) -> Interval:
         return Interval(self.low[index], self.high[index])
 
@@ -163,6 +168,13 @@ _FUNCTIONS: dict[str, Callable[..., Interval]] = {
     "sin": _wave(np.sin, 0.5 * np.pi),
     "cos": _wave(np.cos, 0.0),
 }
+
+
+def for_each(x: Any, axes: int) -> Any:
+    """A number as it is; an array or an interval of several with so many axes behind its own, for
+    each of which arrays of these axes are computed."""
+    several = getattr(x, "shape", ())
+    return x[(..., *(None,) * axes)] if several else x
 
 
 def side_by_side(columns: Sequence[Any], shape: tuple[int, ...]) -> Any:

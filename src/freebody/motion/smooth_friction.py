@@ -19,7 +19,7 @@ from freebody.model.drives import LAWS, DriveLaw
 from freebody.model.drives.acting import DriveScalars
 from freebody.model.losses import require_lossless
 from freebody.model.model import Model
-from freebody.motion.intervals import side_by_side
+from freebody.motion.intervals import for_each, side_by_side
 
 WIDTH = FRICTION_WIDTH
 """rad/s or m/s: sticking creeps at rates below this."""
@@ -143,17 +143,18 @@ class ChangingFriction:
 
     def at_pace(self, k: Scalar) -> Scalar:
         """Its torque (T, nv) where the motion is run k times as fast, or at the paces of an
-        interval k above 0; for 0 the limit of slow motion."""
+        interval k above 0, (K, T, nv) at K of them; for 0 the limit of slow motion."""
         found: list[Scalar] = [0.0] * self.qd.shape[-1]
         q, rates = _columns(self.q, self.qd)
         signs = tuple(np.sign(rate) for rate in rates)
-        fast = tuple(k * rate for rate in rates)
+        pace = for_each(k, 1)
+        fast = tuple(pace * rate for rate in rates)
         for drive in self.drives:
             (sense,) = drive.at.rates(q, signs)
             moving = replace(drive, sign=lambda law, rate, sense=sense: np.sign(sense))
             v = drive.at.v[0]
             found[v] = found[v] + drive.at.felt(q, moving.torque(q, fast))
-        return side_by_side(found, self.qd.shape[:-1])
+        return side_by_side(found, (*getattr(k, "shape", ()), *self.qd.shape[:-1]))
 
 
 def _changes(law: DriveLaw) -> bool:
@@ -195,7 +196,7 @@ def lost_torque(model: Model, qd: Array, transmitted: Scalar) -> Scalar:
             k = body.coordinates.v[0]
             sent = transmitted[..., k]
             found[k] = body.drive.lost_part(tuple(np.moveaxis(qd, -1, 0)), sent) * sent
-    return side_by_side(found, qd.shape[:-1])
+    return side_by_side(found, transmitted.shape[:-1])
 
 
 def lost_parts(model: Model) -> tuple[Array, Array]:

@@ -35,6 +35,7 @@ def own(model, found, q):
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [0, 1, pytest.param(2, marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", POSES)
 @pytest.mark.usefixtures("numpy_kernels")
@@ -94,6 +95,7 @@ def test_position_and_orientation_alone(word):
         assert own(model, k(T), q).max() < 1e-6
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur5e", "puma560", "scara", "panda", "iiwa14"])
 def test_bundled(name):
     """Compiled, in 64 and 32 bits; the same as the formula over arrays."""
@@ -121,6 +123,7 @@ SINGULAR = {
 }
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("name", ["ur5e", "puma560"])
 @pytest.mark.parametrize("where", SINGULAR)
 @pytest.mark.parametrize("away", [0.0, 1e-12, 1e-9, 1e-7, 1e-4])
@@ -200,6 +203,7 @@ def test_what_has_none():
     assert k(T)[1].sum() == 8
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "language"), [("ur5e", "c"), ("panda", "javascript")])
 def test_exports(name, language, tmp_path):
     """As C and JavaScript, by their own tests."""
@@ -232,6 +236,7 @@ def test_derivatives_of_branches():
         assert np.abs(fb.jacobian(ur, x) @ slope - np.eye(6)[:, :3]).max() < 1e-9
 
 
+@pytest.mark.sample(11)
 @pytest.mark.parametrize("seed", range(40))
 def test_right_angles_and_axes_that_fall_together(seed):
     """Arms of right angles, many of which have joints that repeat each other: either the recipe
@@ -303,6 +308,7 @@ def test_whole_turns_by_the_kernel():
                 assert not (inside & (x < low)).any()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["panda", "iiwa14"])
 def test_redundancy(name):
     """All branches for a position of the joint that is given, one or many; without it, of each

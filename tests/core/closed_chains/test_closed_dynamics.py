@@ -61,6 +61,7 @@ def drives(model: Model) -> Model:
     return model
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=[pytest.mark.long] * (x == "stewart")) for x in ALL]
 )
@@ -83,6 +84,7 @@ def test_forth_and_back(name):
     close(by_motion.tau, needed, 1e-12, 1.0)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ALL)
 def test_more_drives_than_freedoms(name):
     """Every joint drives: the same motion, and no torques that do the same are smaller."""
@@ -116,6 +118,7 @@ def test_too_few_drives(name):
         fb.static_torque(model.replace(actuated=few), q)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", ALL)
 def test_static_torque_by_virtual_work(name):
     """τ · δθ = δV - w · δx in every motion that the loops allow, V and x followed along it."""
@@ -138,6 +141,7 @@ def test_static_torque_by_virtual_work(name):
 
 
 # ---------------------------------------------------------------- motion
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ALL)
 def test_energy_and_power(name):
     """Free: energy stays. Driven: it grows by the work of the drives. The loops stay closed, to
@@ -168,6 +172,7 @@ def _pieces(x: np.ndarray, h: float) -> np.ndarray:
 
 
 # ---------------------------------------------------------------- the tip by the drives
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name", ["five_bar", "five_bar_rods", "3RRR", "stewart", "four_bar", "slider_crank"]
 )

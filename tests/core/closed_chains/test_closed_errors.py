@@ -385,6 +385,7 @@ def states(model: Model, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return q, qd, rng.normal(size=(n, model.nv))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", CLOSED)
 def test_batches_are_their_samples(name):
     model = all_driven(fb.load(name))
@@ -412,6 +413,7 @@ def test_batches_are_their_samples(name):
     assert many.shape == (6, model.nv)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["four_bar", "stewart"])
 def test_no_samples_give_no_results(name):
     model = fb.load(name)

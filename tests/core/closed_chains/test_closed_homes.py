@@ -87,6 +87,7 @@ def from_home(model: Model, q: np.ndarray | None) -> Model:
     return dataclasses.replace(model, home=home)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "count", [1, 2, 6, 8, *(pytest.param(n, marks=pytest.mark.long) for n in (7, 13, 20, 40))]
 )
@@ -203,6 +204,7 @@ def examine(seed: int) -> bool:
     return True
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize("seed", range(16))
 def test_answers_do_not_depend_on_the_home(seed):
@@ -292,6 +294,7 @@ def test_machines_keep_their_loops_and_energy_from_any_home(name):
 
 
 # ---------------------------------------------------------------- at rest, near a change point
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("digits", "angle"), [(4, 0.1), (4, 0.15), (6, 0.03), (None, 1e-3)])
 def test_near_a_change_point_what_is_held_stays_and_what_is_let_go_falls(digits, angle):
     """At rest no velocity tells the branch; the equations do, until rounding leaves nothing."""

@@ -24,6 +24,7 @@ CLOSED = [
 ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", CLOSED)
 def test_a_kernel_is_the_function(name: str):
     model = fb.load(name)
@@ -54,6 +55,7 @@ def test_wrenches_on_frames():
     np.testing.assert_allclose(kernel(q, still, still, load), expected, rtol=1e-12)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("every", [False, True], ids=["own drives", "all driven"])
 @pytest.mark.parametrize("name", CLOSED)
 def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
@@ -90,6 +92,7 @@ def test_torques_of_the_drives_do_what_the_tree_needs(name: str, every: bool):
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "bricard", "double_four_bar", "flat", "stewart"])
 def test_multipliers_are_the_smallest_that_do_what_the_drives_do_not(name: str):
     """By singular values; where equations depend on one another too. `flat`: ten equations of rank

@@ -221,6 +221,7 @@ def states(model: Model, samples: int = 4) -> tuple[np.ndarray, np.ndarray]:
     return q, fb.loop_velocity(model, q, rng.normal(size=(samples, model.nv)))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "last_first"), OTHERS)
 def test_parts_move_by_their_own_equations(name: str, last_first: bool):
     """Under torques of the drives and a load; a batch is its samples, to the last bit."""
@@ -248,6 +249,7 @@ def test_parts_move_by_their_own_equations(name: str, last_first: bool):
     np.testing.assert_array_equal(fb.forward_dynamics(model, q, qd, tau, loads), qdd)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name", ["watt", "scissor_lift", "parallelogram", "sarrus", "spherical_four_bar"]
 )

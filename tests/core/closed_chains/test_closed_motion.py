@@ -153,6 +153,7 @@ def four_bar(path: Path, lengths: tuple[float, ...], home: float) -> fb.Model:
     return fb.load(path)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("lengths", "home"),
     [

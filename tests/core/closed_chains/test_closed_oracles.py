@@ -230,6 +230,7 @@ def pinocchio_twin(model: Model):
     return twin, q, v, frames
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_beside_pinocchio(name):
     """Its constrained dynamics on the loops as contacts: of a ball 3D, of a pin 6D less the turn

@@ -27,6 +27,7 @@ def five_bar() -> fb.Model:
     return fb.load("five_bar")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", PLANS)
 def test_driven_joints_move_as_those_of_an_arm_and_the_loops_stay_closed(name: str):
     plan, limits = PLANS[name]
@@ -111,6 +112,7 @@ def test_what_cannot_be_is_refused(case: int):
     assert told in str(problem.value)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "stewart"])
 def test_a_file_is_read_as_it_was_planned(tmp_path: Path, name: str):
     model = fb.load(name)

@@ -28,6 +28,7 @@ def _states(name: str, samples: int = 9):
     return model, motion.q, motion.qd
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_the_nearest_that_keep_the_loops_closed(name: str):
     """x - given has no part along any motion, over angular rates, and Φ_q x = c."""
@@ -45,6 +46,7 @@ def test_the_nearest_that_keep_the_loops_closed(name: str):
             close(x / scale, expected, 1e-11, 1.0 + np.abs(expected).max())
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_few_rates_tell_the_others(name: str):
     model, q, qd = _states(name)
@@ -77,6 +79,7 @@ def test_single_calls_and_batches_are_one(name: str):
         )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_numbers_of_32_bits_tell_rates_and_forces_too(name: str):
     """What is allowed to be left of equations is measured by their rounding, not by that of 64

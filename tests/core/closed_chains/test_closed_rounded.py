@@ -73,6 +73,7 @@ def exact_cranks(angle: float, rate: float) -> tuple[np.ndarray, np.ndarray]:
     return np.array([angle, SLOPE - angle, angle, angle]), rate * np.array([1.0, -1.0, 1.0, 1.0])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("digits", DIGITS)
 @pytest.mark.parametrize(
     "angle", [1.1, 0.9, 2.2, np.pi / 2 + SLOPE, -1.3, -np.pi / 2 + SLOPE, -2.0]
@@ -115,6 +116,7 @@ def test_three_rounded_cranks_fall(digits):
     assert np.abs(energy - energy[0]).max() < max(1e-7, 10.0**-digits) * float(np.abs(energy).max())
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("digits", "within"), [(9, 1e-6), (4, 2e-3)])
 def test_three_rounded_cranks_pass_their_change_point(digits, within):
     """Where all cranks lie along the ground the machine is singular; rounding must not throw it
@@ -129,6 +131,7 @@ def test_three_rounded_cranks_pass_their_change_point(digits, within):
     close(motion.q.values, meant.q.values, within, 1.0)  # rad
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("digits", DIGITS)
 def test_bricards_loop_with_rounded_lengths_and_twists(digits):
     rng = np.random.default_rng(digits)
@@ -158,6 +161,7 @@ def four_bar(turn: str) -> Model:
     return loaded(four_bar_text(TURN[turn]))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("turn", ["1.570796327", "1.5708", "1.571"])
 @pytest.mark.parametrize("crank", [1.0, 2.5, -0.4])
 def test_a_four_bar_with_rounded_right_angles_moves_as_the_one_that_is_meant(turn, crank):
@@ -190,6 +194,7 @@ def test_a_four_bar_with_rounded_right_angles_moves_as_the_one_that_is_meant(tur
     assert np.array_equal(forces.determined, meant_forces.determined)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("turn", ["1.570796327", "1.5708", "1.571"])
 def test_a_four_bar_with_rounded_right_angles_falls(turn):
     t = np.linspace(0.0, 0.6, 7)

@@ -21,6 +21,7 @@ def _state(name: str, samples: int = 9):
     return model, motion.q, motion.qd, motion.qdd
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_family_of_one_geometry_is_its_members(name: str):
     model, q, qd, qdd = _state(name)
@@ -46,6 +47,7 @@ def test_a_family_of_one_geometry_is_its_members(name: str):
             close(found[:, k], expected, 1e-12, np.abs(expected).max(), label)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("step", ["semi_implicit_step", "rk4_step", "implicit_step"])
 def test_steps_of_a_family_are_those_of_its_members(step: str):
     model, q, qd, _ = _state("five_bar")
@@ -87,6 +89,7 @@ def test_families_of_other_lengths_are_refused():
             call(model.bind(l1=[0.2, 0.21]), q[0], qd[0], 0.0 * qdd[0])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_what_the_loops_do_not_allow_is_refused_in_any_batch(name: str):
     """Also where a batch is a product of two, so that there are more results than inputs."""
@@ -152,6 +155,7 @@ def test_a_torque_at_a_passive_joint_is_refused_quickly_too():
             fb.forward_dynamics(model, *batch)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_sample_does_not_depend_on_its_neighbours(name: str):
     model, q, qd, qdd = _state(name, 9)

@@ -20,6 +20,7 @@ def swing(name: str) -> tuple[Model, State, np.ndarray]:
     return model, (motion.q[8], motion.qd[8]), torque
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["four_bar", "five_bar", "bricard"])
 def test_order(name: str):
     model, start, tau = swing(name)
@@ -30,6 +31,7 @@ def test_order(name: str):
         assert np.log2(rough / fine) == pytest.approx(order, abs=0.25), method
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name",
     [
@@ -70,6 +72,7 @@ def test_double_four_bar_to_its_tenth_second():
         assert np.abs(np.array([np.cos(theta), np.sin(theta)]) - tip).max() < 1e-10
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", METHODS)
 def test_dependent_equations_are_left_out(method: str):
     plane = fb.load("double_four_bar")

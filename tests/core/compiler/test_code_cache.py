@@ -64,6 +64,7 @@ def test_off_means_off(store, monkeypatch):
     assert not store.exists()
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "damage",
     [

@@ -393,6 +393,7 @@ def test_a_law_with_the_dynamics_inside():
     np.testing.assert_allclose(by_qd, of_qd - 4.0 * M, rtol=1e-11, atol=1e-11)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("robot", "name", "options"),
     [

@@ -347,6 +347,7 @@ def test_a_function_holds_the_last_argument():
     assert sys.getrefcount(p) == before - 1
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("size", [1, 7, 8, 9, 16, 21])
 def test_a_checked_call_sees_every_entry_that_is_not_finite(size, dtype):
@@ -395,6 +396,7 @@ def _several(count: int, dtype: str) -> Kernel:
     )
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("count", [1, 2, 7, 16, 33])
 def test_a_short_batch_goes_the_quick_way_whatever_is_common_to_it(monkeypatch, count, dtype):
@@ -462,6 +464,7 @@ def test_a_checked_batch_is_seen_to_its_last_entry(dtype):
             assert checked(wrong) is None, (row, entry)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("batch", [(), (1,), (7,), (300,), (40_000,), (2, 3)])
 def test_other_numbers_answer_as_their_copies_in_float64(batch: tuple[int, ...]):
     """Lists, whole numbers, float32 and arrays with gaps: bit for bit, in float64, whatever was

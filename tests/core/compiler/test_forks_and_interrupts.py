@@ -66,6 +66,7 @@ assert status == 0, status
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 @pytest.mark.parametrize("target", ["cpu", "numpy"])
 def test_a_child_forked_while_another_thread_traces_goes_on(target):
@@ -102,6 +103,7 @@ assert status == 0, status
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there is no fork")
 @pytest.mark.parametrize(
     ("use", "slow", "stage"),
@@ -180,6 +182,7 @@ assert [y for _, y in made] == [by for by, _ in made] and len(made) == 4, made
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "place", ["kernel.verify", "llvm.parse_assembly", "threading.Thread.start"]
 )

@@ -117,6 +117,7 @@ def test_ten_thousand_kernels_come_and_go():
     assert resident() < filled + 10 * 2**20  # 1 kB each, of which the allocator's own gaps are most
 
 
+@pytest.mark.sample(1)
 @ON_LINUX
 @pytest.mark.parametrize(
     "way",
@@ -247,6 +248,7 @@ sys.keep = owner  # of all modules, this one goes last
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("how", ENDS)
 def test_the_interpreter_ends_in_peace(how):
     done = run(MAKE + ENDS[how])

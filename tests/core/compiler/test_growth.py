@@ -47,6 +47,7 @@ def test_each_joint_costs_the_same(quantity: str):
     assert costs.max() <= 1.03 * costs.min(), costs
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("quantity", "joints"), SQUARE.items())
 def test_each_joint_costs_as_much_more_than_the_one_before(quantity: str, joints: range):
     """What a further joint costs grows by the same amount: the square of their number, and no

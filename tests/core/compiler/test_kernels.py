@@ -41,6 +41,7 @@ from support.programs import (
 pytestmark = pytest.mark.usefixtures("memory_only")
 
 
+@pytest.mark.sample(4)
 @every_target
 @pytest.mark.parametrize("seed", range(6))
 def test_kernels_agree_with_floats(target, width, seed):
@@ -138,6 +139,7 @@ def test_nothing_outside_an_array_is_written(width):
         assert (wide[:, [0, 5]] == 7.0).all()
 
 
+@pytest.mark.sample(8)
 @pytest.mark.skipif(sys.platform == "win32", reason="mprotect")
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("size", [1, 3, 5, 6, 7, 8, 9, 13])
@@ -193,6 +195,7 @@ def test_every_batch_split_gives_the_same_bits(target, width):
     assert same_bits(compiled(*(a[order] for a in arrays)), tuple(w[order] for w in whole))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(4))
 def test_every_width_gives_the_same_to_rounding(seed):
     arrays = samples(19, seed)
@@ -210,6 +213,7 @@ WAYS_IN = {
 }
 
 
+@pytest.mark.sample(29)
 @pytest.mark.parametrize("way", WAYS_IN)
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("count", [1, 2, 3, 7, 11, 130])

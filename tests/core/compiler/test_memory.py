@@ -93,6 +93,7 @@ else:
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(sys.platform != "linux", reason="asks Linux how much memory a process has")
 @pytest.mark.parametrize(
     ("room", "before", "words"),

@@ -72,6 +72,7 @@ def test_every_target_knows_every_operation(name):
     assert not [target for target, table in tables.items() if name not in table]
 
 
+@pytest.mark.sample(13)
 @every_target
 @pytest.mark.parametrize("name", sorted(OPERATIONS))
 def test_every_target_computes_what_the_operation_is(name, target, width):
@@ -91,6 +92,7 @@ def test_every_target_computes_what_the_operation_is(name, target, width):
     np.testing.assert_allclose(found, expected, rtol=2e-15, atol=0.0)
 
 
+@pytest.mark.sample(12)
 @every_target
 @pytest.mark.parametrize("name", CHOICES)
 def test_choices_are_exact_everywhere(name, target, width):
@@ -123,6 +125,7 @@ def test_choices_are_exact_in_32_bits(name):
     np.testing.assert_array_equal(compile_program(program, dtype="float32")(*columns), expected)
 
 
+@pytest.mark.sample(9)
 @every_target
 @pytest.mark.parametrize("name", NAMED)
 def test_a_sample_that_is_not_finite_has_nan_whatever_is_chosen(name, target, width):
@@ -159,6 +162,7 @@ def test_nan_that_arises_inside_is_not_hidden_by_minimum_and_maximum(target, wid
     np.testing.assert_array_equal(results, [[np.nan, 1.0], [np.nan, 2.0], [0.0, 0.0], [2.0, 2.0]])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_a_choice_by_a_comparison_takes_its_truth_values(width):
     """In one instruction; as exact where the comparison is a result too, or comes from

@@ -49,6 +49,7 @@ def states(model: fb.Model) -> dict[str, dict[str, Any]]:
     }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")  # of overflows, which are meant
 @pytest.mark.parametrize("optimised", [0, pytest.param(2, marks=pytest.mark.long)], indirect=True)
 @pytest.mark.parametrize("name", ["2R", "quadrotor", "four_bar"])
@@ -83,6 +84,7 @@ def test_an_overflow_is_refused_by_every_call_alike():
     assert said == {"bias: qd reaches 1e+260; the result overflows. Check its units."}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["2R", "ur5e", "quadrotor"])
 def test_a_batch_has_the_bits_of_its_samples(name):
     model = fb.load(name)

@@ -46,6 +46,7 @@ MARKS = {"_fltused"}
 """Names without use: on Windows it says that there are floating-point numbers."""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.skipif(NM is None, reason="needs llvm-nm, which reads every format of objects")
 @pytest.mark.parametrize("machine", MACHINES)
 def test_the_loader_provides_what_kernels_ask_for(machine: str, tmp_path: Path):

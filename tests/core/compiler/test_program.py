@@ -434,6 +434,7 @@ def test_threads_change_nothing():
     assert_close(alone, PLAIN(*given), 1e-13)
 
 
+@pytest.mark.sample(1)
 @every_width
 def test_many_numbers_and_large_angles(width):
     count = 1003
@@ -512,6 +513,7 @@ def test_uniform_factors_are_multiplied_once():
     assert passes.gather_factors(plain) is plain
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("flags", [(True, False, False), (False, True, True), (True, True, True)])
 @pytest.mark.parametrize("seed", range(2))
 def test_uniform_inputs_change_nothing_but_roundings(seed, flags):

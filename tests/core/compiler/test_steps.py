@@ -41,6 +41,7 @@ def motion(seed: int, dim: int) -> tuple[State, np.ndarray, np.ndarray, State]:
     return (q, qd), tau, load, (true["q"].values[-1], true["qd"].values[-1])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("seed", "dim"), TREES.values(), ids=list(TREES))
 def test_order(seed: int, dim: int, method: str):
@@ -52,6 +53,7 @@ def test_order(seed: int, dim: int, method: str):
     assert np.log2(rough / fine) == pytest.approx(METHODS[method], abs=0.15)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("seed", "dim"), TREES.values(), ids=list(TREES))
 def test_semi_implicit_euler_by_hand(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -65,6 +67,7 @@ def test_semi_implicit_euler_by_hand(seed: int, dim: int):
     )
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("seed", range(30))
 def test_a_short_step_is_the_acceleration(seed: int):
     """Of every kind of joint, coordinates that move several among them; by the formulas on plain
@@ -80,6 +83,7 @@ def test_a_short_step_is_the_acceleration(seed: int):
         )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", [*METHODS, "implicit_feedback_step"])
 def test_a_kernel_is_the_formula(method: str):
     model = generate.model(14)

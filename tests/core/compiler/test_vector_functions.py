@@ -177,6 +177,7 @@ def errors(name, kernel, columns):
                 yield float(abs(exact - row[0]) / math.ulp(nearest)), row
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("name", LARGEST)
 def test_within_the_stated_error(name, width):
@@ -215,6 +216,7 @@ def test_within_the_stated_error_everywhere(name):
     assert worst <= LARGEST[name], row
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("width", [2, 4, 8])
 @pytest.mark.parametrize("name", LARGEST)
 def test_special_values_are_those_of_c(name, width):
@@ -252,6 +254,7 @@ def test_special_values_are_those_of_c(name, width):
     np.testing.assert_allclose(found[number], expected[number], rtol=5e-16, atol=5e-324)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", LARGEST)
 def test_functions_stand_in_long_programs(name):
     """Many calls, in several segments, beside sines: the same bits as one call of each."""
@@ -353,6 +356,7 @@ def both(width):
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_sine_and_cosine_within_two_ulp(width):
     rng = np.random.default_rng(1)
@@ -374,6 +378,7 @@ def test_sine_and_cosine_within_two_ulp(width):
         assert ulps(c, cosine) <= 2, value
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_sine_and_cosine_of_large_arguments(width):
     rng = np.random.default_rng(2)

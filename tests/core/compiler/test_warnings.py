@@ -29,6 +29,7 @@ CALLS: dict[str, Callable[[], object]] = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", CALLS)
 def test_a_warning_names_the_line_that_called(name):
     with warnings.catch_warnings(record=True) as told:

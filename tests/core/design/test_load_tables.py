@@ -25,6 +25,7 @@ def test_a_turntable_by_hand():
     assert np.allclose(more, [0.0, 5.0, -2.0, 1.0, 0.0, 0.0], atol=1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur5e", "3RRR"])
 def test_the_floor_carries_the_whole_robot(name: str):
     """Force and moment are the weight less the rate of momentum, about the base, of open and closed

@@ -44,6 +44,7 @@ def test_a_stop_without_gravity_by_hand():
     assert float(of.momentary_share) == pytest.approx(1.2 * a / 300.0)
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("load", [-60.0, -20.0, 0.0, 30.0, 74.0])
 @pytest.mark.parametrize("back", [0.5, 0.9])
 def test_stops_step_by_step(load: float, back: float):

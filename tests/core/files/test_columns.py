@@ -25,6 +25,7 @@ BY_COLUMNS = [name for name, formula in FORMULAS.items() if formula.by_columns]
 INPUTS = {"q": 0, "qd": 1, "qdd": 2, "tau": 2}
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("model_name", MODELS)
 @pytest.mark.parametrize("name", BY_COLUMNS)
 def test_columns_equal_the_whole(model_name, name):
@@ -156,6 +157,7 @@ def test_several_quantities_of_a_long_chain(monkeypatch):
         kernel(q)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("model_name", MODELS)
 def test_second_derivatives_are_differences_of_first_ones(model_name):
     model = MODELS[model_name]()

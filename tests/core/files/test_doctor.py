@@ -178,11 +178,13 @@ def texts() -> list[str]:
     return [(ROBOTS / name).read_text(encoding="utf-8") for name in GOOD]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", GOOD)
 def test_good_files_have_no_error(name):
     assert [x for x in fb.doctor(ROBOTS / name).findings if x.severity == "error"] == []
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("number", range(len(FAULTS)), ids=lambda k: f"{k} {FAULTS[k].kind}")
 def test_planted_faults_are_found_where_they_are_and_mended(number, tmp_path):
     fault, good, path = FAULTS[number], texts(), tmp_path / "arm.urdf"
@@ -293,6 +295,7 @@ WHOLE = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(11)
 @pytest.mark.parametrize("kind", WHOLE)
 def test_faults_of_whole_robots(kind, tmp_path):
     path = tmp_path / "arm.urdf"
@@ -505,6 +508,7 @@ def test_a_file_that_is_only_refused_says_why(tmp_path):
         fb.doctor(path)
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("kind", "suffix"),
     [("urdf", ".urdf"), ("xacro", ".xacro"), ("sdf", ".sdf"), ("toml", ".toml"), ("dh", ".csv")],

@@ -390,6 +390,7 @@ def round_trip(model: Model) -> None:
     same_model(model, fb.load("written.toml", physical="ignore"))
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize("name", list(fb.models()))
 def test_bundled_models_survive_writing(name: str):
     model = fb.load(name, physical="ignore")
@@ -401,6 +402,7 @@ def test_bundled_models_survive_writing(name: str):
         round_trip(fb.load(name, base="free"))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", [name for name in FILES if name not in REFUSED])
 def test_real_files_survive_writing(name: str):
     round_trip(fb.load(ROBOTS / name, physical="ignore"))

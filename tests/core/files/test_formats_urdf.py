@@ -42,6 +42,7 @@ def said(model: Model, kind: str) -> list[str]:
 
 
 # ---------------------------------------------------------------- every real file, beside Pinocchio
+@pytest.mark.sample(8)
 @pytest.mark.parametrize("base", ["fixed", "free"])
 @pytest.mark.parametrize("name", FILES)
 def test_real_file_as_pinocchio_reads_it(name: str, base: str):
@@ -89,6 +90,7 @@ def same_body(model: Model, index: int, placement, inertia) -> None:
     )
 
 
+@pytest.mark.sample(16)
 @pytest.mark.parametrize("name", FILES)
 def test_real_file_with_mimics_followed(name: str):
     pin = extra("pinocchio", "Pinocchio")

@@ -26,6 +26,7 @@ def some(kind: str, seed: int, most: int) -> None:
     assert not wrong, told(wrong)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", fuzz.KINDS)
 def test_the_corpus_and_some_wrong_cases(kind: str):
     some(kind, 1, 100 if kind in fuzz.ROBOTS else 40)
@@ -84,6 +85,7 @@ def test_what_is_wrong_is_seen(tmp_path, monkeypatch, read, problem: str):
     assert (fuzz.fault("word", b"x", tmp_path / "a.txt", read) or "").startswith(problem)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.filterwarnings("ignore::freebody.errors.FreebodyWarning")
 @pytest.mark.parametrize("kind", [*fuzz.ROBOTS, "motion", "check", "word"])
 def test_some_cases_are_right_and_most_are_not(kind: str, tmp_path):

@@ -148,6 +148,7 @@ TOO_MUCH = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("case", TOO_MUCH)
 def test_too_many_and_too_deep_is_refused_soon(tmp_path, case: str):
     suffix, text, words = TOO_MUCH[case]
@@ -171,6 +172,7 @@ def test_unknown_elements_of_many_names_are_counted(tmp_path):
     assert any("4900 further kinds" in notice.text for notice in model.notices)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "text",
     [

@@ -48,6 +48,7 @@ def theirs(text, q, v, a):
     return M, data.qfrc_inverse
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("arm", ARMS)
 def test_equations_are_those_of_mujoco(arm):
     text = mjcf(ARMS[arm])
@@ -160,6 +161,7 @@ CLOSINGS = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("closing", CLOSINGS)
 def test_a_loop_of_a_connect(closing):
     """A four-bar in the plane of gravity, closed by a connect, falls as in MuJoCo, whose
@@ -288,6 +290,7 @@ def test_what_is_left_out_of_many_parts_is_told_once():
     assert told[2].endswith("is left out: t1, t2, t3, t4 and 4 more.")
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(
     ("text", "told"),
     [

@@ -377,6 +377,7 @@ def moved(model: fb.Model, linkage: Linkage) -> np.ndarray:
     return fb.assemble(model, q, free=model.passive_names)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SOME)
 def test_a_linkage_in_mjcf_is_that_of_its_toml(name):
     linkage = LINKAGES[name]()

@@ -36,6 +36,7 @@ def written(name: str) -> tuple[Written, ...]:
     return tuple(found)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("suffix", FORMATS)
 @pytest.mark.parametrize("name", ROBOTS_OF_TESTS)
 def test_one_robot_is_recognised_in_other_words_and_formats(name, suffix, tmp_path):
@@ -185,6 +186,7 @@ def test_many_differences_are_planted():
     assert len(PLANTED) * PLACES >= 40
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("number", range(len(PLANTED)))
 def test_planted_differences_are_found_at_their_place(number):
     planted = PLANTED[number]
@@ -259,6 +261,7 @@ def test_a_flexible_joint_in_the_plane():
         assert only.place == (joint, joint)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "3RRR"])
 def test_closed_chains_are_recognised_in_mjcf(name, tmp_path):
     """Two connects are a pin there, and a planar joint is three."""
@@ -344,6 +347,7 @@ def test_mimics_are_compared_through_zeros_and_directions():
     assert "an offset of 0.1 and 0.2" in str(other.first)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["cart_pole", "five_bar", "acrobot"])
 def test_a_robot_in_the_plane_is_the_same_as_its_twin_in_space(name, tmp_path):
     flat = fb.load(name)

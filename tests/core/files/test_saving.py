@@ -167,6 +167,7 @@ def every_pair(model: fb.Model, folder: Path) -> None:
                 same_motion(read, *second)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FEW)
 def test_bundled_models_through_every_pair_of_formats(name, tmp_path):
     every_pair(valued(name), tmp_path)
@@ -185,6 +186,7 @@ def test_real_files_through_every_pair_of_formats(name, tmp_path):
     every_pair(fb.load(ROBOTS / name, physical="ignore"), tmp_path)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_generated_mechanisms_in_every_format(seed, tmp_path):
     """Trees of every kind of joint, with every law of drives."""
@@ -219,6 +221,7 @@ def test_a_link_that_moves_and_is_called_as_the_ground_is_refused(kind):
 
 
 # ---------------------------------------------------------------- closed chains
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "kind"),
     [
@@ -244,6 +247,7 @@ def test_loops_hold_the_same_motions(name, kind, tmp_path):
     close(found, fb.forward_dynamics(model, q, rest, tau), 1e-12)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     ("kind", "limits", "lost"),
     [
@@ -416,6 +420,7 @@ def test_toml_holds_every_part(part, tmp_path):
     assert fb.doctor(tmp_path / "arm.toml").of("error") == ()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", FORMATS)
 @pytest.mark.parametrize("part", PARTS)
 def test_every_part_is_held_or_named(part, kind, tmp_path):

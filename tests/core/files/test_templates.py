@@ -125,6 +125,7 @@ def test_numbers_take_the_place_of_formulas():
     assert (halved.parameters["lc1"], halved.parameters["I1"]) == (0.25, 0.004)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", TEMPLATES)
 def test_each_number_may_be_another(name):
     own = fb.template(name).parameters

@@ -8,6 +8,7 @@ import pytest
 import freebody as fb
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "task", "angular"),
     [
@@ -55,6 +56,7 @@ def next_to_singular(model: fb.Model, batch: int) -> np.ndarray:
     return q
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "task"),
     [

@@ -293,6 +293,7 @@ def test_orientation_alone():
 
 
 # ---------------------------------------------------------------- singular targets
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["puma560", "ur5e"])
 @pytest.mark.parametrize("off", [0.0, 1e-14, 1e-11, 1e-8, 1e-5])
 def test_singular_targets(name, off):
@@ -426,6 +427,7 @@ def test_general_six_joints():
     )
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("seed", range(12))
 def test_random_trees(seed, dim):

@@ -30,6 +30,7 @@ def test_the_notes_equations(two):
     assert np.allclose(fb.inverse_acceleration(two, q, qd, A), qdd, rtol=0, atol=1e-10)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("name", "task"),
     [("3R", None), ("scara", ("vx", "vy", "vz", "wz")), ("puma560", None), ("ur5e", "pose")],

@@ -122,6 +122,7 @@ def test_zeros_of_degree_two():
     assert np.allclose(angles, 1.0, atol=1e-6)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", ["an industrial arm", "like a UR, backwards", "a SCARA"])
 @pytest.mark.usefixtures("numpy_kernels")
 def test_many_targets_as_few(kind, monkeypatch):
@@ -181,6 +182,7 @@ GENERAL = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize("kind", GENERAL)
 @pytest.mark.parametrize("seed", range(3))

@@ -87,6 +87,7 @@ def test_refusals():
             call()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["2R", "polar_arm"])
 def test_families_are_their_members(name):
     """Of other masses and efforts; the batch ends in the family's shape."""

@@ -62,6 +62,7 @@ def _agrees(model):
         assert np.abs(mine - kernel).max() < 1e-12 * max(1.0, np.abs(kernel).max())
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["puma560", "ur5e", "3R", "random"])
 def test_determinant_of_the_whole_jacobian(name):
     """From the body where it is short, the same number as from the kernels."""

@@ -34,6 +34,7 @@ def call(name: str, first: Any) -> Any:
     return FUNCTIONS[name](first, *(np.zeros(6) for _ in needed), **KEYWORDS.get(name, {}))
 
 
+@pytest.mark.sample(163)
 @pytest.mark.parametrize(
     "first", ["ur5e", Path("arm.urdf"), None, [1.0], np.zeros(6), fb.Model], ids=repr
 )

@@ -47,6 +47,7 @@ def test_torques_by_base_parameters_are_the_same_polynomials(name):
         assert total + drive == tau
 
 
+@pytest.mark.sample(12)
 @pytest.mark.parametrize("name", [name for name in MODELS if name != "rotors"])
 def test_there_are_no_fewer(name):
     # parameters that vanish for this model are left out: give every one a value

@@ -17,6 +17,7 @@ def calibrated(name, shape, size, seed):
     return model.bind({n: known[n].value + size * rng.normal(size=shape)[()] for n in lengths})
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["ur5e", "puma560"])
 def test_one_arm(name):
     """Each branch reaches its target, the position that made the target is among them, and a search

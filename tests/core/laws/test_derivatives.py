@@ -13,6 +13,7 @@ from support.helpers import STEPS, numbers, rate, several
 pytestmark = pytest.mark.usefixtures("numpy_kernels")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_inverse_dynamics_derivatives_are_differences(name):
     model = MODELS[name]()
@@ -31,6 +32,7 @@ def test_inverse_dynamics_derivatives_are_differences(name):
     np.testing.assert_allclose(M, fb.mass_matrix(model, q), atol=1e-12 * scale)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", MODELS)
 def test_forward_dynamics_derivatives_are_differences(name):
     model = MODELS[name]()
@@ -52,6 +54,7 @@ def test_forward_dynamics_derivatives_are_differences(name):
     )
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", MODELS)
 @pytest.mark.parametrize(
     "formula", ["inverse_dynamics_derivatives", "forward_dynamics_derivatives", "coriolis_matrix"]

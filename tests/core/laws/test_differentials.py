@@ -70,6 +70,7 @@ CASES = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("robot", "names", "options"), CASES.values(), ids=CASES)
 def test_jacobians_are_those_by_complex_steps(robot, names, options):
     """Also of quaternions off unit length, by all four of their coordinates."""

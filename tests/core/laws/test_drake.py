@@ -38,6 +38,7 @@ def pair(name: str):
     return model, plant
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", FILES)
 def test_robot(name: str):
     model, plant = pair(name)

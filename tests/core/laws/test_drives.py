@@ -424,6 +424,7 @@ def test_kernels_of_both_precisions(whole, precision):
     np.testing.assert_allclose(found, expected, rtol=1e-5 if precision == "float32" else 1e-13)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", ["c", "javascript", "jax"])
 def test_source_text_of_all_laws(whole, language, tmp_path):
     fb.export(whole, "inverse_dynamics", tmp_path, language)
@@ -488,6 +489,7 @@ RUBBING = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", RUBBING)
 def test_dry_friction_is_the_limit_of_smooth_friction(name):
     model = block(**RUBBING[name])

@@ -105,6 +105,7 @@ def test_strides_splits_and_broadcasting_change_nothing(width):
     assert same_bits(kernel(x[4], A, s[0], p), kernel(*alike))
 
 
+@pytest.mark.sample(18)
 @pytest.mark.parametrize("columns", [1, 2, 3, 5, 6, 7, 9, 13, 17, 24, 70])
 @every_width
 def test_rows_of_any_length(width, columns):

@@ -183,6 +183,7 @@ def call(function: str, arm: fb.Model, changed: dict[str, Any]) -> Any:
     return found.to_svg() if hasattr(found, "to_svg") else found
 
 
+@pytest.mark.sample(4)
 @pytest.mark.filterwarnings("ignore::freebody.FreebodyWarning")
 @pytest.mark.parametrize("function", functions_of_states())
 def test_names_in_another_order_are_put_in_order_and_wrong_ones_refused(function):

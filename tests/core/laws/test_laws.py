@@ -77,6 +77,7 @@ def condition(M: np.ndarray) -> float:
 
 
 # ---------------------------------------------------------------- forward, inverse, mass matrix
+@pytest.mark.sample(15)
 @every_tree
 def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -94,6 +95,7 @@ def test_forward_dynamics_undoes_inverse_dynamics(seed: int, dim: int):
     close(numbers(model, "inverse_dynamics", q, qd, qdd, wrenches=loads), tau, 0.0)
 
 
+@pytest.mark.sample(31)
 @every_tree
 def test_mass_matrix(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -118,6 +120,7 @@ def test_mass_matrix(seed: int, dim: int):
     close(twice_T, np.einsum("...i,...ij,...j", qd, M, qd), 1e-13, what="kinetic energy")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("varied", [False, True])
 @pytest.mark.parametrize("n", [9, 30, 60])
 def test_mass_matrix_of_robots_without_zeros(n: int, varied: bool):
@@ -137,6 +140,7 @@ def test_mass_matrix_of_robots_without_zeros(n: int, varied: bool):
         close(twice_T, np.einsum("...i,...ij,...j", qd, M, qd), 1e-12, what="kinetic energy")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("varied", [False, True])
 def test_kernels_in_turned_frames(varied: bool):
     """They move alike in other frames of the bodies: as formulas have it in the robot's own."""
@@ -151,6 +155,7 @@ def test_kernels_in_turned_frames(varied: bool):
         close(kernel(*inputs, *wrenches.values()), expected, 1e-10, what=name)
 
 
+@pytest.mark.sample(15)
 @every_tree
 def test_coriolis_matrix(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -170,6 +175,7 @@ def turns_freely(seed: int, dim: int) -> bool:
     return bool(kinds & {"spherical", "free"}) or (dim == 3 and generate.base(seed) == "free")
 
 
+@pytest.mark.sample(14)
 @trees([case for case in CASES if not turns_freely(*case)])
 def test_coriolis_matrix_is_that_of_christoffel(seed: int, dim: int):
     """Of coordinates whose rates are velocities; the others have no such symbols."""
@@ -202,6 +208,7 @@ def friction_power(model: Model, qd: np.ndarray) -> np.ndarray:
     return lost
 
 
+@pytest.mark.sample(9)
 @every_tree
 def test_power_is_the_rate_of_energy(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -264,6 +271,7 @@ def some_frames(model: Model, seed: int, n: int = 3) -> list[str]:
     return ["tool", *(str(name) for name in rng.permutation(np.array(model.frame_names))[:n])]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @every_tree
 def test_velocities_jacobians_and_accelerations_are_derivatives(seed: int, dim: int):
@@ -334,6 +342,7 @@ def turn_to(reference: str, model: Model, T: np.ndarray, V: np.ndarray) -> np.nd
 
 
 # ---------------------------------------------------------------- reactions
+@pytest.mark.sample(22)
 @every_tree
 def test_reactions_balance_every_body(seed: int, dim: int):
     """Newton and Euler for each body about the world's origin, its motion from second differences
@@ -414,6 +423,7 @@ def moments(inertia: Inertia) -> tuple[float, np.ndarray, np.ndarray]:
     return inertia.mass, np.array(inertia.com), np.trace(about) / 2 * np.eye(3) - about
 
 
+@pytest.mark.sample(16)
 @every_tree
 def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, dim: int):
     """S·w + rotor q̈ + friction + spring = tau, S from the description; world and child axes tell
@@ -487,6 +497,7 @@ def test_torques_are_reactions_along_the_joints_and_what_drives_add(seed: int, d
     close(found, tau, 1e-12, float(abs(W).max()), "along the joints")
 
 
+@pytest.mark.sample(26)
 @every_tree
 def test_external_wrenches(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -505,6 +516,7 @@ def test_external_wrenches(seed: int, dim: int):
 
 
 # ---------------------------------------------------------------- momentum
+@pytest.mark.sample(10)
 @pytest.mark.usefixtures("numpy_kernels")
 @every_tree
 def test_momentum(seed: int, dim: int):
@@ -589,6 +601,7 @@ def same(
             close(numbers(b, name, *given[:n]), expected, tolerance, 1.0, name)
 
 
+@pytest.mark.sample(4)
 @every_other
 def test_renaming_changes_nothing(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -596,6 +609,7 @@ def test_renaming_changes_nothing(seed: int, dim: int):
     same(model, other, seed, tolerance=1e-13)
 
 
+@pytest.mark.sample(4)
 @every_other
 def test_order_of_links_changes_nothing(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -606,6 +620,7 @@ def test_order_of_links_changes_nothing(seed: int, dim: int):
     same(model, other, seed)
 
 
+@pytest.mark.sample(5)
 @every_other
 def test_order_of_joints_is_the_files_and_only_permutes(seed: int, dim: int):
     description = generate.tree(seed, dim)
@@ -632,6 +647,7 @@ def test_order_of_joints_is_the_files_and_only_permutes(seed: int, dim: int):
     close(qdd_found, QDD, max(1e-10, 1e3 * EPS * condition(M)), what="forward")
 
 
+@pytest.mark.sample(3)
 @every_other
 def test_a_body_in_pieces_is_the_same_body(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -641,6 +657,7 @@ def test_a_body_in_pieces_is_the_same_body(seed: int, dim: int):
     same(model, pieces, seed)
 
 
+@pytest.mark.sample(1)
 @trees([(seed, 3) for seed in TREES[::2]])
 def test_moved_frames_change_only_their_poses(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -655,6 +672,7 @@ def test_moved_frames_change_only_their_poses(seed: int, dim: int):
         close(new[name], old[name] @ move, 1e-12, 1.0, f"pose of {name}")
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(
     ("seed", "dim"), [(seed, dim) for seed in range(4, 60, 5) for dim in (2, 3)]
 )
@@ -713,6 +731,7 @@ def spread(
     return q
 
 
+@pytest.mark.sample(5)
 @trees(MIMICS)
 def test_mimics_followed_are_free_joints_driven_together(seed: int, dim: int):
     description = generate.tree(seed, dim)
@@ -745,6 +764,7 @@ def test_mimics_followed_are_free_joints_driven_together(seed: int, dim: int):
 
 
 # ---------------------------------------------------------------- the plane in space
+@pytest.mark.sample(5)
 @trees([(seed, 2) for seed in FLAT_TREES])
 def test_planar_trees_are_their_twins_in_space(seed: int, dim: int):
     flat = generate.model(seed, dim)
@@ -800,6 +820,7 @@ def test_planar_trees_are_their_twins_in_space(seed: int, dim: int):
 
 
 # ---------------------------------------------------------------- payloads, tools, features
+@pytest.mark.sample(1)
 @every_other
 def test_payloads(seed: int, dim: int):
     description, model = generate.tree(seed, dim), generate.model(seed, dim)
@@ -819,6 +840,7 @@ def test_payloads(seed: int, dim: int):
     assert laden.mass == pytest.approx(model.mass + load.mass)
 
 
+@pytest.mark.sample(7)
 @every_other
 def test_features_are_taken_off_one_by_one(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -919,6 +941,7 @@ def test_kernels_of_every_joint_kind_are_compared():
     assert any(body.joint.mimic for body in bodies)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("seed", "dim"), KERNELS, ids=[f"{dim}D-{seed}" for seed, dim in KERNELS])
 def test_kernels_compute_the_same_as_plain_arrays(seed: int, dim: int):
     model = generate.model(seed, dim)

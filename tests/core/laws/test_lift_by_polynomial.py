@@ -138,6 +138,7 @@ origin = [0, 1]
 """
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("more", ["", FOUR_BAR], ids=["open", "beside a four-bar"])
 def test_what_reaches_the_follower_has_a_limit_of_its_own(tmp_path, more):
     """At rest the slide carries m g wherever the crank stands; moved it carries m (g + ÿ). No

@@ -298,6 +298,7 @@ def test_kernels_of_both_precisions(whole, precision):
     np.testing.assert_allclose(found, QDD, rtol=1e-4 if precision == "float32" else 1e-12)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("language", ["c", "javascript", "jax"])
 @pytest.mark.parametrize("name", ["inverse_dynamics", "forward_dynamics"])
 def test_source_text(whole, language, name, tmp_path):

@@ -195,6 +195,7 @@ def test_the_trees_hold_every_kind_but_free():
     assert min(kinds.count(kind) for kind in generate.MOVING if kind != "free") >= 10
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_random_trees(seed: int):
     description = generate.tree(seed)

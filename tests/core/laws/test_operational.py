@@ -124,6 +124,7 @@ def test_rows_that_cannot_be_are_refused():
         fb.operational_space_inertia(model, [0.1, 0.0], rows=["vx", "vy"])
 
 
+@pytest.mark.sample(1)
 def test_forward_dynamics_by_parameters(case):
     model, q, qd, tau = case
     slope = fb.forward_dynamics_parameter_derivatives(model, q, qd, tau)
@@ -221,6 +222,7 @@ def test_a_few_samples_next_to_a_singularity_are_looked_at_alone():
         fb.operational_space_inertia(model, q)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", ["ur5e", "panda", "2R", "puma560"])
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 def test_rates_that_move_a_frame_are_kernels_too(name: str):
@@ -258,6 +260,7 @@ def spatial_arm_of_three() -> fb.Model:
     return fb.dh([row | {"alpha": x} for x in (np.pi / 2, 0.0, 0.4)], convention="standard")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("make", "joint"),
     [

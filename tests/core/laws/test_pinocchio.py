@@ -59,6 +59,7 @@ def test_files_that_are_refused():
         pin.buildModelFromUrdf(str(ROBOTS / "ur_description/urdf/ur3.urdf"))
 
 
+@pytest.mark.sample(10)
 @every_robot
 def test_dynamics(name: str, base: str):
     model, theirs = pair(name, base)
@@ -121,6 +122,7 @@ def dynamics_of(name: str) -> dict[str, tuple[float, float]]:
     }
 
 
+@pytest.mark.sample(35)
 @every_robot
 def test_friction_is_counted(name: str, base: str):
     model, theirs = pair(name, base)
@@ -139,6 +141,7 @@ def test_some_files_have_friction():
     assert sum(any(d or f for d, f in dynamics_of(name).values()) for name in LOADED) > 20
 
 
+@pytest.mark.sample(5)
 @every_robot
 def test_frames(name: str, base: str):
     frames(name, base, most=3)
@@ -197,6 +200,7 @@ def frames(name: str, base: str, most: int) -> None:
         )
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", LOADED)
 def test_mass_and_momentum_on_a_free_base(name: str):
     """On a fixed base Pinocchio forgets the root link's mass."""
@@ -215,6 +219,7 @@ def test_mass_and_momentum_on_a_free_base(name: str):
     relative(fb.momentum(model, q, qd, com), np.array(h), "momentum about it")
 
 
+@pytest.mark.sample(29)
 @pytest.mark.parametrize("name", LOADED)
 def test_coriolis_matrix_on_a_fixed_base(name: str):
     model, theirs = pair(name, "fixed")
@@ -228,6 +233,7 @@ def test_coriolis_matrix_on_a_fixed_base(name: str):
 
 
 # ---------------------------------------------------------------- forward dynamics
+@pytest.mark.sample(21)
 @every_robot
 def test_forward_dynamics(name: str, base: str):
     model, theirs = pair(name, base)
@@ -262,6 +268,7 @@ def test_forward_dynamics(name: str, base: str):
 
 
 # ---------------------------------------------------------------- what else `load` does
+@pytest.mark.sample(9)
 @pytest.mark.parametrize("name", [name for name in LOADED if name not in REFUSED])
 def test_default_snapping_moves_things_by_the_angles_changed(name: str):
     exact, _ = pair(name, "fixed")
@@ -308,6 +315,7 @@ def mimics(name: str) -> dict[str, tuple[str, float, float]]:
 FOLLOWING = [name for name in LOADED if name not in REFUSED and mimics(name)]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("name", FOLLOWING)
 def test_mimics_followed(name: str, base: str):
@@ -346,6 +354,7 @@ def test_some_files_have_mimics():
 
 
 # ---------------------------------------------------------------- compiled kernels
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", DOZEN)
 def test_kernels(name: str):
     kernels(

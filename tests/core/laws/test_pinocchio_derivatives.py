@@ -30,12 +30,14 @@ TOLERANCE = 1e-8
 SOON_COMPILED = [name for name in DOZEN if "baxter" not in name and "solo" not in name]
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("base", BASES)
 @pytest.mark.parametrize("name", DOZEN)
 def test_formulas(name: str, base: str):
     compare(name, base, by_formula)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", SOON_COMPILED)
 def test_kernels(name: str):
     compare(name, "fixed", compiled)

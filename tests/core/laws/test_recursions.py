@@ -75,6 +75,7 @@ def external(model: Model, q: np.ndarray, loads: dict[str, np.ndarray]) -> list[
     return [load for load in given if load is not None]
 
 
+@pytest.mark.sample(14)
 @every_tree
 def test_forward_dynamics_by_composite_and_by_articulated_bodies(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -94,6 +95,7 @@ def test_forward_dynamics_by_composite_and_by_articulated_bodies(seed: int, dim:
         close(found, qdd, allowed, what="articulated bodies")
 
 
+@pytest.mark.sample(17)
 @every_tree
 def test_gravity_as_base_acceleration_or_explicit(seed: int, dim: int):
     model = generate.model(seed, dim)
@@ -191,6 +193,7 @@ def complex_steps(
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", QUANTITIES)
 @pytest.mark.parametrize("robot", [ur5e, planar, free_base])
 def test_derivatives_by_any_number_are_those_of_the_complex_step(robot, name):

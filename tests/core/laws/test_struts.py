@@ -52,6 +52,7 @@ WIDE = pytest.param(9, 3, marks=pytest.mark.long)
 """A tree of 30 coordinates, whose second derivatives take as long as a hundred other tests."""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize(("seed", "dim"), TREES)
 def test_virtual_work_and_power(seed, dim):
@@ -78,6 +79,7 @@ def test_virtual_work_and_power(seed, dim):
         close(fb.forward_dynamics(model, q, qd, tau), qdd, 1e-6, what="forward dynamics")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize(("seed", "dim"), [*TREES[:-1], WIDE])
 def test_derivatives_and_reactions(seed, dim):

@@ -81,6 +81,7 @@ def is_edited(model: fb.Model) -> bool:
     return "_edits" in model.__dict__
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_numbers_and_structure_are_those_found_anew(name: str):
     rng = np.random.default_rng(7)
@@ -126,6 +127,7 @@ def same(change: Callable[[fb.Model], fb.Model], known: fb.Model) -> bool:
     return edited
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_each_number_is_changed_as_in_a_model_of_which_nothing_is_known(name: str):
     model = ROBOTS[name]()

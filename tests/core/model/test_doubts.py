@@ -174,6 +174,7 @@ def test_the_models_of_these_tests_have_one_doubt_each_and_every_kind_has_one():
         assert {doubt.kind for doubt in having(kind).doubts} == {kind}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("result", RESULTS)
 def test_every_result_says_once_what_is_doubtful_of_what_it_depends_on(result: str):
     said, depends, judged, by_name = RESULTS[result]

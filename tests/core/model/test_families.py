@@ -263,6 +263,7 @@ def _results(found: Any) -> tuple[Any, ...]:
 FAMILIES = [random_family, with_limits, with_drives]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("family_of", FAMILIES)
 @pytest.mark.parametrize(
     ("seed", "dim"), [(1, 2), pytest.param(24, 3, marks=pytest.mark.long)], ids=["plane", "space"]
@@ -271,6 +272,7 @@ def test_a_family_gives_what_its_members_give(seed, dim, family_of):
     _as_its_members(seed, dim, family_of)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize("family_of", FAMILIES)
 def test_a_family_in_space_gives_what_its_members_give(family_of):
@@ -561,6 +563,7 @@ def test_numbers_of_any_kind_by_name(number):
     assert kernel.values[1] != p[1]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [4, 9])
 def test_any_number_is_an_input_of_any_formula(seed):
     model = generate.model(seed)
@@ -738,6 +741,7 @@ STEPS = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", STEPS)
 def test_steps_of_a_family_are_those_of_its_members(name):
     """With derivatives, and in 32 bits to what these hold."""

@@ -24,6 +24,7 @@ def robot(kind: str) -> fb.Model:
     return generate.model(4) if kind == "free" else fb.load(kind)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("kind", ["loaded", "particles", "free", "ur5e", "four_bar"])
 def test_a_robot_made_of_its_own_parameters_moves_alike(kind):
     model = robot(kind)

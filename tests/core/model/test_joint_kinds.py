@@ -334,6 +334,7 @@ def test_equations_of_every_kind(kind: str):
     close(torques, fb.inverse_dynamics(model, q, qd, qdd), 1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", [kind for kind in generate.SPATIAL if KINDS[kind].composed])
 def test_derivations_of_joints_of_several_coordinates(kind: str):
     """A joint of several coordinates is derived as joints of one: by every method the same
@@ -468,6 +469,7 @@ def helix(*, with_slide: bool = False) -> fb.Model:
     return loaded(Robot("helix", 3, tuple(links), tuple(joints), gravity))
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("with_slide", [False, True])
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])
 def test_a_screw_in_derivations(method: str, with_slide: bool):

@@ -78,6 +78,7 @@ def seconds(way: str, n: int, folder: Path) -> float:
     return time.process_time() - start
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("way", WAYS)
 def test_loading_takes_time_in_proportion_to_the_links(tmp_path, way: str):
     seconds(way, 10, tmp_path)  # what is imported and compiled once

@@ -161,6 +161,7 @@ def test_formulas_stay_with_the_model(tmp_path: Path):
 
 
 # ---------------------------------------------------------------- in symbols
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "lagrange"])
 def test_derivations_put_formulas_in(method: str):
     arm = fb.planar("RR").bind(lc="l/2", I="m*l**2/12")

@@ -69,6 +69,7 @@ def test_what_is_told_of_the_classics_holds():
     np.testing.assert_allclose(fb.coriolis_matrix(wheel, [0.3, 0.4], [1.0, 2.0]), 0.0, atol=1e-15)
 
 
+@pytest.mark.sample(16)
 @pytest.mark.parametrize("name", NAMES)
 def test_loads_physical_unless_its_source_is_not(name: str):
     if name in NOT_PHYSICAL:

@@ -27,6 +27,7 @@ def single(kind: str, limits: Limits = NO_LIMITS) -> Model:
     return loaded(Robot(kind, 3, links, joints, (9.81, (0.0, 0.0, -1.0))))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("seed", TREES)
 def test_integrate_and_difference_undo_each_other(seed: int):
     model = generate.model(seed)

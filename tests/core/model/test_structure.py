@@ -57,6 +57,7 @@ def state_of(model: fb.Model, name: str, seed: int = 3) -> tuple[np.ndarray, ...
     return (q, qd, qdd)[:count]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(0, 24, 6))
 @pytest.mark.parametrize("dim", [2, 3])
 def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
@@ -79,6 +80,7 @@ def test_the_structures_kernel_is_the_one_of_fixed_numbers(seed: int, dim: int):
         close(fb.jacobian(model, q, frame), fb.kernel(model, "jacobian", frame=frame)(q), frame)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("closed", [False, True])
 def test_every_quantity_compiled_is_what_numpy_computes(closed: bool):
     """All in one kernel, of fixed numbers and of the structure; closed forms of inverse kinematics
@@ -270,6 +272,7 @@ def _chain(k: int) -> fb.Model:
     )
 
 
+@pytest.mark.sample(119)
 @pytest.mark.parametrize("seed", range(300))
 def test_quick_verdicts_on_inertias_agree_with_eigenvalues(seed: int):
     rng = np.random.default_rng(seed)

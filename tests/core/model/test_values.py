@@ -61,6 +61,7 @@ MADE: dict[str, Callable[[float], Any]] = {
 WITHOUT_OTHERS = ("InputOutput",)  # another position does not close
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("what", MADE)
 def test_made_twice_is_equal_and_made_otherwise_is_not(what):
     first, second = MADE[what](1.0), MADE[what](1.0)

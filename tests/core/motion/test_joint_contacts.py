@@ -199,6 +199,7 @@ def test_a_joint_that_sticks_is_let_go_when_the_torque_reaches_its_friction():
     assert taken[moving] == pytest.approx(friction[moving], abs=1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("options", [{}, {"step": 0.01}, {"method": "semi-implicit", "step": 0.01}])
 def test_many_are_those_of_each_and_none_leaves_its_range(options):
     q, qd, _ = fb.random_state(STOPPED, 3, (8,))
@@ -242,6 +243,7 @@ def test_a_family_has_its_own_friction_and_stops():
         assert np.abs(one.q.values - both.q.values[k]).max() < 1e-12
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [7, 13])
 def test_stops_of_any_joints_and_followers_keep_energy_or_take_it(seed: int):
     model = generate.model(seed, 2).without("friction")

@@ -413,6 +413,7 @@ def test_a_plan_is_written_and_studied(
     assert all(check.passed for check in studied.checks)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", PLANNERS)
 def test_what_is_written_is_read_as_it_was_planned(name: str, tmp_path: Path):
     motion = PLANNERS[name](WAY)

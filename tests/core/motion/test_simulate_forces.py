@@ -61,6 +61,7 @@ def alone():
     return of
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("torque", "forces"),
     [

@@ -150,6 +150,7 @@ def test_a_sampled_controller_of_many():
 
 
 # ---------------------------------------------------------------- accuracy
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4), ("semi-implicit", 1), ("implicit", 2)])
 @pytest.mark.parametrize("seed", [24, 1])
 def test_orders(seed: int, method: str, order: int):
@@ -291,6 +292,7 @@ def test_coulomb_friction_is_smooth_in_all_methods():
     assert found[2].attrs["dry_friction"] == "c q̇ / √(q̇² + 0.05²)"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "gain", "words"),
     [
@@ -557,6 +559,7 @@ def baby_boot() -> fb.Model:
     return loaded(Robot("baby boot", 3, links, joints, 9.81))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("options", [{"tolerance": 1e-12}, {"step": 2e-4}])
 def test_the_baby_boot_after_10_s(options: dict):
     """Drake, multibody/benchmarks/chaotic_babyboot: from three integrations, which agree to 7

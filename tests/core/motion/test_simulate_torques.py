@@ -54,6 +54,7 @@ def test_one_sample_of_a_torque_table_is_not_stepped_over_in_a_closed_chain():
     assert found["qd"].values[-1, 0] == pytest.approx(0.5 / inertia, rel=1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_random_table_lands_within_ten_times_the_tolerance(seed: int):
     model, t = fb.load("ur5e"), np.linspace(0, 1, 21)

@@ -26,6 +26,7 @@ def oracle(table: Any, torque: Any = None) -> np.ndarray:
     return fb.simulate(ARM, Q, [0, 0], T, torque, method="DOP853", wrench_tables=table).q.values
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("method", ["auto", "rk4", "semi-implicit", "implicit", "DOP853", "Radau"])
 def test_a_single_sample_gives_its_exact_impulse(method: str):
     """A moment of 3 N m in one row of many: 3 N m times the spacing of the rows, about 1 kg m²."""
@@ -44,6 +45,7 @@ def test_a_single_sample_gives_its_exact_impulse(method: str):
         np.testing.assert_allclose(acceleration, pulse[:, 2], atol=1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("method", "order"), [("rk4", 4), ("semi-implicit", 1), ("implicit", 2)])
 def test_orders(method: str, order: int):
     for torque in (None, LAW):

@@ -93,6 +93,7 @@ def test_samples_follow_from_the_seed_and_their_place_alone(method, monkeypatch)
         assert a.equals(b)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("reduce", [NAMES, None])
 def test_what_was_stopped_goes_on(tmp_path, monkeypatch, reduce):
     """At several places; what is done is not done again, nor is more than one block under way, on

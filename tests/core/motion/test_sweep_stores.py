@@ -66,6 +66,7 @@ def test_failed_points_are_kept_with_their_reasons(tmp_path):
         assert found.failed.values.tolist() == [0, 90]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "changed",
     [
@@ -127,6 +128,7 @@ def test_folders_of_others_are_left_alone(tmp_path):
     assert (tmp_path / "film.partial").exists()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("room", [0, 3, 60, -4, -3, -1])
 def test_a_full_disk_is_said_and_nothing_is_lost(tmp_path, monkeypatch, room):
     """Before a store is begun, while it is, among its blocks, and while the result is put there."""

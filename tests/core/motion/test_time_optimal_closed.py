@@ -54,6 +54,7 @@ def test_a_parallelogram_is_as_quick_as_its_pendulum(friction: dict[str, float])
 WAY = np.array([[1.9, 1.0], [2.2, 1.2], [2.0, 0.8]])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("wrench", [None, [3.0, -4.0, 0.5]])
 def test_torques_of_the_drives_are_held_and_reached(wrench: list[float] | None):
     model = fb.load("five_bar").with_drive("theta2", rotor=0.02).with_payload(0.5)

@@ -23,6 +23,7 @@ def damper(t, q, qd):
     return -GAIN * qd
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["auto", "Radau", "rk4"])
 def test_a_sampled_torque_that_makes_the_motion_grow(method):
     """The least inertia m that the torque meets would take -GAIN v T / m = -2 v in a sample."""
@@ -57,6 +58,7 @@ def test_the_arm_of_the_issue_and_many_of_it():
     assert np.isfinite(found.q.values).all(axis=(1, 2)).tolist() == [True, False, True]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("given", "says"),
     [

@@ -165,6 +165,7 @@ def test_figures_bring_their_own_paper():
     assert svg.count(".fig{background:#") == 2
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("robot", ["2R", "four_bar"])
 def test_a_step_shows_itself_as_its_derivation_shows_it(robot):
     derivation = fb.derive(fb.load(robot))

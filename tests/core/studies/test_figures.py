@@ -111,6 +111,7 @@ def test_tip_triad_in_space_is_the_tip_frame():
         np.testing.assert_allclose(direction / np.linalg.norm(direction), T[:3, k], atol=1e-9)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("name", ROBOTS)
 def test_every_kind_of_robot_draws(name):
     model = fb.load(name)
@@ -376,6 +377,7 @@ def test_arrows_on_one_line_are_drawn_side_by_side():
     assert not any(a.aside for a in free.arrows)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["four_bar", "bricard", "stewart"])
 def test_a_body_cut_out_of_a_loop_has_the_joint_there(name):
     """Both bodies that a loop ties have its symbol where its force acts."""

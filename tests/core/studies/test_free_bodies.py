@@ -102,6 +102,7 @@ LOADED = {
 }
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     "model",
     [QUADROTOR, bodies("free"), *LOADED.values()],
@@ -144,6 +145,7 @@ def test_the_printed_kinematics_are_those_of_the_free_joint():
     np.testing.assert_allclose(rates, np.subtract(*ends) / (2 * h), atol=1e-8)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kinds", [("free", "free"), ("spherical", "free")])
 def test_every_method_ends_in_the_same_polynomials(kinds):
     model = bodies(*kinds)

@@ -108,6 +108,7 @@ QUANTITIES = ("inverse_dynamics", "forward_dynamics", "joint_wrenches", "static_
 
 
 # ---------------------------------------------------------------- code
+@pytest.mark.sample(11)
 def test_programs_and_kernels_do_not_know_names(model, tame):
     for quantity in QUANTITIES:
         made = []
@@ -142,6 +143,7 @@ REMARKS = re.compile(
 )
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("language", ["c", "matlab", "numpy"])
 def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(
     model, tame, language
@@ -157,6 +159,7 @@ def test_source_text_with_numbers_as_inputs_is_that_of_a_robot_with_plain_names(
     assert code[2] == code[3]
 
 
+@pytest.mark.sample(13)
 @pytest.mark.parametrize("language", TOOL)
 def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
     texts = [fb.source(m, QUANTITIES[:2], language, wrench_frames=[m.tip]) for m in (model, tame)]
@@ -174,6 +177,7 @@ def test_source_text_is_that_of_a_robot_with_plain_names(model, tame, language):
         np.testing.assert_allclose(tau, fb.inverse_dynamics(tame, *STATE, LOAD))
 
 
+@pytest.mark.sample(19)
 @pytest.mark.parametrize("language", ["numpy", "cuda"])
 def test_a_package_holds_the_names_and_nothing_runs_them(model, hostile, language, tmp_path):
     before = set(tmp_path.rglob("*"))
@@ -260,6 +264,7 @@ def inert(page: str) -> None:
     assert not set("\x00\x0b\x1b") & set(page)
 
 
+@pytest.mark.sample(2)
 def test_drawings_are_well_formed(model, tame):
     for draw in (
         lambda m: fb.free_body_diagram(m, STATE[0]),
@@ -276,6 +281,7 @@ def test_drawings_are_well_formed(model, tame):
         inert(text)
 
 
+@pytest.mark.sample(1)
 def test_derivation_pages(model, tame):
     pages = [fb.derive(m, "lagrange").html() for m in (model, tame)]
     inert(pages[0])
@@ -290,6 +296,7 @@ def test_derivation_pages(model, tame):
     ]
 
 
+@pytest.mark.sample(3)
 def test_latex_and_markdown_of_a_derivation_have_no_command_from_a_name(model):
     derivation = fb.derive(model, "lagrange")
     for text in (derivation.latex(), derivation.markdown()):
@@ -312,6 +319,7 @@ STUDIED = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("which", STUDIED)
 def test_a_study_with_all_its_files(which, tmp_path):
     name = HOSTILE[which]

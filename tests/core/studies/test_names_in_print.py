@@ -46,6 +46,7 @@ def four_bar(name: str) -> fb.Model:
 
 
 # ---------------------------------------------------------------- whole documents
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_documents_of_hostile_names_are_well_formed(name: str):
     derivation = fb.derive(four_bar(name), "statics")
@@ -79,6 +80,7 @@ def test_every_name_in_a_sentence_is_literal():
                 )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("robot", "mark", "tex"), [("RP", "i", "n_{"), ("polar_arm", "b", r"\mathbf{n}_{")]
 )

@@ -105,6 +105,7 @@ def test_what_numbers_have_in_common_stands_in_front():
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["stewart", "scara", "stanford", "3RRR", "ur5e"])
 def test_no_bracket_behind_a_minus_begins_with_one(name):
     assert "−(−" not in fb.derive(fb.load(name)).text()

@@ -192,6 +192,7 @@ def test_a_folder_a_device_and_a_pipe_in_the_place_of_a_file(
     assert error(capsys, "study", "2R", "--out", "/dev/full").endswith("name a folder instead.")
 
 
+@pytest.mark.sample(1)
 @posix
 @pytest.mark.parametrize(
     ("shell", "code", "said"),
@@ -474,6 +475,7 @@ def verdicts(folder: Path, old: dict[str, bytes], new: dict[str, bytes]) -> set[
     return said
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("after", [False, True], ids=["before", "after"])
 def test_a_study_stopped_at_any_file_operation_leaves_whole_files_and_says_which(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, after: bool

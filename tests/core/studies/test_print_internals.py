@@ -167,6 +167,7 @@ def test_what_is_said_of_bundled_robots_is_set_by_any_tex():
     assert literal.tex("θ̇₁² − x̂") == r"$\dot{\theta}$$_{1}$² $-$ x̂"
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["θ1", "left_upper_arm_length_of_the_first_robot", "a__b", "é", "l_", "_"]
 )

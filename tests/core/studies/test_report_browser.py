@@ -60,6 +60,7 @@ def is_blank(picture: dict) -> bool:
 LATER = ("panda", "xarm7", "kinova")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name", [pytest.param(x, marks=pytest.mark.long if x in LATER else ()) for x in FILES]
 )

@@ -15,6 +15,7 @@ def study(request):
     return fb.study(fb.load(request.param))
 
 
+@pytest.mark.sample(1)
 def test_page_is_one_file_that_fetches_nothing(study, tmp_path):
     path = study.to_html(tmp_path / "deep" / "index.html")
     page = path.read_text(encoding="utf-8")
@@ -26,6 +27,7 @@ def test_page_is_one_file_that_fetches_nothing(study, tmp_path):
     assert {a[1:] for a in parsed.addresses if a.startswith("#")} <= set(parsed.ids)
 
 
+@pytest.mark.sample(1)
 def test_every_number_is_the_data_files(study, tmp_path):
     study.to_html(tmp_path / "index.html")
     cells = Cells((tmp_path / "index.html").read_text(encoding="utf-8")).cells
@@ -34,6 +36,7 @@ def test_every_number_is_the_data_files(study, tmp_path):
         assert compare(cells, data) == []
 
 
+@pytest.mark.sample(1)
 def test_failed_check_stands_out(study, tmp_path):
     bad = dataclasses.replace(study.checks[0], passed=False, value=1.0)
     failed = dataclasses.replace(study, checks=(bad, *study.checks[1:]))

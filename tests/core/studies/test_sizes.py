@@ -86,6 +86,7 @@ def test_a_robot_without_joints_knows_its_place(block: Model):
         fb.centroidal_momentum_matrix(block, none)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("function", FUNCTIONS)
 @pytest.mark.parametrize("word", ["R", "P"])
 def test_one_joint_and_no_samples(word: str, function: str):

@@ -28,6 +28,7 @@ LONG = {"puma560", "stewart"}
 """Bundled models whose replay and whose kernels take as long as those of all others."""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name",
     [pytest.param(x, marks=pytest.mark.long if x in LONG else ()) for x in fb.models()],

@@ -136,6 +136,7 @@ def test_a_passive_joint_that_needs_a_torque_is_not_feasible():
 
 
 # ------------------------------------------------------------ pace
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("effort", "velocity"), [(60.0, 4.0), (60.0, 99.0), (30.0, 99.0), (60.0, 0.2)]
 )
@@ -168,6 +169,7 @@ FRICTION = {
 GEAR = {"efficiency": 0.9, "back_efficiency": 0.8}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("effort", "more"), [(34.0, {}), (60.0, GEAR)])
 def test_the_pace_sees_friction_grow_by_its_own_law(effort, more):
     model = full(effort=effort, velocity=99.0)

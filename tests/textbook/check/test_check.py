@@ -136,6 +136,7 @@ WRONG = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("answer", "kind", "words"), WRONG)
 def test_typical_mistakes_are_named(answer: str, kind: str, words: str):
     verdict = fb.check(ARM, answer)
@@ -178,6 +179,7 @@ def test_energies_of_a_body_are_those_of_its_payload_too(family: str):
         fb.check(loaded, "rc2x = 0")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("friction", "words"),
     [
@@ -395,6 +397,7 @@ UNREADABLE = [
 ]
 
 
+@pytest.mark.sample(17)
 @pytest.mark.parametrize(("answer", "words"), UNREADABLE, ids=range(len(UNREADABLE)))
 def test_what_cannot_be_read_is_refused_at_once(answer: str, words: str):
     begun = time.process_time()

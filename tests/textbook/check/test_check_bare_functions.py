@@ -37,6 +37,7 @@ def test_a_function_needs_no_bracket_before_another(line: str):
     assert verdict, verdict
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("line", WRONG)
 def test_a_wrong_line_with_such_a_function_is_not_right(line: str):
     assert not fb.check(fb.load("2R"), line)

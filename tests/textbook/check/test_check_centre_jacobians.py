@@ -55,12 +55,14 @@ WRONG = [
 ]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(("robot", "line"), RIGHT)
 def test_jacobians_of_bodies_are_read(robot: str, line: str):
     verdict = fb.check(fb.load(robot), line)
     assert verdict, verdict
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "line"), WRONG)
 def test_a_wrong_line_about_them_is_not_right(robot: str, line: str):
     assert not fb.check(fb.load(robot), line)

@@ -30,6 +30,7 @@ def test_lines_about_a_closed_chain_are_right(answer: str):
     assert fb.check(BAR, answer), answer
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("answer", "words"),
     [
@@ -102,6 +103,7 @@ def test_the_tip_of_a_closed_chain_is_reached_along_every_leg(answer: str):
     assert fb.check(FIVE_BAR, [answer, "x = -b + l1 c1 + l3 cos(θ1+θ3)"])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "answer",
     [
@@ -126,6 +128,7 @@ IN_EQUILIBRIUM = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "line", "wrong"), IN_EQUILIBRIUM)
 def test_statics_is_right_in_equilibrium_only_and_a_wrong_sign_nowhere(robot, line, wrong):
     model, still = fb.load(robot), "It is right where nothing moves: write ‘In equilibrium:’"
@@ -144,6 +147,7 @@ def test_statics_is_right_in_equilibrium_only_and_a_wrong_sign_nowhere(robot, li
         assert still not in verdict.equations[-1].text
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["2R", "four_bar"])
 def test_equilibrium_tells_nothing_of_what_stands_at_an_acceleration(name: str):
     model = fb.load(name)
@@ -192,11 +196,13 @@ BY_THE_LOOPS = [
 ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("model", "line"), BY_THE_LOOPS)
 def test_what_the_loops_make_right_is_right(model: fb.Model, line: str):
     assert fb.check(model, line)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("model", "line", "words"),
     [
@@ -233,6 +239,7 @@ def test_numbers_of_a_closed_chain_follow_from_its_loops_and_nothing_is_taken_fo
             fb.check(CRANK, line)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "line", ["v_3x = ḋ3", "v_3 = [ḋ3; 0]", "T3 = m3 v_3²/2", "v_2y = l1 ω1 cos θ1"]
 )

@@ -74,6 +74,7 @@ def test_a_wrong_line_is_explained_where_its_condition_holds():
 SLIDER = fb.load("slider_crank")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "answer",
     [
@@ -90,6 +91,7 @@ def test_a_line_of_a_closed_chain_is_right_where_its_condition_holds(answer: str
     assert verdict, verdict
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "answer",
     [
@@ -129,6 +131,7 @@ def test_a_zero_behind_the_paragraph_of_a_condition_is_not_taken_for_one_there(c
         fb.check(ARM, f"{condition}\n{line}\n\n{line}")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "words",
     ["For small θ2", "when the arm is horizontal", "if θ1 > 0", "Neglecting I2", "Linearised"],

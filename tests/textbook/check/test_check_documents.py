@@ -36,6 +36,7 @@ def test_a_whole_file_is_read(name: str, tmp_path: Path):
     assert verdict.text.startswith(f"{places[0]}: ")
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("name", "right", "wrong", "place"),
     [
@@ -97,6 +98,7 @@ WRONG = "H12 = m2 lc2^2 + I2"
 LATEX_WRONG = r"H_{12} = m_2 l_{c2}^2 + I_2"
 
 
+@pytest.mark.sample(10)
 @pytest.mark.parametrize(
     ("form", "text"),
     [
@@ -246,6 +248,7 @@ def test_what_follows_an_equation_without_one_is_told():
     assert [x.text for x in verdict.unread] == ["2"]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     "end", [r" \quad (3.2)", r"\qquad(3-2)", "   (3.2)", "\t(A.4)", r" \hfill (12.3a) \\"]
 )
@@ -302,6 +305,7 @@ HOSTILE = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("text", "form"), HOSTILE, ids=range(len(HOSTILE)))
 def test_hostile_documents_are_refused_in_bounded_time(text: str, form: str):
     begun = time.process_time()

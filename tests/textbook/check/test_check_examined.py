@@ -113,6 +113,7 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], fb.Model
     return robot
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize("one", [*RESULTS, *exam_results.RESULTS], ids=lambda x: x.title)
 def test_results_are_right_in_numbers(one: Result) -> None:
     closed, env = proven(one.robot)
@@ -128,6 +129,7 @@ def test_results_are_right_in_numbers(one: Result) -> None:
         assert (np.min(gaps, axis=0) < 1e-8).all(), formula
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("results", [RESULTS, exam_results.RESULTS], ids=["books", "exams"])
 def test_results_from_books(results: Sequence[Result], robots: Callable[[str], fb.Model]) -> None:
     assert len(results) >= 60

@@ -31,12 +31,14 @@ PLANAR = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("answer", "old", "new"), PLANAR)
 def test_vectors_of_a_planar_arm_are_compared_in_their_frame(answer: str, old: str, new: str):
     assert fb.check(ARM, answer, notation="craig"), answer
     assert not fb.check(ARM, answer.replace(old, new, 1), notation="craig")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "answer",
     [

@@ -43,6 +43,7 @@ LINES = [  # right; a piece, what is written in its place, and why that is wrong
 ]  # fmt: skip
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("line", "piece", "other", "reason"), LINES)
 def test_lines_about_a_quadrotor(line: str, piece: str, other: str, reason: str):
     assert fb.check(QUADROTOR, line), line
@@ -52,6 +53,7 @@ def test_lines_about_a_quadrotor(line: str, piece: str, other: str, reason: str)
     assert reason in verdict.text
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("line", ["φ̈ = l (f2 - f4)/I_x", "θ̈ = l (f3 - f1)/I_y"])
 def test_what_holds_near_hover_only_is_told_so(line: str):
     verdict = fb.check(QUADROTOR, line)
@@ -67,6 +69,7 @@ def off_centre():
     return loaded(made)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("model", [QUADROTOR, off_centre()], ids=["quadrotor", "off_centre"])
 def test_a_derivation_is_an_answer(model):
     """The equations of motion and of the angles' rates as `fb.derive` prints them, and each with

@@ -128,6 +128,7 @@ def test_many_hostile_answers_are_harmless():
     hostile(HOSTILE_LONG)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "lagrange-first-kind"])
 def test_the_lines_of_a_derivation_are_an_answer(method: str):
     """All that a derivation prints is read and right; what it says of nothing is told."""
@@ -139,6 +140,7 @@ def test_the_lines_of_a_derivation_are_an_answer(method: str):
     assert len(verdict.unread) <= 3
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange"])
 def test_a_sign_changed_in_a_line_of_a_derivation_is_found(method: str):
     arm = model("RR")[0]

@@ -50,6 +50,7 @@ LINES = [  # right lines of textbooks, and a piece of them that is changed, with
 ]  # fmt: skip
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("model", "line", "piece", "other", "reason"), LINES)
 def test_inverse_kinematics(model, line: str, piece: str, other: str, reason: str):
     told = fb.check(model, line)
@@ -106,6 +107,7 @@ def test_what_is_no_position_is_refused(line: str, words: str):
         fb.check(ARM, line)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("robot", "line"),
     [
@@ -168,6 +170,7 @@ def test_a_line_that_holds_whatever_stands_behind_ones_own_names_is_refused():
         fb.check(fb.planar("RR"), "A = T + V\nB = A + T\nB - V = 2 T")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("robot", ["2R", "four_bar"])
 def test_a_level_is_an_energy_also_under_a_root(robot):
     model = fb.load(robot)

@@ -73,6 +73,7 @@ LAYOUTS = {
 }  # fmt: skip
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("form", LAYOUTS)
 def test_layouts_are_read_and_their_mistakes_found(form: str):
     """Each is right; and with a sign, a function or an index changed it is wrong."""
@@ -97,6 +98,7 @@ MARKED = (
 )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", MARKED)
 def test_a_letter_with_a_mark_is_another_quantity(name: str):
     """In formulas, in states and as what is checked, unless the answer or names say what it is."""
@@ -189,6 +191,7 @@ SLOPPY = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("robot", "answer", "old", "new"), SLOPPY)
 def test_what_is_typed_in_haste_is_read(robot: str, answer: str, old: str, new: str):
     model = fb.load(robot)

@@ -25,6 +25,7 @@ LINES = [  # of a model a right line, and a piece of it whose sign is changed
 ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("model", "line", "piece", "other"), LINES)
 def test_torques_that_hold_a_force(model, line: str, piece: str, other: str):
     assert BY_THE_TIP in fb.check(model, line).text
@@ -88,6 +89,7 @@ BAR = fb.load("four_bar")
 WEIGHTS = "m1 g lc1 c1 + m2 g (l1 c1 - lc2 l1 c1/l2)"
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("model", "line", "notes"),
     [
@@ -108,6 +110,7 @@ def test_a_drive_of_a_closed_chain_holds_a_force_on_its_slide_or_tip(model, line
     assert all(note in verdict.text for note in notes)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "line", "words"),
     [

@@ -49,6 +49,7 @@ RIGHT = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("robot", "answer"), RIGHT)
 def test_what_is_right_is_read(robot: str, answer: str):
     verdict = fb.check(load(robot), answer)
@@ -75,6 +76,7 @@ WRONG = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("robot", "answer"), WRONG)
 def test_what_is_wrong_stays_wrong(robot: str, answer: str):
     verdict = fb.check(load(robot), answer)

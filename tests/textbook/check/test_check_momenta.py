@@ -48,6 +48,7 @@ def test_an_angular_momentum_is_right_about_the_point_that_its_verdict_names(rob
     assert point in verdict.text
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("robot", "line"), WRONG)
 def test_a_wrong_angular_momentum_is_not_right(robot, line):
     assert not fb.check(fb.load(robot), line)

@@ -41,6 +41,7 @@ def test_what_loops_tell_has_a_unit_where_the_state_is_given_besides(robot, answ
     assert bool(fb.check(fb.load(robot), answer, at=at)) is is_right
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "answer",
     [

@@ -37,6 +37,7 @@ VALUES = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("name", "text", "factor"),
     [
@@ -64,6 +65,7 @@ def test_units_of_another_quantity_are_told(text: str):
     assert "unit" in verdict.text
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("text", ["m2 g", "m₂ g", "m_2", "Newtonian", "s1", " and", "{N", "(N m"])
 def test_names_and_words_are_no_units(text: str):
     assert fb.check(ARM, f"tau1 = {TAU[0]:.9g}", at=AT)
@@ -102,6 +104,7 @@ RIGHT = [
 ]  # fmt: skip
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("answer", "form"), RIGHT)
 def test_right_numbers_are_right_and_changed_ones_are_not(answer: str, form: str):
     verdict = fb.check(ARM, answer, form=form)
@@ -235,6 +238,7 @@ def test_numbers_without_all_that_they_need_are_refused(
 STATE = "θ1 = 30°, θ2 = 45°"
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize(
     "answer",
     [
@@ -372,6 +376,7 @@ def rounded(value: float, digits: int) -> str:
     return f"{value:.{max(digits - 1 - size, 1)}f}"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.usefixtures("numpy_kernels")
 @pytest.mark.parametrize("seed", range(40))
 def test_random_results_are_right_and_planted_errors_are_found(seed: int):
@@ -386,6 +391,7 @@ def test_random_results_are_right_and_planted_errors_are_found(seed: int):
         assert verdict.findings[0].kind == "number", name
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "state",
     ["cos θ2 = 0", r"\cos θ_2 = 0", "sin θ2 = 0", "tan θ2 = 0", "C θ2 = 0"],

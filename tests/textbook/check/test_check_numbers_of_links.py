@@ -11,6 +11,7 @@ CRANE = fb.load("gantry_crane")
 SAID = "Bodies are counted as the links of the robot's file."
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("as_derived", "as_in_the_file"),
     [
@@ -29,6 +30,7 @@ def test_both_ways_to_count_bodies_are_right(as_derived: str, as_in_the_file: st
     assert SAID in verdict.text
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "line",
     [

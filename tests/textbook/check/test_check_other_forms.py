@@ -81,6 +81,7 @@ OWN_NAMES = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("answer", OWN_NAMES)
 def test_letters_that_some_books_have_for_quantities_may_be_ones_own(answer: str):
     """k1 is a body's kinetic energy to some; a name of other units that other lines use is none."""
@@ -275,6 +276,7 @@ def test_a_driven_arm_has_no_equation_without_torque():
         fb.check(ARM, "0 = H21 θ̈1 + H22 θ̈2 + G2")
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("right", "wrong"),
     [
@@ -347,6 +349,7 @@ LEVELS = [
 ]
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("robot", "line", "right"), LEVELS)
 def test_the_level_of_an_energy_is_an_energy_of_the_robots_own(robot, line, right):
     verdict = fb.check(fb.load(robot), line)

@@ -55,6 +55,7 @@ def holds(robot: str, method: str, latex: bool) -> None:
     assert len(others) <= 0.2 * len(lines)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "method"), SHORT)
 def test_its_own_lines_are_read_and_right(robot: str, method: str):
     holds(robot, method, latex=False)
@@ -114,6 +115,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("robot", "line", "reason"), quick(WRONG))
 def test_a_mistake_in_such_a_line_is_refused_with_the_reason(robot: str, line: str, reason: str):
     verdict = fb.check(fb.load(robot), line)

@@ -15,6 +15,7 @@ _RATIO = "omega_3 = {}*dtheta1*sin(theta2)/sin(theta1 + theta2 - theta3)"  # l1/
 _SLIDE = "d3 = 0.2*cos(theta1) + 0.6*sqrt(1 - {}*sin(theta1)^2)"  # (l1/l2)² = 1/9
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "line", "right", "wrong"),
     [
@@ -44,6 +45,7 @@ def test_all_rounded_numbers_of_a_leg_count_together():
 
 
 # ---------------------------------------------------------------- roots and absolute values
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("model", "line"),
     [
@@ -110,6 +112,7 @@ def test_velocity_terms_stand_beside_inertia_forces():
 
 
 # ---------------------------------------------------------------- spellings
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("line", "wrong"),
     [

@@ -48,6 +48,7 @@ LINES = [  # of a robot a right line, and a piece of it whose sign is changed
 ]  # fmt: skip
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("model", "line", "piece", "other"), LINES)
 def test_quotients_are_right_and_wrong_with_one_sign_changed(model, line, piece, other):
     assert fb.check(model, line), line
@@ -103,6 +104,7 @@ def test_the_coordinate_of_a_cart_is_not_the_tip():
     assert fb.check(CART, "xP = x + l2 sin θ")
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     ("line", "piece", "other"),
     [

@@ -144,6 +144,7 @@ WRONG = [
 ]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("robot", "line", "sentence"), WRONG)
 def test_a_thought_is_told(robots: dict[str, fb.Model], robot: str, line: str, sentence: str):
     verdict = fb.check(robots[robot], line)
@@ -161,6 +162,7 @@ UNEXPLAINED = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "line"), UNEXPLAINED)
 def test_what_no_thought_gives_is_not_explained_by_one(
     robots: dict[str, fb.Model], robot: str, line: str

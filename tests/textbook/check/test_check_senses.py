@@ -13,6 +13,7 @@ PHI_X = "Φ1 = l1 c1 + l2 c12 - d - l3 c3"
 ROCKER = "(I3 + m3 lc3²) θ̈3 + m3 g lc3 c3"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "lines", "notes"),
     [
@@ -41,6 +42,7 @@ def test_signs_of_loop_equations_and_multipliers_are_the_answers_own(model, line
         assert bool(equation.note) == bool(note)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "lines", "right"),
     [
@@ -61,6 +63,7 @@ def test_but_one_answer_has_one_sense_and_a_single_sign_is_a_mistake(model, line
     assert not verdict
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("model", "right", "wrong"),
     [

@@ -41,12 +41,14 @@ WRONG = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("robot", "line"), RIGHT)
 def test_a_sum_is_read_for_every_body(robot: str, line: str):
     verdict = fb.check(fb.load(robot), line)
     assert verdict, verdict
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(("robot", "line"), WRONG)
 def test_a_wrong_sum_is_not_right(robot: str, line: str):
     assert not fb.check(fb.load(robot), line)

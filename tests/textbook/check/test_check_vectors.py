@@ -36,6 +36,7 @@ RIGHT = [
 ]
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("answer", RIGHT)
 def test_vector_equations_are_worked_out_entry_by_entry(answer: str):
     assert fb.check(ARM, answer), answer
@@ -112,6 +113,7 @@ def _counts(x: Any) -> bool:
     return any(map(_counts, x)) if isinstance(x, tuple) else x != x * -1
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ARMS)
 def test_each_known_quantity_is_checked(name: str):
     """Its own printed line is right, and none with one sign changed."""
@@ -171,6 +173,7 @@ def test_a_reaction_has_a_name_of_its_own(robot: str, line: str):
     assert fb.check(fb.load(robot), line)
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(
     ("robot", "line"),
     [

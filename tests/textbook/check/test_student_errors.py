@@ -31,6 +31,7 @@ def robot(error: dict[str, Any]) -> fb.Model:
     return ROBOTS[name]() if name in ROBOTS else fb.planar(name)
 
 
+@pytest.mark.sample(6)
 @pytest.mark.parametrize("error", ERRORS, ids=lambda error: error["error"])
 def test_an_error_of_students_is_caught_and_explained(error: dict[str, Any]):
     verdict = fb.check(robot(error), error["answer"])

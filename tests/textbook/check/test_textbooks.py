@@ -56,6 +56,7 @@ def answered(result: dict[str, Any], lines: list[str], folder: Path) -> Any:
     )
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("result", RESULTS, ids=named)
 def test_a_books_lines_are_right(result: dict[str, Any], tmp_path: Path):
     verdict = answered(result, result["lines"], tmp_path)
@@ -93,6 +94,7 @@ WITH_MISTAKES = [
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("result", WITH_MISTAKES)
 def test_a_books_lines_with_a_mistake_are_not(result: dict[str, Any], tmp_path: Path):
     for k, line in planted(result):
@@ -108,6 +110,7 @@ def test_there_are_enough_published_results():
 ROBOTS = {result["robot"]: result for result in RESULTS if "mistake" not in result}
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("result", ROBOTS.values(), ids=named)
 def test_the_books_robots_are_derived_equal(result: dict[str, Any]):
     made = model(result)

@@ -36,6 +36,7 @@ def lines_of(derivation: Derivation, operation: str) -> list[Equation]:
     return [x for s in derivation.steps if s.operation.startswith(operation) for x in s.equations]
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("word", ["R", "P", "RR", "RP", "PR", "RRP"])
 @pytest.mark.parametrize("load", [False, True])
 def test_open_chains_end_in_the_second_kind(word, load):
@@ -43,6 +44,7 @@ def test_open_chains_end_in_the_second_kind(word, load):
     assert agree(absolute(model, load=load), fb.derive(model, "lagrange", load=load))
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(
     "name", ["four_bar", "slider_crank", "five_bar", "five_bar_rods", "double_four_bar", "3RRR"]
 )
@@ -85,6 +87,7 @@ STATES = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", STATES)
 def test_printed_equations_hold_for_motions_and_reactions(name):
     """(5.29) solved in absolute coordinates: accelerations are those of forward dynamics, the

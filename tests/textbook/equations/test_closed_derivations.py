@@ -140,6 +140,7 @@ def test_what_cannot_be_had_is_said():
 
 
 # ---------------------------------------------------------------- the first kind
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", PLANAR)
 def test_first_kind_is_forward_dynamics(name):
     model = fb.load(name)
@@ -165,6 +166,7 @@ def test_first_kind_is_forward_dynamics(name):
         np.testing.assert_allclose(solved[model.nv :] * scale, multipliers, rtol=1e-7, atol=1e-8)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", PLANAR)
 def test_reduction_takes_the_multipliers_out(name):
     model = fb.load(name)
@@ -354,6 +356,7 @@ def test_a_platform_on_six_legs_is_derived_as_far_as_print_allows():
 
 
 # ---------------------------------------------------------------- body by body
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("name", [*PLANAR, "3RRR"])
 def test_newton_and_euler_end_in_the_first_kind(name):
     """With the same multipliers, term by term, joints without motors included."""
@@ -449,6 +452,7 @@ def test_factors_of_measured_numbers_keep_their_size():
 
 
 # ---------------------------------------------------------------- statics
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["slider_crank", "four_bar", "five_bar", "five_bar_rods"])
 def test_statics_equals_numbers(name):
     model = fb.load(name)
@@ -508,6 +512,7 @@ def test_more_drives_than_freedoms_leave_a_system():
         fb.derive(fb.load("bricard"), "statics")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["slider_crank", "five_bar_rods"])
 @pytest.mark.parametrize("method", [METHOD, "statics"])
 def test_every_form_is_written(name, method):

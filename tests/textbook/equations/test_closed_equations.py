@@ -54,12 +54,14 @@ def looped(seed: int, dim: int, kinds: tuple[str, ...] = ()) -> fb.Model:
 SEEDS = [(seed, dim) for seed in range(12) for dim in (2, 3)]
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize(("kind", "dim"), KINDS)
 @pytest.mark.parametrize("seed", [1, 6, 11])
 def test_derivatives_of_every_kind(kind, dim, seed):
     check_derivatives(looped(seed, dim, (kind, kind)), seed)
 
 
+@pytest.mark.sample(9)
 @pytest.mark.parametrize(("seed", "dim"), SEEDS)
 def test_derivatives_of_mixed_loops(seed, dim):
     check_derivatives(looped(seed, dim), seed)
@@ -102,6 +104,7 @@ def test_the_kernels_say_what_the_formulas_say(seed, dim):
         )
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize(("seed", "dim"), SEEDS)
 def test_power_of_the_multipliers(seed, dim):
     """-Φ_qᵀ λ is what the loops' wrenches do to the joints."""
@@ -132,6 +135,7 @@ def test_every_kind_is_tried():
     assert set(HELD[2]) | set(HELD[3]) == set(kinds)
 
 
+@pytest.mark.sample(7)
 @pytest.mark.parametrize(("kind", "dim"), KINDS)
 def test_what_a_loop_holds(kind, dim):
     """Closed loops, seen in the poses of their frames."""
@@ -185,6 +189,7 @@ def hung(kind: str, dim: int) -> tuple[fb.Model, np.ndarray]:
     return model, fb.assemble(model, fb.random_state(model, 3)[0])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_joint_and_its_loop(dim):
     """A body on a pin, and the same body free with a loop of that kind: the multipliers are the

@@ -107,6 +107,7 @@ def compare(
             close(a, b, tolerance, what=f"{mechanism.name}: {what}")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", BUNDLED)
 def test_bundled_plane(name):
     model = fb.load(name).replace(gravity=[1.0, -9.0])
@@ -119,6 +120,7 @@ def test_bundled_rods_held_at_distances():
     compare(mechanism_of(model), 1, model=model)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(2))
 def test_rings_in_space(seed):
     compare(ring(seed), seed)
@@ -130,6 +132,7 @@ def test_more_rings_in_space(seed):
     compare(ring(seed), seed, 1e-8)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["four_bar", "slider_crank", "five_bar"])
 def test_twins_in_space(name):
     """Pins that hold all six directions: the plane's other equations are redundant, and change
@@ -168,6 +171,7 @@ def test_twins_in_space(name):
     )
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "name", ["four_bar", "slider_crank", "five_bar", "double_four_bar", "stewart"]
 )

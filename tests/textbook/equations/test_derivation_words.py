@@ -14,6 +14,7 @@ SLIDES = {
 }
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("method", SLIDES)
 @pytest.mark.parametrize("word", ["RR", "PP", "RP", "PR", "RPR"])
 def test_slides_are_spoken_of_where_there_are_some(word: str, method: str):
@@ -21,6 +22,7 @@ def test_slides_are_spoken_of_where_there_are_some(word: str, method: str):
     assert (SLIDES[method] in said) == ("P" in word)
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("word", ["RR", "RP", "PR", "PP", "RPP", "PPR"])
 def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
     """A moment passes inward; that of a slide at the base, which the ground takes, is a result
@@ -45,6 +47,7 @@ def test_every_moment_that_is_eliminated_is_given_and_used(word: str):
             ] == "P" * (i - 1), (name, steps[i - 1])
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive"])
 @pytest.mark.parametrize("word", ["PR", "RP", "RPR", "PP", "RR", "PPR"])
 def test_coriolis_is_spoken_of_where_something_slides_on_a_turning_body(word: str, method: str):
@@ -59,6 +62,7 @@ def test_the_inertia_of_a_point_is_not_listed():
     assert "I₂ = [" in derived("furuta", "newton-euler").text()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane", "statics"])
 def test_a_joint_without_motor_is_spoken_of_in_every_method(method: str):
     said = " ".join(derived("acrobot", method).text().split())
@@ -73,6 +77,7 @@ def given(name: str, method: str | None = None) -> str:
     return derived(name, method).given
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -128,6 +133,7 @@ def test_the_table_leaves_out_what_no_equation_has():
     assert words["d₁"] == "distance from joint 1 to joint 2"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "units"),
     [("five_bar", ["m", "N"]), ("five_bar_rods", ["m²", "N/m"]), ("bricard", ["m, 1", "N, N m"])],

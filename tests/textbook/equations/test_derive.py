@@ -52,16 +52,19 @@ def ends_alike(model: fb.Model) -> None:
     )
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("word", WORDS)
 def test_every_way_ends_in_the_closed_form(word):
     ends_alike(fb.planar(word))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_every_way_ends_in_the_closed_form_in_space(seed):
     ends_alike(spatial_arm(seed, 1 + seed % 4))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("names", ["2R", "puma560", "gyro"])
 def test_bundled_robots_are_derived(names):
     model = fb.load(names, physical="ignore")
@@ -83,6 +86,7 @@ COUPLED = [
 second the coordinates are those of joints 2 and 3."""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("model", COUPLED)
 def test_joints_that_follow_others_are_derived_by_every_method(model):
     ends_alike(model)
@@ -125,6 +129,7 @@ LOADED = [
 ]
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize("model", LOADED)
 def test_a_body_and_its_payload_are_derived_as_one(model):
     ends_alike(model)
@@ -462,6 +467,7 @@ def test_kinematics_of_the_2r_arm_is_the_notes():
         assert line in lines
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "model", [fb.planar("RP"), fb.planar("RRR"), fb.planar("PR"), spatial_arm(5, 3)]
 )

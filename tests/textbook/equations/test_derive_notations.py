@@ -67,6 +67,7 @@ def read_in_the_notes(robot: str, method: str) -> tuple[list[int], int]:
     return [k for k, line in enumerate(before) if is_right(model, line)], len(before)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("robot", "method", "notation"), PRINTED)
 def test_what_is_printed_in_a_notation_is_read_in_it(robot: str, method: str, notation: str):
     model = fb.load(robot)
@@ -215,6 +216,7 @@ def test_greek_letters_are_letters(tmp_path: Path):
     assert all(is_right(fb.load("RP"), x, style) for x in closed_form(told)[-4:])
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive", "lagrange", "kane"])
 def test_parameters_by_formulas_are_put_in(method: str):
     """Uniform bars: the mass matrix of a textbook, and everything that is printed is right."""
@@ -319,6 +321,7 @@ def own(folder: Path, angles: str = "relative", zero: str = "x axis") -> Path:
     return file
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("zero", ["down", "up"])
 @pytest.mark.parametrize(
     ("angles", "robot", "method"),

@@ -27,6 +27,7 @@ def printed(derivation: Any, operation: str) -> list[str]:
 WORDS = ["RR", "RP", "RRR"]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["lagrange", "newton-euler"])
 @pytest.mark.parametrize("word", WORDS)
 def test_their_lines_are_read_and_right(word: str, method: str):
@@ -64,6 +65,7 @@ DRIVEN = fb.planar("RP", drives=[fb.Drive(0.4, 0.2, 0.1, 2.0), fb.Drive(0.1, sti
 TERMS = [fb.planar("R"), fb.planar("RR"), fb.planar("RP"), fb.load("cart_pole"), DRIVEN]
 
 
+@pytest.mark.sample(5)
 @pytest.mark.parametrize("notation", ["notes", "spong"])
 @pytest.mark.parametrize("model", TERMS, ids=["R", "RR", "RP", "cart_pole", "drives"])
 def test_the_terms_are_those_of_the_equations(model: fb.Model, notation: str):

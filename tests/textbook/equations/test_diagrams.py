@@ -66,6 +66,7 @@ class Drawn(dict):
 
 
 # ---------------------------------------------------------------- every figure
+@pytest.mark.sample(4)
 @pytest.mark.parametrize("number", FIGURES)
 def test_figures_are_sound_and_legible(number, figures):
     figure = figures[number]
@@ -92,6 +93,7 @@ def assert_legible(drawing, width, tallest):
         assert not lines, f"{text} stands on a line"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("word", ["R", "RR", "RP", "PR", "PP", "PRP", "RPR", "RRRR"])
 def test_any_planar_arm_is_legible(word):
     shows = ["geometry", "vectors", "centres", "velocities", "accelerations"]
@@ -158,6 +160,7 @@ def test_symbols_without_values_are_drawn():
     assert with_values(fb.load("2R")).parameters == fb.load("2R").parameters, "known values stay"
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", [None, *METHODS])
 def test_arm_with_only_one_moment_of_inertia_named_is_drawn(method):
     """Typical values of Izz beside Ixx = Iyy = 0 are of no rigid body; nothing of that is drawn."""
@@ -201,6 +204,7 @@ EVERYTHING = {
 }
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("kind", EVERYTHING)
 def test_whatever_robot_is_drawn(kind):
     model = EVERYTHING[kind]()
@@ -394,6 +398,7 @@ def test_five_bar_closes(figures):
         five_bar((1.0, 1.0, 0.3, 0.3))
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["five_bar", "four_bar", "slider_crank", "stewart", "bricard"])
 def test_closed_chains_are_drawn_closed(name):
     model = fb.load(name)
@@ -508,6 +513,7 @@ def test_slide_goes_along_its_axis(figures):
 
 
 # ---------------------------------------------------------------- beside the derivations
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", METHODS)
 def test_derivation_of_a_planar_arm_is_illustrated(method):
     derivation = fb.derive(fb.planar("RP"), method)

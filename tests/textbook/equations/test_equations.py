@@ -119,6 +119,7 @@ def test_polynomials_have_the_values_of_the_kernels(name: str) -> None:
     close(eqs.evaluate(eqs.V, q), numbers(model, "potential_energy", q))
 
 
+@pytest.mark.sample(12)
 @pytest.mark.parametrize("name", MODELS)
 def test_what_is_printed_has_the_values_of_the_kernels(name: str) -> None:
     model = MODELS[name]
@@ -135,6 +136,7 @@ def test_what_is_printed_has_the_values_of_the_kernels(name: str) -> None:
     close(evaluate(eqs.form(eqs.T), at), numbers(model, "kinetic_energy", q, qd))
 
 
+@pytest.mark.sample(32)
 @pytest.mark.parametrize("names", ["notes", "standard"])
 @pytest.mark.parametrize("name", MODELS)
 def test_named_forms_have_the_values_of_the_kernels(name: str, names: str) -> None:

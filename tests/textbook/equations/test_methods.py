@@ -96,6 +96,7 @@ def test_lists_of_the_methods_read_the_record(method: Method, capsys: pytest.Cap
         assert f"{option.name}={' | '.join(map(repr, option.choices))}: {option.words}" in document
 
 
+@pytest.mark.sample(17)
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 @pytest.mark.parametrize(
     "model",

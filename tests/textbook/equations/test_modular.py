@@ -94,6 +94,7 @@ ARMS = {
 }
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("gravity", ["base", "explicit"])
 def test_lines_give_the_torques_exactly(name, gravity):
@@ -155,6 +156,7 @@ def test_in_the_plane_the_rules_suffice():
     assert "τ₁ = nc₁ + τ₂ + sc₁ × fc₁ + s₁ × f₁₂\n" in lines
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["newton-euler", "recursive"])
 def test_long_arms_in_the_plane_are_told_by_rules(method):
     said = fb.derive(fb.planar("RRPRR"), method).text()

@@ -166,6 +166,7 @@ def said(drawing: Drawing) -> set[str]:
     return {name for name in found if not POINT.fullmatch(name)}
 
 
+@pytest.mark.sample(3)
 @pytest.mark.parametrize(("name", "method"), CASES)
 def test_names_in_drawings_are_those_of_the_equations(name: str, method: str):
     derivation = derived(name, method)
@@ -217,6 +218,7 @@ def value_of(line: ex.Equation, values: dict[str, object], gravity: np.ndarray) 
 GRAVITY, INVERSE = ex.Symbol("g", "g", bold=True), ex.power("J", -1)
 
 
+@pytest.mark.sample(24)
 @pytest.mark.parametrize(("name", "method"), CASES)
 def test_arrows_have_the_values_and_signs_of_the_equations(name: str, method: str):
     derivation = derived(name, method)

@@ -41,6 +41,7 @@ RIGHT = [
 ]
 
 
+@pytest.mark.sample(4)
 @pytest.mark.parametrize(("name", "answer"), RIGHT)
 def test_lines_in_a_books_notation_are_right(name: str, answer: str):
     assert fb.check(ARM, answer, notation=name), answer
@@ -69,6 +70,7 @@ def own(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     "answer",
     [

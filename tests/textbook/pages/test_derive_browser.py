@@ -106,6 +106,7 @@ def test_rows_are_aligned_by_the_page_and_equations_that_stand_alone_by_themselv
     assert alone.count("text-align:-webkit-right") == alone.count("<mtr>")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "method"), [("3R", "lagrange"), ("four_bar", None)])
 def test_pages_fit_a_phone_and_a_sheet_of_paper(driver, tmp_path: Path, name, method):
     """On a phone lines are shorter, and what a finger touches is no smaller than it; on A4, with

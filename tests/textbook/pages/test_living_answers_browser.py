@@ -88,6 +88,7 @@ def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, st
     ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("robot", "count"),
     [
@@ -200,6 +201,7 @@ FUNCTIONS = [  # only a posture may have a root's other sign; what is equal to i
 ]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("lines", [LEVELS_NUMBERS_AND_SIGNS, FUNCTIONS])
 def test_lines_are_judged_as_check_judges_them(driver, page_of, lines):
     """Or what is right in numbers is left to it."""

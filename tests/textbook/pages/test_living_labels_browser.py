@@ -33,6 +33,7 @@ FRAME = 16.0  # ms, between two pictures of a screen
 FAR_DOWN = {"stewart"}  # tells its six loops one by one before the first equation
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("name", "states"),
     [
@@ -51,6 +52,7 @@ def test_no_label_lies_on_another_or_is_cut_off(driver, page_of, name, states):
     assert not driver.get_log("browser")
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("method", ["statics", "lagrange", "recursive"])
 def test_nor_under_a_load_or_in_other_letters(driver, page_of, method):
     driver.get(page_of("2R", method, notation="siciliano").as_uri())
@@ -65,6 +67,7 @@ WRITTEN = """return ['main > figure svg', '#arm'].map(svg =>
   [...document.querySelectorAll(`${svg} text:not(.n)`)].map(e => e.textContent))"""
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", [*SAMPLE, "ur5e", "five_bar_rods", "furuta", "quadrotor"])
 def test_the_moving_drawing_is_the_figure_above_it(driver, page_of, name):
     """At first: the same names, and joints, centres of mass and the tip at the same places."""
@@ -79,6 +82,7 @@ def test_the_moving_drawing_is_the_figure_above_it(driver, page_of, name):
     np.testing.assert_allclose(b, scale * a, atol=1.0)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "name",
     [

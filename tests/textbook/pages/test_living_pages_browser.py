@@ -80,6 +80,7 @@ def values(driver) -> dict[str, list[list[float]]]:
     return found
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(
     "model",
     [
@@ -115,6 +116,7 @@ def notes():
     return list(pages(run_all(items()[:3]), "notes.html").values())[1:]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("chapter", chapters())
 def test_each_chapter_of_the_notes_has_an_arm_that_moves(driver, tmp_path, notes, chapter):
     visited(driver, tmp_path / "notes.html", notes[chapter - 1])
@@ -181,6 +183,7 @@ def test_under_a_load_at_rest_too(driver, page_of):
     np.testing.assert_allclose(shown["f12"][0], forces[1][:2], rtol=1e-9)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["pendubot", "cart_pole", "furuta"])
 def test_a_joint_without_motor_moves_as_it_must(driver, page_of, name):
     """Its acceleration is the one for which it needs no motor: forward dynamics has the same."""
@@ -210,6 +213,7 @@ def test_every_method_has_a_page_that_can_be_tried(driver, page_of, method):
             np.testing.assert_allclose(row, rows[0], rtol=1e-12, atol=1e-14)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", ["elbow_arm", "cylindrical_arm"])
 def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, page_of, name):
     """Torques, and forces at the joints, which the page has in axes of the bodies."""
@@ -236,6 +240,7 @@ def test_the_numbers_of_an_arm_in_space_are_those_of_the_kernels(driver, page_of
 LONG_ARMS = ["stanford", "puma560", "ur5e", "iiwa14", "gantry_crane"]
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("name", LONG_ARMS)
 @pytest.mark.filterwarnings("ignore::freebody.PhysicalWarning")
 def test_the_recursion_of_a_long_arm_runs_in_its_page(driver, page_of, name):
@@ -329,6 +334,7 @@ def test_the_platform_on_six_legs_moves_in_its_page(driver, page_of):
     assert driver.execute_script(ARROWS) != first
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "count"), [("elbow_arm", 45), ("stanford", 58)])
 def test_lines_have_values_where_gravity_is_an_acceleration_of_the_base(name, count):
     derivation = fb.derive(fb.load(name), "recursive")
@@ -451,6 +457,7 @@ def energies_are_right(shown, arm, q, qd):
         np.testing.assert_allclose(found, [energy], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize(("name", "method"), CLOSED)
 def test_a_closed_chain_is_closed_by_its_page(driver, page_of, name, method):
     """The kernels refuse an open loop; torques and forces in joints and loops are theirs."""
@@ -525,6 +532,7 @@ def test_other_robots_have_pages_without_a_script():
     assert "<script" not in fb.derive(model).html()
 
 
+@pytest.mark.sample(1)
 @pytest.mark.parametrize("width", [500, 1000, 1500])
 def test_without_a_script_neither_panel_nor_values_are_shown(driver, tmp_path, width):
     """Nor before it is there: sliders that move nothing, and values without numbers."""

@@ -32,6 +32,7 @@ def factor(unit: str) -> float:
     return top / bottom
 
 
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("letters", "method"),
     [("RP", "newton-euler"), ("RR", "lagrange"), ("RP", "kane"), ("PR", "lagrange-first-kind")],
