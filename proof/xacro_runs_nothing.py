@@ -8,11 +8,11 @@ import freebody as fb
 TEXT = """<robot xmlns:xacro="http://ros.org/wiki/xacro" name="r"><link name="a"/>
 <xacro:property name="x" value="${(lambda: __import__('os').system('touch ran'))()}"/>
 <link name="b${x}"/></robot>"""
+reason = "the file was read"
 try:
     fb.load(text=TEXT, format="xacro")
 except fb.FileError as error:
-    print(error)
-    assert "is not allowed (Lambda)" in str(error)
-else:
-    raise AssertionError("the file was read")
+    reason = str(error)
+print(reason)
+assert "is not allowed (Lambda)" in reason
 assert not Path("ran").exists()

@@ -57,7 +57,7 @@ def is_blank(picture: dict) -> bool:
     return size < 60 or picture["shown"] < 200 or picture["drawn"] < 4 or picture["texts"] < 3
 
 
-LATER = ("panda", "xarm7", "kinova")
+LATER = ("panda", "xarm7", "kinova", "talos")
 
 
 @pytest.mark.sample(1)

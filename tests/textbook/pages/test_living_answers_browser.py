@@ -67,10 +67,10 @@ def boxes(driver, model: fb.Model) -> dict[tuple[str, ...], int]:
     return found
 
 
-def lines_of(robot: str, rng: random.Random) -> list[Line]:
+def lines_of(robot: str, rng: random.Random, drawn: int) -> list[Line]:
     """Right lines, and those with a mistake: on one line, without options."""
-    right = of_robot(robot, 250, rng)
-    wrong = list(mutants(right, 250, rng.randrange(99))) if any(x.source for x in right) else []
+    right = of_robot(robot, drawn, rng)
+    wrong = list(mutants(right, drawn, rng.randrange(99))) if any(x.source for x in right) else []
     found = [x for x in (*right, *wrong) if isinstance(x.text, str) and not x.options]
     found = [x for x in found if "\n" not in x.text.strip()]
     rng.shuffle(found)
@@ -80,7 +80,7 @@ def lines_of(robot: str, rng: random.Random) -> list[Line]:
 def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, str]]:
     """Lines that a box of the page asks for; every fifth is spoilt."""
     rng, at = random.Random(f"{robot} 28"), boxes(driver, model)
-    asked = ((at.get(checked(model, x.text)[1]), x.text) for x in lines_of(robot, rng))
+    asked = ((at.get(checked(model, x.text)[1]), x.text) for x in lines_of(robot, rng, 5 * count))
     found = islice(((k, text) for k, text in asked if k is not None), count)
     return [
         (k, rng.choice(SPOILT).format(text) if not i % 5 else text)
@@ -88,7 +88,7 @@ def typed(driver, model: fb.Model, robot: str, count: int) -> list[tuple[int, st
     ]
 
 
-@pytest.mark.sample(1)
+@pytest.mark.sample(2)
 @pytest.mark.parametrize(
     ("robot", "count"),
     [
