@@ -126,6 +126,13 @@ def _carrying(model: Model, kilogram: Mapping[str, Any], frame: str) -> Model:
     return model.with_payload(**kilogram, frame=frame, name=name)
 
 
+def without_rounding(values: Array, whole: Array) -> Array:
+    """Values (T, n), such as what a kilogram adds, 0 where they are what rounding leaves of loads
+    `whole` (T, n)."""
+    rounding = _ROUNDING * np.abs(whole).max(axis=-1, keepdims=True, initial=0.0)
+    return np.where(np.abs(values) <= np.maximum(rounding, NO_SLOPE), 0.0, values)
+
+
 @dataclass(frozen=True)
 class AffineLoad:
     """A load (T, n, d) of n parts at T states: what it is without payload, and what a kilogram
@@ -138,11 +145,10 @@ class AffineLoad:
     def between(bare: Array, loaded: Array) -> AffineLoad:
         """The load (T, n, d) of which the values without and with a kilogram are known; what
         rounding alone leaves of either is 0."""
-        slope = loaded - bare
-        rounding = _ROUNDING * np.abs(bare).max(axis=(1, 2), initial=0.0)[:, None, None]
-        rounding = np.maximum(rounding, NO_SLOPE)
-        slope[np.abs(slope) <= rounding] = 0.0
-        return AffineLoad(np.where(np.abs(bare) <= rounding, 0.0, bare), slope)
+        count = len(bare)
+        whole, slope = bare.reshape(count, -1), (loaded - bare).reshape(count, -1)
+        parts = (without_rounding(x, whole).reshape(bare.shape) for x in (whole, slope))
+        return AffineLoad(*parts)
 
     def at(self, columns: list[int] | slice) -> AffineLoad:
         """The loads of some of the parts."""

@@ -28,6 +28,7 @@ from freebody.capacity.loaded_case import (
     FittedBearing,
     LoadedCase,
     limits_static_load,
+    without_rounding,
 )
 from freebody.design.data_sheets import sure
 from freebody.design.parts import CROSSED_STATIC_AXIAL
@@ -94,8 +95,7 @@ def _of_drives(at: CaseAtStates) -> Reached:
         whole = inverse_dynamics(bare, q, qd, qdd, case.wrenches)
         sent = whole - rotor_torque(model, q, qd, qdd) - motor_springs(model, q, qd)
         rest = tau - sent - lost_torque(model, qd, sent)
-    loaded = inverse_dynamics(carrying, q, qd, qdd, case.wrenches)
-    slope = AffineLoad.between(whole[..., None], loaded[..., None]).slope[..., 0]
+    slope = without_rounding(inverse_dynamics(carrying, q, qd, qdd, case.wrenches) - whole, whole)
     limited = np.isfinite(case.effort)
     most = np.sign(slope) * np.where(limited, case.effort, 0.0) - rest
     if lossy:  # of what is transmitted at the limit, by the way of its power
