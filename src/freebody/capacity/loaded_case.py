@@ -164,8 +164,8 @@ class CaseAtStates(Keeps):
 
     @cached_property
     def held(self) -> tuple[AffineLoad, ...]:
-        """What brakes hold, (T, nv, 1), where the robot stands still: without the wrenches on it,
-        which may end as the drives do, and with them."""
+        """The torques that brakes hold, (T, nv, 1), where the robot stands still: without
+        the wrenches on it, which may end as the drives do, and with them."""
         case, q = self.case, self.states[0]
         cases = (None, case.wrenches) if case.wrenches else (None,)
         return tuple(

@@ -1,4 +1,4 @@
-"""What limits a payload, a limit a line: drives, joints that follow others, brakes, bearings.
+"""The limits of payloads, a limit a line: of drives, joints that follow others, brakes, bearings.
 
 At given positions, rates and accelerations every load of a joint is affine in the mass of a
 payload of given shape and place, F₀ + m F₁: F₁ is what a kilogram adds. What a limit is compared
@@ -41,8 +41,8 @@ Reached = tuple[Array, np.ndarray]
 
 
 class LimitedPart(NamedTuple):
-    """What has a limit: the name of its joint, the name of the limit in `PAYLOAD_LIMITS`, and words
-    for the part, unlike those of any other."""
+    """A part that has a limit: the name of its joint, the name of its limit in `PAYLOAD_LIMITS`,
+    and words for the part, unlike those of any other."""
 
     joint: str
     limit: str

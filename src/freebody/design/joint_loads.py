@@ -64,7 +64,7 @@ def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
 
 
 def bearing_vectors(body: Body, force: Array, moment: Array) -> tuple[Array, Array, Array]:
-    """What the bearing of a joint that turns about one axis carries, from reactions (T, dim) and
+    """The loads of the bearing of a joint that turns about one axis, from reactions (T, dim) and
     (T, 3 or 1) in the child's axes: axial force (T, 1), radial force (T, dim), and tilting moment
     (T, 3), 0 in the plane. Linear in the reactions; their sizes are those of `JOINT_LOADS`."""
     if force.shape[-1] == 2:

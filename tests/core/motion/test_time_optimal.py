@@ -298,6 +298,12 @@ def test_a_follower_is_held_within_its_own_limit():
     shoulder = np.abs(fb.inverse_dynamics(model, q, qd, qdd, {"fore": [0, -3, 0]})[:, 0]) / 300.0
     most = np.maximum.reduce([at_elbow, shoulder, np.abs(qd[:, 0]) / 3.0])
     assert np.quantile(most, 0.05) > 0.99
+    slow = model.bind({"elbow.limits.velocity": 4.0})
+    for planned in (
+        fb.time_optimal(slow, [[0.1], [1.9]]),
+        fb.trapezoid(slow, [[0.1], [1.9]], acceleration=20.0),
+    ):
+        assert planned.peaks.velocity.size == pytest.approx([4.0 / 2.0], rel=1e-3)
     weak = model.bind({"elbow.limits.effort": 4.0})
     with pytest.raises(fb.FreebodyError, match=r"elbow needs \S+ N m to move slowly"):
         fb.time_optimal(weak, [[0.1], [1.9]])

@@ -66,7 +66,7 @@ class FollowerLimits:
         return a, b, -kept * self.size - rest, kept * self.size - rest
 
     def friction(self, q: Array, first: Array) -> tuple[Array, Array]:
-        """What viscous friction takes for each ṡ, and dry friction (..., n) at positions where ṡ is
+        """The viscous friction for each ṡ, and the dry friction (..., n) at positions where ṡ is
         above 0; first: q' there."""
         once, twice = (
             0.5

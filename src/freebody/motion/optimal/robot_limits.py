@@ -89,7 +89,7 @@ class RobotLimits:
         return self._row(self._driven(q, torque), np.zeros_like(torque), followed)
 
     def values(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """What has a limit (..., m) in a motion: torques of the drives, friction and wrenches
+        """The values (..., m) of all rows in a motion: torques of the drives, friction and wrenches
         included, accelerations, torques that reach followers."""
         tree = self.model.opened if self.model.loops else self.model
         own = inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None)
