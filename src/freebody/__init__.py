@@ -174,6 +174,7 @@ _PLACES = {
     "freebody.figures.map_diagram": ("map_diagram",),
     "freebody_notes.figures.catalogue": ("notes_figure",),
     "freebody.report.study": ("Study", "study"),
+    "freebody.report.cycle_study": ("CycleStudy",),
     "freebody.capacity.payload": ("payload",),
     "freebody.capacity.load_diagram": ("load_diagram",),
 }

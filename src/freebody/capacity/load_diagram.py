@@ -1,10 +1,10 @@
 """`load_diagram`: the largest payload over the distance of its centre of mass from the flange, a
-curve for each drive that limits it, as makers of robots print it."""
+curve for each limit of a drive, brake or bearing, as makers of robots print it."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike
 from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.by_value import ByValue
 from freebody.capacity.payload import payload
+from freebody.design.drive_loads import ChosenDrives
+from freebody.design.parts import Bearing
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.figures.figure import save
 from freebody.figures.plots import Plot, plot
@@ -41,14 +43,16 @@ class LoadDiagram(Tabled, ByValue):
 
     offsets: (k,), m along an axis of the frame. by_joint: (k, K), kg, at which each joint alone
     reaches its limit, infinite where none does. joint: (k,), index of the one that limits, -1
-    without one. joint_names: (K,), as of `fb.payload`. frame, along: its name and the axis.
-    doubts: those on the robot's masses, drives and effort limits.
+    without one. joint_names, limits, parts: (K,), as of `fb.payload`. frame, along: its name and
+    the axis. doubts: those on the robot's masses, drives and effort limits.
     """
 
     offsets: Array
     by_joint: Array
     joint: np.ndarray
     joint_names: tuple[str, ...]
+    limits: tuple[str, ...]
+    parts: tuple[str, ...]
     frame: str
     along: str
     doubts: tuple[Doubt, ...] = ()
@@ -61,15 +65,15 @@ class LoadDiagram(Tabled, ByValue):
 
     @property
     def svg(self) -> str:
-        """The diagram: mass over offset in mm, a curve for each drive that limits somewhere, or
+        """The diagram: mass over offset in mm, a curve for each part that limits somewhere, or
         nearly; what lies below all of them is carried."""
         mass = self.mass
         top = _HIGH * float(mass[np.isfinite(mass)].max(initial=0.0))
         curves = {
             name: np.where(own <= top, own, np.nan)
-            for name, own in zip(self.joint_names, self.by_joint.T, strict=True)
+            for name, own in zip(self.parts, self.by_joint.T, strict=True)
             if (own <= top).sum() > 1
-        } or {"no drive limits": np.full(len(mass), np.nan)}
+        } or {"nothing limits": np.full(len(mass), np.nan)}
         title = f"Largest payload over its offset along {self.along} of {self.frame}"
         across = "offset in mm"
         size = (460.0, 300.0)
@@ -86,17 +90,18 @@ class LoadDiagram(Tabled, ByValue):
 
     def to_xarray(self) -> xr.Dataset:
         """A labelled dataset over the offsets."""
-        names = np.array([*self.joint_names, ""])[self.joint]
-        each = "mass at which the drive reaches its limit"
+        names, limits = (np.array([*x, ""])[self.joint] for x in (self.joint_names, self.limits))
+        each = "mass at which it reaches its limit"
         return labelled(
             {
                 "mass": (("offset",), self.mass, "kg", "largest payload"),
                 "by_joint": (("offset", "coordinate"), self.by_joint, "kg", each),
                 "joint": (("offset",), names, "1", "joint that limits it"),
+                "limit": (("offset",), limits, "1", "limit that it reaches there"),
             },
             {
                 "offset": (("offset",), self.offsets, "m", f"along {self.along} of {self.frame}"),
-                "coordinate": (("coordinate",), np.array(self.joint_names), "1", "coordinate"),
+                "coordinate": (("coordinate",), np.array(self.parts), "1", "what has a limit"),
             },
             {"frame": self.frame, **attribute(self.doubts)},
         )
@@ -109,13 +114,13 @@ class LoadDiagram(Tabled, ByValue):
         )
 
     def _table(self) -> TextTable:
-        names = [*self.joint_names, "none"]
+        names = [*self.parts, "none"]
         rows = [
             (f"{1e3 * at:.4g}", f"{mass:.4g}", names[k])
             for at, mass, k in zip(self.offsets, self.mass, self.joint, strict=True)
         ]
         notes = [in_one_line(self.doubts)] if self.doubts else []
-        return TextTable(("offset (mm)", "payload (kg)", "limiting joint"), rows, notes)
+        return TextTable(("offset (mm)", "payload (kg)", "what limits it"), rows, notes)
 
 
 def load_diagram(
@@ -127,12 +132,14 @@ def load_diagram(
     frame: str | None = None,
     wrenches: FrameWrenchTable = None,
     effort: JointVector | None = None,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
 ) -> LoadDiagram:
     """The largest payload, a point, over its offset from the frame's origin along one of its axes.
 
     Parameters
     ----------
-    model, motion, frame, wrenches, effort
+    model, motion, frame, wrenches, effort, brakes, bearings
         As for `fb.payload`: of several motions or postures the least payload counts, such as over
         `fb.random_state(model, seed, 10**5)[0]`.
     offsets
@@ -147,7 +154,7 @@ def load_diagram(
 
     Raises
     ------
-    FreebodyError, PassiveJointError, ShapeError, NotFiniteError, UnknownNameError
+    FreebodyError, PassiveJointError, KindError, ShapeError, NotFiniteError, UnknownNameError
         As `fb.payload`; offsets that do not increase; an axis that there is not.
     """
     function, axes = "load_diagram", ("x", "y", "z")[: model.dim]
@@ -163,9 +170,12 @@ def load_diagram(
         raise FreebodyError(f"{function}: offsets must increase; got {places.tolist()}.")
     unit = np.array([float(name == axis) for name in axes])
     found = [
-        payload(model, motion, com=x * unit, frame=frame, wrenches=wrenches, effort=effort)
+        payload(
+            model, motion, com=x * unit, frame=frame, wrenches=wrenches, effort=effort,
+            brakes=brakes, bearings=bearings,
+        )
         for x in places
-    ]
+    ]  # fmt: skip
     if not found[0].mass.size:
         raise FreebodyError(f"{function}: there are no postures; give at least one.")
     by_joint = np.array([x.by_joint.reshape(-1, len(x.joint_names)).min(axis=0) for x in found])
@@ -175,6 +185,8 @@ def load_diagram(
         by_joint,
         np.where(free, -1, np.argmin(by_joint, axis=-1)).astype(int),
         found[0].joint_names,
+        found[0].limits,
+        found[0].parts,
         found[0].frame,
         axis,
         found[0].doubts,

@@ -12,11 +12,15 @@ import numpy as np
 from freebody.any_chain.effort_limits import chosen_efforts
 from freebody.arrays import Array
 from freebody.by_value import ByValue
-from freebody.capacity.reached_masses import LoadedCase, along
+from freebody.capacity.loaded_case import FittedParts, LoadedCase
+from freebody.capacity.payload_limits import LIMIT_OF_NAME, limited_parts
+from freebody.capacity.reached_masses import along, reached_masses
 from freebody.capacity.segments import LoadedSegment, loaded_segments
 from freebody.capacity.time_scaling import motion_pace
 from freebody.capacity.torque_parts import torque_parts
+from freebody.design.drive_loads import ChosenDrives
 from freebody.design.duty_cycle import DutyCycle
+from freebody.design.parts import Bearing
 from freebody.errors import listed
 from freebody.labels import refuse_labelled
 from freebody.model.doubt_rules.aspects import DYNAMIC, EFFORTS, INERTIAL
@@ -45,15 +49,18 @@ class LargestPayload(Tabled, ByValue):
     """The largest payload along each motion, or at each posture (...), besides what the robot
     carries already.
 
-    mass: (...), kg; 0 where a drive is overloaded without any, infinite where none limits it.
+    mass: (...), kg; 0 where a limit is exceeded without any, infinite where none limits it.
     by_joint: (..., K), the mass at which each joint alone reaches its limit: coordinates, then
-    joints that follow others and have limits of their own. joint: (...), index of the one that
+    joints that follow others and have limits of their own, then brakes, then bearings, by static
+    load and by tilting moment. joint: (...), index of the one that
     limits, -1 without one. time: (...), s, when it does; NaN for postures.
-    overloaded: (...), whether a drive is overloaded without payload. too_fast: names of joints
+    overloaded: (...), whether a limit is exceeded without payload. too_fast: names of joints
     whose speed exceeds its limit on a motion, whatever the mass. outside: names of joints that
-    leave their ranges on a motion or at a posture. faster: how many times as fast one
-    motion may be run without payload; NaN for several, and for postures. joint_names: (K,). frame:
-    where the payload is. doubts: those on the robot's masses, drives and effort limits.
+    leave their ranges on a motion or at a posture. faster: how many times as fast one motion may be
+    run without payload; NaN for several, for postures, and where bearings are judged, whose loads
+    at other speeds are not looked at. joint_names, limits: (K,), the joint of each limit, and which
+    it is: "effort", "brake", "static load" or "tilting moment". parts: (K,), words for what reaches
+    it. frame: where the payload is. doubts: those on the robot's masses, drives and effort limits.
     """
 
     mass: Array
@@ -65,6 +72,8 @@ class LargestPayload(Tabled, ByValue):
     outside: tuple[str, ...]
     faster: float
     joint_names: tuple[str, ...]
+    limits: tuple[str, ...]
+    parts: tuple[str, ...]
     frame: str
     doubts: tuple[Doubt, ...] = ()
     _aside = ("doubts",)
@@ -95,12 +104,12 @@ class LargestPayload(Tabled, ByValue):
             return f"not at this speed: {listed(self.too_fast, 4)} would exceed the speed limit"
         at = self.least
         if self.joint[at] < 0:
-            return "no drive limits it"
-        name, time = self.joint_names[self.joint[at]], float(self.time[at])
+            kinds = dict.fromkeys(LIMIT_OF_NAME[name].what for name in self.limits)
+            return f"no {' or '.join(kinds)} limits it"
+        k, time = self.joint[at], float(self.time[at])
         when = "" if np.isnan(time) else f" at t = {time:.3g} s"
-        if self.overloaded[at]:
-            return f"{name} is overloaded without payload{when}"
-        return f"{name} limits{when}"
+        does = LIMIT_OF_NAME[self.limits[k]].beyond if self.overloaded[at] else "limits"
+        return f"{self.parts[k]} {does}{when}"
 
     @property
     def card(self) -> str:
@@ -137,17 +146,18 @@ class LargestPayload(Tabled, ByValue):
     def to_xarray(self) -> xr.Dataset:
         """A labelled dataset over the motions or postures."""
         dims = axes_of("case", self.mass.ndim) if self.mass.ndim else ()
-        names = np.array([*self.joint_names, ""])[self.joint]
-        each = "mass at which the drive reaches its limit"
+        names, limits = (np.array([*x, ""])[self.joint] for x in (self.joint_names, self.limits))
+        each = "mass at which it reaches its limit"
         return labelled(
             {
                 "mass": (dims, self.mass, "kg", f"largest payload at {self.frame}"),
                 "by_joint": ((*dims, "coordinate"), self.by_joint, "kg", each),
                 "joint": (dims, names, "1", "joint that limits it"),
+                "limit": (dims, limits, "1", "limit that it reaches there"),
                 "time": (dims, self.time, "s", "when it does"),
-                "overloaded": (dims, self.overloaded, "1", "overloaded without payload"),
+                "overloaded": (dims, self.overloaded, "1", "a limit exceeded without payload"),
             },
-            {"coordinate": (("coordinate",), np.array(self.joint_names), "1", "coordinate")},
+            {"coordinate": (("coordinate",), np.array(self.parts), "1", "what has a limit")},
             {"frame": self.frame, "card": self.card, **attribute(self.doubts)},
         )
 
@@ -158,10 +168,10 @@ class LargestPayload(Tabled, ByValue):
         least = self.by_joint.reshape(-1, len(self.joint_names)).min(axis=0, initial=np.inf)
         rows = [
             (name, f"{mass:.4g} kg" if np.isfinite(mass) else "no limit")
-            for name, mass in zip(self.joint_names, least, strict=True)
+            for name, mass in zip(self.parts, least, strict=True)
         ]
         notes = [in_one_line(self.doubts)] if self.doubts else []
-        return TextTable(("drive", "carries alone"), rows, notes)
+        return TextTable(("limit", "carries alone"), rows, notes)
 
 
 def payload(
@@ -174,6 +184,8 @@ def payload(
     frame: str | None = None,
     wrenches: FrameWrenchTable = None,
     effort: JointVector | None = None,
+    brakes: ChosenDrives | None = None,
+    bearings: Mapping[str, Bearing] | None = None,
 ) -> LargestPayload:
     """The largest payload that a robot carries along a motion, or holds at postures, besides what
     it carries already.
@@ -181,7 +193,8 @@ def payload(
     Parameters
     ----------
     model
-        An open chain with a drive in every joint, or a closed one.
+        An open chain with a drive in every joint, or a closed one; with its drives, such as
+        `drive_loads(...).model`.
     motion
         A Motion, several of them in a list, or positions q (..., nq) at which the robot stands; or
         a DutyCycle: for each segment, what it carries besides its payload, its rest included.
@@ -196,6 +209,14 @@ def payload(
         (nv,), the largest torques and forces of the drives, N m and N, infinite where there is no
         limit; default the joints' effort limits. Those of joints that follow others count in any
         case.
+    brakes : {joint: (Motor, Gear)}, optional
+        Drives whose brakes have to hold the robot still wherever it is at a sample of the motion or
+        at a posture, with the wrenches and without, by what `drive_loads(..., hold=True)` counts;
+        such as its `drives`. Their masses are the model's already.
+    bearings : {joint: Bearing}, optional
+        Of joints that turn, as for `bearing_loads`: a crossed roller bearing is judged by its
+        static equivalent load, times its static_factor, against its static_load; each by its
+        moment_limit. How long they live is not asked.
 
     Returns
     -------
@@ -208,10 +229,11 @@ def payload(
     Raises
     ------
     FreebodyError
-        No drive has an effort limit; a family.
+        No drive has an effort limit; a family; a bearing without a limit, or whose load rigid
+        bodies do not determine.
     PassiveJointError
         An open chain with a joint that nothing drives.
-    ShapeError, NotFiniteError, UnknownNameError
+    KindError, ShapeError, NotFiniteError, UnknownNameError
     """
     function = "payload"
     model.require_values("the payload")
@@ -224,24 +246,25 @@ def payload(
     kilogram = {"mass": 1.0, **shape}
     limits = chosen_efforts(function, model, effort)
     loads = wrenches_by_frame(function, model, wrenches, single=True)
-    case = LoadedCase.of(model, kilogram, name, limits, loads or None)
+    parts = FittedParts.of(function, model, brakes, bearings)
+    case = LoadedCase.of(model, kilogram, name, limits, loads or None, parts)
     motions, faster, doubted = _motions(model, motion), np.nan, (model,)
     if isinstance(motion, DutyCycle):
         segments = loaded_segments(function, model, motion, loads)
         doubted = tuple(segment.model for segment in segments)
-        each = [_in_segment(x, kilogram, name, limits) for x in segments]
+        each = [_in_segment(x, kilogram, name, limits, parts) for x in segments]
         mass, over, time = (np.stack(x) for x in zip(*each, strict=True))
     elif motions is None:
         q = finite_vector(function, model, "q", motion)
         rest = np.zeros((*q.shape[:-1], model.nv))
-        mass, over = case.masses((q, rest, rest))
+        mass, over = reached_masses(case, (q, rest, rest))
         time = np.full(mass.shape, np.nan)
     else:
         mass, over, time = along(case, motions)
         if isinstance(motion, Motion):
             mass, over, time = mass[0], over[0], time[0]
-            data = torque_parts(model, motion, loads)
-            faster = motion_pace(model, motion, data, loads, limits).factor
+            faster = np.nan if bearings else _faster(model, motion, loads, limits)
+    names, kinds, words = zip(*limited_parts(case), strict=True)
     beyond = _outside(model, q.reshape(-1, model.nq)) if motions is None else _leave(model, motions)
     joint = np.argmin(np.where(over, -1.0, mass), axis=-1)
     least = np.asarray(mass.min(axis=-1))
@@ -259,23 +282,34 @@ def payload(
         () if motions is None else _too_fast(model, motions),
         tuple(name for name, bad in zip(model.velocity_names, beyond, strict=True) if bad),
         faster,
-        case.names,
+        names,
+        kinds,
+        words,
         name,
         tuple(dict.fromkeys(x for one in doubted for x in doubts_on(one, *aspects))),
     )
 
 
+def _faster(model: Model, motion: Motion, loads: Mapping[str, Array], limits: Array) -> float:
+    """How many times as fast a motion may be run without payload."""
+    return motion_pace(model, motion, torque_parts(model, motion, loads), loads, limits).factor
+
+
 def _in_segment(
-    segment: LoadedSegment, kilogram: Mapping[str, Any], frame: str, limits: Array
+    segment: LoadedSegment,
+    kilogram: Mapping[str, Any],
+    frame: str,
+    limits: Array,
+    parts: FittedParts,
 ) -> tuple[Array, np.ndarray, Array]:
     """(masses (K,), whether a joint is overloaded without, when) in a segment of a duty cycle,
     moving and at rest behind it."""
-    case = LoadedCase.of(segment.model, kilogram, frame, limits, segment.wrenches or None)
+    case = LoadedCase.of(segment.model, kilogram, frame, limits, segment.wrenches or None, parts)
     mass, over, time = (x[0] for x in along(case, [segment.motion]))
     if segment.dwell == 0.0:
         return mass, over, time
     rest = np.zeros(segment.model.nv)
-    held, worse = case.masses((segment.motion.q[-1], rest, rest))
+    held, worse = reached_masses(case, (segment.motion.q[-1], rest, rest))
     end = segment.motion.t[-1]
     return np.minimum(mass, held), over | worse, np.where(held < mass, end, time)
 

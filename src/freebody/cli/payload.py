@@ -41,11 +41,29 @@ def payload(
             "effort limits.",
         ),
     ] = None,
+    catalogue: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="The catalogue of --brake and --bearing, TOML."),
+    ] = None,
+    brake: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=MOTOR,GEAR",
+            help="The motor whose brake has to hold a joint through a gear, wherever the robot is.",
+        ),
+    ] = None,
+    bearing: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="JOINT=BEARING",
+            help="The bearing of a joint, judged by its static load and its moment limit.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
             metavar="FILE.svg",
-            help="Draw the load diagram: mass over offset in mm, a curve for each drive.",
+            help="Draw the load diagram: mass over offset in mm, a curve for each limit.",
         ),
     ] = None,
     along: Annotated[
@@ -61,7 +79,7 @@ def payload(
     ] = 500.0,
 ) -> None:
     """The largest payload along a motion or in each segment of a duty cycle, at a posture or over
-    many, the drive that limits it, and the load diagram as makers print it.
+    many, the drive, brake or bearing that limits it, and the load diagram as makers print it.
 
     What --payload tells is carried besides. Exit status 0: something is carried. 1: nothing is, or
     what is doubtful about the robot bars an answer. 2: bad input.
@@ -76,7 +94,7 @@ def payload(
     if out is not None and centre is not None:
         raise FreebodyError("--com: the load diagram has offsets of its own; leave one out.")
     most = None if effort is None else numbers.values("--effort", effort)
-    case = {"wrenches": wrenches, "effort": most}
+    case = {"wrenches": wrenches, "effort": most, **_parts(catalogue, brake, bearing)}
     with terminal.progress("payload"):
         found = largest(model, at, com=centre, **case)
     console = terminal.out()
@@ -93,6 +111,36 @@ def payload(
     console.print(f"again:   {options.again(context)}", soft_wrap=True)
     if not found.carries:
         raise typer.Exit(1)
+
+
+def _parts(
+    catalogue: str | None, brakes: list[str] | None, bearings: list[str] | None
+) -> dict[str, Any]:
+    """The brakes and bearings of joints, out of a catalogue."""
+    from freebody.design.catalogue import catalogue as read
+
+    given = ("--brake", brakes), ("--bearing", bearings)
+    asked = [option for option, texts in given if texts]
+    if catalogue is None:
+        if asked:
+            raise FreebodyError(
+                f"{asked[0]}: give the file in which the parts are, --catalogue FILE."
+            )
+        return {}
+    if not asked:
+        raise FreebodyError(
+            "--catalogue: say which of its parts the joints have, --brake JOINT=MOTOR,GEAR or "
+            "--bearing JOINT=BEARING."
+        )
+    parts, held = read(catalogue), {}
+    for joint, names in options.pairs("--brake", brakes, "joint1=M200,W25-100").items():
+        motor, _, gear = (x.strip() for x in names.partition(","))
+        held[joint] = parts.motor(motor), parts.gear(gear)
+    fitted = options.pairs("--bearing", bearings, "joint1=B70").items()
+    return {
+        "brakes": held or None,
+        "bearings": {joint: parts.bearing(name) for joint, name in fitted},
+    }
 
 
 def _where(

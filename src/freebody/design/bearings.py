@@ -100,23 +100,35 @@ def bearing_loads(
     FreebodyError, KindError, UnknownNameError
     """
     done = duty_cycles("bearing_loads", model, cycles)
-    kinds = [body.kind.motion for body in model.bodies]
-    inner = {k for last in range(len(kinds)) for k in _on_one_axis(model, last)[:-1]}
-    turning = [
-        k
-        for k, motion in enumerate(kinds)
-        if motion is not None and motion.turns and k not in inner
-    ]
-    names = [model.bodies[k].joint.name for k in turning]
-    given = dict(bearings or {})
-    for name, bearing in given.items():
-        if not isinstance(bearing, Bearing):
-            raise KindError("bearing_loads", f"bearings[{name!r}]", bearing, "an fb.Bearing")
-        if name not in names:
-            raise UnknownNameError("joint that turns about one axis", name, model.name, names)
+    given, turning = checked_bearings("bearing_loads", model, bearings), turning_joints(model)
     if not turning:
         raise FreebodyError(f"bearing_loads: no joint of {model.name!r} turns about one axis.")
-    return _assembled(model, done, turning, names, given)
+    return _assembled(model, done, list(turning.values()), list(turning), given)
+
+
+def turning_joints(model: Model) -> dict[str, int]:
+    """The joints that turn about one axis, each with a bearing, and the numbers of their bodies."""
+    kinds = [body.kind.motion for body in model.bodies]
+    inner = {k for last in range(len(kinds)) for k in _on_one_axis(model, last)[:-1]}
+    return {
+        model.bodies[k].joint.name: k
+        for k, motion in enumerate(kinds)
+        if motion is not None and motion.turns and k not in inner
+    }
+
+
+def checked_bearings(
+    function: str, model: Model, bearings: Mapping[str, Bearing] | None
+) -> dict[str, Bearing]:
+    """The bearings of a model's joints that a function was given, each of a joint that turns about
+    one axis."""
+    given, turning = dict(bearings or {}), turning_joints(model)
+    for name, bearing in given.items():
+        if not isinstance(bearing, Bearing):
+            raise KindError(function, f"bearings[{name!r}]", bearing, "an fb.Bearing")
+        if name not in turning:
+            raise UnknownNameError("joint that turns about one axis", name, model.name, turning)
+    return given
 
 
 def _on_one_axis(model: Model, k: int) -> list[int]:

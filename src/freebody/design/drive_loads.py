@@ -165,11 +165,10 @@ def drive_loads(
     ----------
     Harmonic Drive AG, Engineering Data, 1019659 11/2014, section 4.1; ISO 281.
     """
-    chosen, life = _checked(drives), checked_life("drive_loads", life)
+    chosen = checked_drives("drive_loads", "drives", drives)
+    life = checked_life("drive_loads", life)
     done = duty_cycles("drive_loads", model, cycles)
-    joints = drive_joints("drive_loads", model, tuple(chosen), mounts)
-    for joint in joints:
-        refuse_misfit(joint, chosen[joint.name][1])
+    joints = fitting_joints("drive_loads", model, chosen, mounts)
     loads = cycle_loads(model, done, joints)
     masses = np.array([sum(part.mass for part in chosen[x.name]) for x in joints])
     rest = rest_loads(model, done, joints) if hold else None
@@ -177,14 +176,26 @@ def drive_loads(
     return assembled(model, done, joints, loads, demands, chosen)
 
 
-def _checked(drives: Any) -> dict[str, tuple[Motor, Gear]]:
+def checked_drives(function: str, argument: str, drives: Any) -> dict[str, tuple[Motor, Gear]]:
+    """The motor and gear of each joint that a function was given as an argument of that name."""
     if not isinstance(drives, Mapping) or not drives:
-        raise KindError("drive_loads", "drives", drives, "a dict {joint: (motor, gear)}")
+        raise KindError(function, argument, drives, "a dict {joint: (motor, gear)}")
     for name, pair in drives.items():
         good = isinstance(pair, tuple | list) and len(pair) == 2
         if not (good and isinstance(pair[0], Motor) and isinstance(pair[1], Gear)):
-            raise KindError("drive_loads", f"drives[{name!r}]", pair, "a pair (fb.Motor, fb.Gear)")
+            raise KindError(function, f"{argument}[{name!r}]", pair, "a pair (fb.Motor, fb.Gear)")
     return {name: (motor, gear) for name, (motor, gear) in drives.items()}
+
+
+def fitting_joints(
+    function: str, model: Model, drives: ChosenDrives, mounts: Mounts = None
+) -> tuple[DriveJoint, ...]:
+    """The joints that drives were chosen for, each with a gear of its kind; where the drives ride
+    as `drive_joints` has it."""
+    joints = drive_joints(function, model, tuple(drives), mounts)
+    for joint in joints:
+        _refuse_misfit(joint, drives[joint.name][1])
+    return joints
 
 
 def checked_life(function: str, life: float) -> float:
@@ -196,7 +207,7 @@ def checked_life(function: str, life: float) -> float:
     return float(hours)
 
 
-def refuse_misfit(joint: DriveJoint, gear: Gear) -> None:
+def _refuse_misfit(joint: DriveJoint, gear: Gear) -> None:
     """Refuse a screw at a joint that turns, and a gear with a ratio at one that slides."""
     if joint.turns != (gear.lead is None):
         does, has = ("turns", "a lead") if joint.turns else ("slides", "a ratio")

@@ -63,11 +63,28 @@ def _along_axis(body: Body, force: Array, moment: Array) -> dict[str, Array]:
     return parts
 
 
+def bearing_vectors(body: Body, force: Array, moment: Array) -> tuple[Array, Array, Array]:
+    """The loads of the bearing of a joint that turns about one axis, from reactions (T, dim) and
+    (T, 3 or 1) in the child's axes: axial force (T, 1), radial force (T, dim), and tilting moment
+    (T, 3), 0 in the plane. Linear in the reactions; their sizes are those of `JOINT_LOADS`."""
+    if force.shape[-1] == 2:
+        nothing = np.zeros((len(force), 3))
+        return nothing[:, :1], force, nothing
+    axial, radial = _parts(force, body.joint.axis)
+    return axial[:, None], radial, _parts(moment, body.joint.axis)[1]
+
+
 def _split(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
     """Component along the axis, with its sign, and the size of what is across it."""
+    along, across = _parts(vectors, axis)
+    return along, _size(across)
+
+
+def _parts(vectors: Array, axis: tuple[float, ...]) -> tuple[Array, Array]:
+    """Component along the axis, with its sign, and what is across it."""
     n = np.asarray(axis)
     along = vectors @ n
-    return along, _size(vectors - along[:, None] * n)
+    return along, vectors - along[:, None] * n
 
 
 def _size(vectors: Array) -> Array:

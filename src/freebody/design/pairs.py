@@ -275,6 +275,12 @@ def gear_lives(demand: Demand, gear: Gear) -> Array:
     )
 
 
+def holding_torque(motor: Motor, gear: Gear) -> float:
+    """The torque (N m, of a slide N) that a motor's brake holds at its joint, through the gear as
+    at rest: what the gear loses then is not counted on. 0 without a brake."""
+    return (motor.brake_torque or 0.0) * gear.factor
+
+
 def _brake(demand: Demand, pairs: PairTable) -> Array:
     return _ratio(np.array([[demand.holding]]), pairs.brake * pairs.factor)
 

@@ -214,6 +214,9 @@ _RATED = ("rated_torque", "rated_speed", "rated_life")
 
 BearingKind = Literal["crossed roller", "radial"]
 
+CROSSED_STATIC_AXIAL = 0.44
+"""Y₀, by which axial forces count in the static equivalent load of a crossed roller bearing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Bearing(DataSheet):
@@ -243,6 +246,9 @@ class Bearing(DataSheet):
     moment_limit: float | None = None
     mass: float | None = None
     price: float | None = None
+    static_factor: float = 1.0
+    """f_s, by which static equivalent loads are to stay below C₀ (ISO 76); makers ask for more than
+    1 where the bearing has to run smoothly, or meets impacts."""
 
     WHAT: ClassVar[str] = "bearing"
     NUMBERS: ClassVar[tuple[PartNumber, ...]] = (
@@ -254,6 +260,7 @@ class Bearing(DataSheet):
         PartNumber("e", "", "axial over radial force from which X and Y count", "0 or more"),
         PartNumber("life_exponent", "", "power by which its life falls with the load"),
         PartNumber("load_factor", "", "factor for impacts", needed=True),
+        PartNumber("static_factor", "", "factor by which static loads stay below C₀", needed=True),
         PartNumber("moment_limit", "N m", "largest tilting moment"),
         PartNumber("mass", "kg", "mass", "0 or more"),
         PartNumber("price", "", "price", "0 or more"),
@@ -294,7 +301,7 @@ class Bearing(DataSheet):
         if self.kind != "crossed roller":
             raise self.refusal("static equivalent loads are told of crossed roller bearings alone")
         Fr, Fa, M = (np.abs(np.asarray(x, dtype=float)) for x in (radial, axial, moment))
-        return Fr + 2.0 * M / sure(self.pitch_diameter) + 0.44 * Fa
+        return Fr + 2.0 * M / sure(self.pitch_diameter) + CROSSED_STATIC_AXIAL * Fa
 
     def life(self, equivalent_load: float, mean_speed: float) -> float:
         """The life in h that 90 % of bearings reach under an equivalent load (N) at a mean speed

@@ -15,7 +15,7 @@ from freebody.by_value import ByValue
 from freebody.design.drive_loads import ChosenDrives, DriveLoads, Mounts, drive_loads
 from freebody.design.duty_cycle import Cycles, Segment, duty_cycles
 from freebody.design.loads import DriveJoint, without_drives
-from freebody.design.pairs import used
+from freebody.design.pairs import holding_torque, used
 from freebody.design.parts import Gear, Motor
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable
@@ -191,7 +191,10 @@ def braked(
     load = np.where(free.speed > 0.0, load, -load)
     back = _gone_on(free.speed, inertia, load, 0.0, delay - free.time, motor, gear)
     last = _gone_on(back.speed, inertia, load, brake, np.asarray(np.inf), motor, gear)
-    parts, holds = (free, back, last), np.abs(held) <= brake * gear.factor * (1.0 + _NOTHING)
+    parts, holds = (
+        (free, back, last),
+        np.abs(held) <= holding_torque(motor, gear) * (1.0 + _NOTHING),
+    )
     return (
         np.where(holds, sum(part.time for part in parts), np.inf),
         np.where(holds, sum(part.way for part in parts), np.inf),

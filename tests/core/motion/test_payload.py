@@ -164,7 +164,21 @@ def test_the_command(tmp_path: Path, monkeypatch, capsys):
     assert run(["payload", "2R", "--q", "0,0", "--effort", "500,200"]) == 0
     by_code = fb.payload(fb.load("2R"), [0.0, 0.0], effort=[500.0, 200.0]).card
     assert by_code in " ".join(capsys.readouterr().out.split())
+    asked = ["payload", "ur5e", "--q", "0,0,0,0,0,0", "--catalogue", "invented"]
+    fitted = ["--brake", "elbow_joint=M200,W25-100", "--bearing", "elbow_joint=B70"]
+    assert run([*asked, *fitted]) == 0
+    parts, elbow = fb.catalogue("invented"), "elbow_joint"
+    by_code = fb.payload(
+        arm, [0.0] * 6, bearings={elbow: parts.bearing("B70")},
+        brakes={elbow: (parts.motor("M200"), parts.gear("W25-100"))},
+    )  # fmt: skip
+    said = " ".join(capsys.readouterr().out.split())
+    assert said.startswith(by_code.card)
+    assert "brake of elbow_joint (M200)" in said
     for words, *more in (
+        ("--bearing: give the file in which the parts are", "--bearing", "elbow_joint=B70"),
+        ("--catalogue: say which of its parts", "--catalogue", "invented"),
+        ("no bearing 'B7'", "--catalogue", "invented", "--bearing", "elbow_joint=B7"),
         ("give a motion or a posture", "--motion", "pick.csv", "--q", "0"),
         ("--speed: there is no motion", "--speed", "2"),
         ("the load diagram has offsets of its own", "--q", "0,0,0,0,0,0", "--com", "0,0,1",

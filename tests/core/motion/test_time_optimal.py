@@ -253,6 +253,62 @@ def test_few_points_cost_little_time_and_no_limit():
             assert np.diff(motion.t).max() < 0.1 * motion.duration
 
 
+# ---------------------------------------------------------------- joints that follow others
+HOIST = """
+name = "hoist"
+dim = 2
+gravity = [0, -9.81]
+link = [
+  { name = "base" }, { name = "upper", mass = 3, com = [0.4, 0], inertia = 0.2 },
+  { name = "fore", mass = 2, com = [0.3, 0], inertia = 0.1 },
+]
+[[joint]]
+name = "shoulder"
+kind = "revolute"
+parent = "base"
+child = "upper"
+limits = { velocity = 3, effort = 300 }
+[[joint]]
+name = "elbow"
+kind = "revolute"
+parent = "upper"
+child = "fore"
+origin = [0.8, 0]
+limits = { velocity = 10, effort = 12 }
+friction = { viscous = 0.4, coulomb = 0.5 }
+mimic = { joint = "shoulder", ratio = -2, offset = 0.2 }
+"""
+
+
+def test_a_follower_is_held_within_its_own_limit():
+    """What reaches it, by the robot whose joints are all free: at its limit, and not beyond it
+    between the points either."""
+    model = fb.load(text=HOIST, format="toml")
+    free = fb.load(text=HOIST, format="toml", mimic="free")
+    motion = fb.time_optimal(model, [[0.1], [1.9]], wrenches={"fore": [0.0, -3.0, 0.0]})
+    q, qd, qdd = fine(motion)
+    states = np.hstack([q, 0.2 - 2.0 * q]), np.hstack([qd, -2.0 * qd]), np.hstack([qdd, -2.0 * qdd])
+    tau = fb.inverse_dynamics(free, *states, {"fore": [0.0, -3.0, 0.0]})
+    at_elbow = np.abs(tau[:, 1]) / 12.0
+    assert at_elbow.max() == pytest.approx(1.0, abs=1e-3)
+    assert at_elbow.max() < 1.0 + 1e-5
+    fastest = np.abs(qd).max() / 3.0
+    assert fastest < 1.0 + 1e-3
+    # at each instant something is at its limit, but at rest, where no friction helps to brake
+    shoulder = np.abs(fb.inverse_dynamics(model, q, qd, qdd, {"fore": [0, -3, 0]})[:, 0]) / 300.0
+    most = np.maximum.reduce([at_elbow, shoulder, np.abs(qd[:, 0]) / 3.0])
+    assert np.quantile(most, 0.05) > 0.99
+    slow = model.bind({"elbow.limits.velocity": 4.0})
+    for planned in (
+        fb.time_optimal(slow, [[0.1], [1.9]]),
+        fb.trapezoid(slow, [[0.1], [1.9]], acceleration=20.0),
+    ):
+        assert planned.peaks.velocity.size == pytest.approx([4.0 / 2.0], rel=1e-3)
+    weak = model.bind({"elbow.limits.effort": 4.0})
+    with pytest.raises(fb.FreebodyError, match=r"elbow needs \S+ N m to move slowly"):
+        fb.time_optimal(weak, [[0.1], [1.9]])
+
+
 def test_the_path_is_followed_and_the_motion_is_its_own_derivative():
     motion = fb.time_optimal(arm(), WAY, points=301)
     chords = np.linalg.norm(np.diff(WAY, axis=0), axis=1)

@@ -111,7 +111,7 @@ class PathProblem:
         square = np.maximum(start[:, None] + 2.0 * half[:, None] * passed, 0.0)
         qd = first * np.sqrt(square)[..., None]
         qdd = second * square[..., None] + first * half[:, None, None]
-        values = self.limits.row(self.limits.dynamics(q, qd, qdd), qdd)
+        values = self.limits.values(q, qd, qdd)
         top, bottom = (_highest(way * values) for way in (1.0, -1.0))
         return np.maximum(top - size, 0.0) - np.maximum(bottom - size, 0.0)
 
@@ -197,7 +197,12 @@ def path_problem(
     ends = [(lo[:-1], hi[:-1]), (lo[1:], hi[1:])]
     if dry.any():
         places = (at.q[:-1], at.first[:-1]), (between.q, between.first), (at.q[1:], at.first[1:])
-        drag = np.stack([limits.friction(q, dry * np.sign(first)) for q, first in places])
+        drag = np.stack(
+            [
+                limits.friction(q, dry * np.sign(first), limits.followed.friction(q, first)[1])
+                for q, first in places
+            ]
+        )
         drag[0, 0] = drag[2, -1] = 0.0  # at rest, where no friction helps to brake
         ends = [(lo - drag.min(axis=0), hi - drag.max(axis=0)) for lo, hi in ends]
     (lo, hi), (lo_end, hi_end) = ends
@@ -207,7 +212,9 @@ def path_problem(
     rated = viscous * at.first
     if limits.model.struts:
         rated = rated + strut_damping(limits.model, at.q, at.first)
-    drag = limits.friction(at.q, rated) if rated.any() else None
+    drag = None
+    if rated.any():
+        drag = limits.friction(at.q, rated, limits.followed.friction(at.q, at.first)[0])
     return PathProblem(limits, at, between, rows, drag)
 
 
@@ -376,16 +383,25 @@ def _moving(model: Model, first: Array) -> Iterator[str]:
 
 
 def _row(limits: RobotLimits, row: int) -> tuple[str, str, str]:
-    """The coordinate, unit and quantity that a row of limits is about."""
-    torques = np.flatnonzero(np.isfinite(limits.torque))
-    turns = angular(limits.model)
-    if row < len(torques):
-        k = torques[row]
-        unit, what = ("N m", "torque") if turns[k] else ("N", "force")
-    else:
-        k = np.flatnonzero(np.isfinite(limits.acceleration))[row - len(torques)]
-        unit, what = "rad/s²" if turns[k] else "m/s²", "acceleration"
-    return limits.model.velocity_names[k], unit, what
+    """The coordinate or follower, unit and quantity that a row of limits is about."""
+    names, turns, followed = limits.model.velocity_names, angular(limits.model), limits.followed
+    torques, accelerations = (
+        np.flatnonzero(np.isfinite(x)) for x in (limits.torque, limits.acceleration)
+    )
+    every = [
+        *((names[k], *_EFFORT[bool(turns[k])]) for k in torques),
+        *((names[k], *_ACCELERATION[bool(turns[k])]) for k in accelerations),
+        *(
+            (name, *_EFFORT[bool(x)])
+            for name, x in zip(followed.names, followed.turns, strict=True)
+        ),
+    ]
+    return every[row]
+
+
+_EFFORT = {True: ("N m", "torque"), False: ("N", "force")}
+_ACCELERATION = {True: ("rad/s²", "acceleration"), False: ("m/s²", "acceleration")}
+"""Units and quantities, by whether a joint turns."""
 
 
 def _at(problem: PathProblem, i: int, path: int) -> str:

@@ -25,6 +25,7 @@ from freebody.lazy import cached_property
 from freebody.loops.forces import drive_torques
 from freebody.model.model import Model
 from freebody.model.tree import Tree
+from freebody.motion.optimal.follower_limits import FollowerLimits
 from freebody.motion.optimal.geometric_path import PathSamples
 from freebody.motion.optimal.speed_profile import ENDS, PathRows, both_ends, row_arguments
 from freebody.motion.ranges import Flags
@@ -50,7 +51,7 @@ class LimitsReached(NamedTuple):
 @dataclass(frozen=True, eq=False)
 class RobotLimits:
     """A robot with limits of rates, accelerations and torques (nv,), infinite where there is none,
-    under constant wrenches on frames."""
+    and those of its followers, under constant wrenches on frames."""
 
     model: Model
     velocity: Array
@@ -60,9 +61,15 @@ class RobotLimits:
 
     @cached_property
     def size(self) -> Array:
-        """The limits (m,) of all rows: finite limits of torque, then finite limits of
-        acceleration."""
-        return np.concatenate([self.torque, self.acceleration])[list(self._limited)]
+        """The limits (m,) of all rows: finite limits of torque, then finite limits of acceleration,
+        then those of torques that reach followers."""
+        own = np.concatenate([self.torque, self.acceleration])[list(self._limited)]
+        return np.concatenate([own, self.followed.size])
+
+    @cached_property
+    def followed(self) -> FollowerLimits:
+        """The limits of torques that reach followers."""
+        return FollowerLimits.of(self.model, self.wrenches)
 
     @cached_property
     def _limited(self) -> tuple[int, ...]:
@@ -70,19 +77,23 @@ class RobotLimits:
         found = np.isfinite([self.torque, self.acceleration])
         return tuple(np.flatnonzero(found).tolist())
 
-    def row(self, torque: Array, acceleration: Array) -> Array:
-        """The entries (..., m) that have a limit, out of torques and accelerations (..., nv)."""
-        return np.concatenate([torque, acceleration], axis=-1)[..., list(self._limited)]
+    def _row(self, torque: Array, acceleration: Array, followed: Array) -> Array:
+        """The entries (..., m) that have a limit, out of torques and accelerations (..., nv) and
+        what reaches followers."""
+        own = np.concatenate([torque, acceleration], axis=-1)[..., list(self._limited)]
+        return np.concatenate([own, followed], axis=-1)
 
-    def friction(self, q: Array, torque: Array) -> Array:
-        """The amounts (..., m) that joint friction (..., nv) at q (..., nq) adds to the limited
-        torques."""
-        return self.row(self._driven(q, torque), np.zeros_like(torque))
+    def friction(self, q: Array, torque: Array, followed: Array) -> Array:
+        """The amounts (..., m) that joint friction (..., nv) at q (..., nq), and that of followers,
+        adds to the limited torques."""
+        return self._row(self._driven(q, torque), np.zeros_like(torque), followed)
 
-    def dynamics(self, q: Array, qd: Array, qdd: Array) -> Array:
-        """Torques (..., nv) of the drives in a motion, friction and wrenches included."""
+    def values(self, q: Array, qd: Array, qdd: Array) -> Array:
+        """The values (..., m) of all rows in a motion: torques of the drives, friction and wrenches
+        included, accelerations, torques that reach followers."""
         tree = self.model.opened if self.model.loops else self.model
-        return self._driven(q, inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None))
+        own = inverse_dynamics(tree, q, qd, qdd, dict(self.wrenches) or None)
+        return self._row(self._driven(q, own), qdd, self.followed.torques(q, qd, qdd))
 
     def _driven(self, q: Array, torque: Array) -> Array:
         """Torques of the drives (..., nv) for the torques that the tree needs, which for a closed
@@ -92,11 +103,15 @@ class RobotLimits:
     def rows(self, at: PathSamples, kept: float) -> tuple[Array, ...]:
         """The arrays a, b, lo, hi (T, P, m) of the limits lo <= a s̈ + b ṡ² <= hi at points of
         paths, without friction; kept: the fraction of the limits that may be used."""
-        found = self._kernel("rows")(*_flat(at.orders[:3]), kept * self.size, *self._loads)
-        found = tuple(x.reshape(*at.s.shape, len(self.size)) for x in found)
+        count = len(self._limited)
+        own = self._kernel("rows")(*_flat(at.orders[:3]), kept * self.size[:count], *self._loads)
+        own = tuple(x.reshape(*at.s.shape, count) for x in own)
         if self.model.loops:
-            self._refuse_singular(at, np.isnan(found[0]).any(axis=-1))
-        return found
+            self._refuse_singular(at, np.isnan(own[0]).any(axis=-1))
+        if not self.followed.names:
+            return own
+        both = zip(own, self.followed.rows(at, kept), strict=True)
+        return tuple(np.concatenate(pair, axis=-1) for pair in both)
 
     def reached(
         self, rows: PathRows, x: Array, at: PathSamples, between: PathSamples
@@ -106,7 +121,8 @@ class RobotLimits:
         along = *between.orders[:3], at.first[:-1], at.first[1:], *both_ends(rows)
         ends = (a.ravel() for a in (x[:-1], x[1:], rows.h))
         finite = np.minimum(self.velocity, path_timing.FAR)
-        by, *others = self._kernel("reached")(*_flat(along), *ends, self.size, finite, *self._loads)
+        given = (*_flat(along), *ends, self.size, finite, *self._halfway(rows, x, between))
+        by, *others = self._kernel("reached")(*given, *self._loads)
         shape = rows.h.shape
         found = LimitsReached(
             by.reshape(*shape, len(self.size)), *(x.reshape(shape) for x in others)
@@ -115,6 +131,17 @@ class RobotLimits:
             lost = np.isnan(found.share) & np.isfinite(x[:-1] + x[1:])
             self._refuse_singular(between, lost)
         return found
+
+    def _halfway(self, rows: PathRows, x: Array, between: PathSamples) -> tuple[Array, ...]:
+        """The torques (N P, n) that reach followers halfway in each interval, as an argument; none
+        where there are none."""
+        if not self.followed.names:
+            return ()
+        start, end = x[:-1, :, None], x[1:, :, None]
+        square, u = 0.5 * (start + end), (end - start) / rows.h[..., None]
+        qd, qdd = between.first * np.sqrt(square), between.second * square + between.first * u
+        found = self.followed.torques(between.q, qd, qdd)
+        return (found.reshape(-1, found.shape[-1]),)
 
     @cached_property
     def _option(self) -> Option:
@@ -156,12 +183,12 @@ class RobotLimits:
 
     def _kernel(self, name: str) -> Bound:
         """A kernel of `_KERNELS` for the robot's structure and the rows that are limited."""
-        option, limited = self._option, self._limited
-        place = f"path {name}", limited, option
+        option, limited, others = self._option, self._limited, len(self.followed.names)
+        place = f"path {name}", limited, others, option
         found = self.model.compiled.get(place)
         if found is None:
-            key = f"path {name}", str(limited)
-            made = partial(_made, name, self.model, option, limited)
+            key = f"path {name}", str(limited), str(others)
+            made = partial(_made, name, self.model, option, limited, others)
             found = self.model.compiled[place] = fetch_own(self.model, key, option, made)
         return found
 
@@ -172,11 +199,17 @@ def _flat(arrays: Iterable[Array]) -> Iterator[Array]:
 
 
 def _made(
-    name: str, model: Model, option: Option, limited: tuple[int, ...], p: Argument, over: Over
+    name: str,
+    model: Model,
+    option: Option,
+    limited: tuple[int, ...],
+    others: int,
+    p: Argument,
+    over: Over,
 ) -> Program:
-    """The program of a kernel named in `_KERNELS`."""
+    """The program of a kernel named in `_KERNELS`; others: the number of limited followers."""
     evaluate, arguments = _KERNELS[name]
-    inputs, outputs = arguments(model, len(limited))
+    inputs, outputs = arguments(model, len(limited), others)
     size = len(model.tree.space.zero) + len(model.tree.space.zero_angular)
     loads = [Argument(f"w{k}", (size,), uniform=True) for k in range(len(option.wrench_frames))]
 
@@ -197,7 +230,7 @@ def _rates(model: Model, *names: str) -> list[Argument]:
     return [Argument(name, (model.nv,)) for name in names]
 
 
-def _rows_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument]]:
+def _rows_arguments(model: Model, m: int, _: int) -> tuple[list[Argument], list[Argument]]:
     outputs = [Argument(name, (m,)) for name in ("a", "b", "lo", "hi")]
     return [*_path(model), Argument("kept", (m,), uniform=True)], outputs
 
@@ -220,11 +253,15 @@ def _rows(
     return a, b, lo, hi
 
 
-def _reached_arguments(model: Model, m: int) -> tuple[list[Argument], list[Argument]]:
+def _reached_arguments(
+    model: Model, count: int, others: int
+) -> tuple[list[Argument], list[Argument]]:
+    m = count + others
     given = [*_path(model), *_rates(model, "start", "end"), *row_arguments(m), *ENDS]
     sizes = Argument("size", (m,), uniform=True), Argument("velocity", (model.nv,), uniform=True)
     outputs = [Argument("excess", (m,)), *(Argument(name, ()) for name in ("share", "near", "top"))]
-    return [*given, *sizes], outputs
+    followed = [Argument("followed", (others,))] if others else []
+    return [*given, *sizes, *followed], outputs
 
 
 def _reached(
@@ -238,11 +275,12 @@ def _reached(
     *given: Any,
 ) -> tuple[Any, ...]:
     """How far a motion exceeds the limits in one interval, see `LimitsReached`."""
-    start, end, *rows, x, y, h, size, velocity = given
+    (start, end, *rows), (x, y, h, size, velocity, *followed) = given[:10], given[10:]
     qd, qdd = path_timing.halfway(first, second, x, y, h)
     every = (*driven(rnea(tree, q, qd, qdd, loads).tau), *qdd)
     limits = path_timing.RowsAtEnd(*rows[:4]), path_timing.RowsAtEnd(*rows[4:])
-    found = path_timing.excess(*limits, [every[k] for k in limited], size, x, y, h)
+    values = [*(every[k] for k in limited), *(x for torques in followed for x in torques)]
+    found = path_timing.excess(*limits, values, size, x, y, h)
     return *found, path_timing.top_speed(start, first, end, velocity, x, y)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PPoly
 
+from freebody.any_chain.effort_limits import followers
 from freebody.arrays import Array, as_floats, is_count, refuse_not_finite
 from freebody.errors import FreebodyError, listed, shown
 from freebody.labels import is_labelled
@@ -77,8 +78,9 @@ def time_optimal(
         (k, n), closed positions or a motion: the driven joints follow the spline, the loops lead
         the others; torques are those of the drives.
     velocity, acceleration, torque : one number or (nv,); rad/s, rad/s², N m; m/s, m/s², N
-        Limits. The model's own apply too (zero means not given, see `Limits`). Torques contain
-        friction (viscous, dry), rotors, springs and the payload.
+        Limits. The model's own apply too (zero means not given, see `Limits`), of open chains also
+        those of joints that follow others. Torques contain friction (viscous, dry), rotors, springs
+        and the payload.
     wrenches
         Constant ones by frame, world axes.
     points
@@ -214,7 +216,7 @@ def _motions(
                 f"{rounded_up(100 * over, 2)} %; give more points than {block.intervals + 1}, or "
                 f"larger limits."
             )
-        notices = _excess_notice(over) if over > _HELD else ()
+        notices = (*(_excess_notice(over) if over > _HELD else ()), *_unheeded(robot.model))
         yield replace(motion, notices=notices, doubts=doubts)
 
 
@@ -229,7 +231,8 @@ def _doubts(model: Model, limits: PlanningLimits) -> tuple[Doubt, ...]:
     lacking = doubts_on(
         model, *(aspect for aspect, free in unlimited.items() if free[driven].any())
     )
-    used = doubts_used(model, *DYNAMIC, *limits.rests)
+    efforts = () if followers(model) is None else (EFFORTS,)
+    used = doubts_used(model, *DYNAMIC, *dict.fromkeys((*limits.rests, *efforts)))
     return (*(doubt for doubt in lacking if doubt.of.absent), *used)
 
 
@@ -315,6 +318,17 @@ def _first_guess(problem: PathProblem) -> Array:
     for k in range(x.shape[1]):
         guess[:, k] = np.interp(place, np.arange(len(x)), x[:, k])
     return guess
+
+
+def _unheeded(model: Model) -> tuple[str, ...]:
+    """The sentence on followers of a closed chain, whose limits of torque are not heeded."""
+    own = followers(model) if model.loops else None
+    if own is None:
+        return ()
+    return (
+        f"What the loops bring to {listed(own.names, 4)} is not held within its own limit of "
+        f"torque or force; a study of the motion judges it.",
+    )
 
 
 def _excess_notice(worst: float) -> tuple[str, ...]:
