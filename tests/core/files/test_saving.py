@@ -358,6 +358,21 @@ def arm(several: bool = False) -> fb.Model:
     return fb.load(text=ARM.format(links=links, joints="\n".join(joints)), format="toml")
 
 
+def test_masses_add_up_in_the_digits_that_were_given(tmp_path):
+    """The sum of the floats 2.3 and 1.05 is 3.3499999999999996."""
+    link = LINK.format(k=1).replace("mass = 2", "mass = 2.3")
+    hinge = HINGE.format(k=1, axis="z", parent="base")
+    text = (
+        ARM.format(links=link, joints=hinge).replace("l3", "l1").replace("mass = 0.3", "mass = 0")
+    )
+    model = fb.load(text=text, format="toml").with_payload(1.05, frame="l1")
+    assert model.mass == 3.35
+    for kind in ("urdf", "sdf", "mjcf"):
+        file = tmp_path / f"arm.{kind}"
+        fb.save(model, file, lossy=True)
+        assert re.search(r"\b3\.35\b", file.read_text(encoding="utf-8")), kind
+
+
 def strutted(model: fb.Model) -> fb.Model:
     """With a spring between two frames, and a gas spring between two links."""
     model = model.with_frame("hook", [0.1, 0.4, 0.2], frame="base")
