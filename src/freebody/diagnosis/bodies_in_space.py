@@ -4,7 +4,7 @@ compared, whatever their frames are."""
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -179,6 +179,38 @@ def _part(body: Body, index: int, dim: int, shaft: Body | None) -> Part:
     if body.kind.nv == 1:
         axis = _Z if dim == 2 and body.kind.turns else np.array([*joint.axis, 0.0][:3])
     return Part(body, index, pose_in_space(joint.placement, dim), axis, dim, shaft)
+
+
+def floating(model: Model) -> Body | None:
+    """The body that carries a whole robot and floats itself; None where something else stands, or
+    is held, on the ground."""
+    roots = [body for body in model.bodies if body.parent < 0]
+    if len(roots) != 1 or not roots[0].kind.frees(model.dim):
+        return None
+    ends = {name for part in (*model.loops, *model.struts) for name in part.frames}
+    grounded = any(frame.body < 0 and frame.name in ends for frame in model.frames)
+    return None if grounded else roots[0]
+
+
+def held(model: Model) -> Model:
+    """The model with the body that floats as its fixed base; itself where none does."""
+    base = floating(model)
+    if base is None:
+        return model
+    gone = model.bodies.index(base)
+    index = {k: k - (k > gone) for k in range(-1, len(model.bodies))} | {gone: -1}
+    own = {x for x in model.position_names if x.rpartition(".")[0] == base.joint.name}
+    return replace(
+        model,
+        bodies=tuple(
+            replace(body, parent=index[body.parent])
+            for k, body in enumerate(model.bodies)
+            if k != gone
+        ),
+        frames=tuple(replace(frame, body=index[frame.body]) for frame in model.frames),
+        base_inertias=base.inertias,
+        home=tuple((name, x) for name, x in model.home if name not in own),
+    )
 
 
 def pose_in_space(placement: Placement, dim: int) -> ArrayPose:

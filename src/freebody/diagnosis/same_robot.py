@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from freebody.by_value import ByValue
 from freebody.diagnosis.alignment import Alignment, Tolerances, align
-from freebody.diagnosis.bodies_in_space import BodyTree, pose_in_space
+from freebody.diagnosis.bodies_in_space import BodyTree, floating, held, pose_in_space
 from freebody.diagnosis.differences import ASPECTS, RobotDifference
 from freebody.diagnosis.facts import ArrayPose, composed, norm
 from freebody.errors import FreebodyError, KindError, listed
 from freebody.formats.loading import load
+from freebody.model.bodies import Body
 from freebody.model.model import Model
 from freebody.model.model_argument import require_one
 from freebody.model.single_joints import is_taken_apart, with_single_joints
@@ -103,8 +104,9 @@ def same_robot(
     are, names, links that are split into several, and a joint of several axes that is a chain of
     joints in the other. Joints of several axes in both are compared with their frames as they are,
     and what is fixed to the base only by the joints on it. A robot in the plane is compared with
-    one in space by what moves it there. Limits, friction and masses that one of them does not give
-    at all are told, not compared.
+    one in space by what moves it there. Where the base of one floats, and that of the other is
+    fixed, this is one difference, and what the bases carry is compared. Limits, friction and masses
+    that one of them does not give at all are told, not compared.
 
     Parameters
     ----------
@@ -134,6 +136,19 @@ def same_robot(
         one, two = (
             x.replace(name=f"{x.name} ({which})") for x, which in ((one, "first"), (two, "second"))
         )
+    found = _compared(one, two, tolerance)
+    fixed = _with_fixed_bases(one, two)
+    if fixed is None or found:
+        return found
+    floats, one, two = fixed
+    other = _compared(one, two, tolerance)
+    other = replace(other, differences=(floats, *other.differences))
+    # six joints in a row may be a base that floats, too
+    return min(found, other, key=lambda comparison: len(comparison.differences))
+
+
+def _compared(one: Model, two: Model, tolerance: float) -> RobotComparison:
+    """The comparison of two models as they stand."""
     if _composed_kinds(one) != _composed_kinds(two):  # a format without them writes several
         one, two = with_single_joints(one), with_single_joints(two)
     robots = BodyTree(one), BodyTree(two)
@@ -160,6 +175,24 @@ def same_robot(
         },
         found.base,
     )
+
+
+def _with_fixed_bases(one: Model, two: Model) -> tuple[RobotDifference, Model, Model] | None:
+    """The difference that the base of one of two robots floats, and both on fixed bases; None where
+    both float or neither does."""
+    bases = floating(one), floating(two)
+    match bases:
+        case (None, None) | (Body(), Body()):
+            return None
+        case (None, Body(name=name)):
+            place, who, other = ("", name), two, one
+        case (Body(name=name), None):
+            place, who, other = (name, ""), one, two
+    text = (
+        f"floats in {who.name!r}, and the base of {other.name!r} is fixed; the masses of both "
+        f"bases are not compared"
+    )
+    return RobotDifference("joints", place, text, np.inf), held(one), held(two)
 
 
 def _model(given: object) -> Model:

@@ -129,9 +129,12 @@ class _Assembly:
             return (replace(joint, mimic=mimic),)
         several = f"joint {joint.name!r} follows {listed([name for name, _ in mimic.terms])}"
         if joint.drive != Drive():
+            own = [n.words for n in joint.drive.listed if getattr(joint.drive, n.name) != n.default]
             self.checks.refuse(
-                f"{several}: friction, rotors and springs of a joint that follows several are not "
-                f"known; give them to these joints, or load with mimic='free'.",
+                f"{several}, and has {listed(own)} of its own: these would act on the sum of their "
+                f"motions, and a model knows them on the motion of one joint. Remove them from the "
+                f"joint, or load with mimic='free' (--mimic free): each joint then moves by "
+                f"itself.",
                 joint.line,
             )
         if joint.limits != Limits():

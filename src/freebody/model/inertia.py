@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -310,7 +311,7 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
     numbers = [part.numbers() for part in parts]
     if len({part.dim for part in parts}) > 1:
         raise ModelError("combined: planar and spatial inertias cannot be mixed.")
-    mass = sum(m for m, _, _ in numbers)
+    mass = total_mass(m for m, _, _ in numbers)
     moment = sum((m * c for m, c, _ in numbers), np.zeros(parts[0].dim))
     if mass == 0.0 and moment.any():
         raise ModelError(
@@ -319,6 +320,12 @@ def combined(parts: Sequence[Inertia]) -> Inertia:
     com = moment / mass if mass else np.zeros(parts[0].dim)
     tensor = sum(t + _steiner(m, c - com) for m, c, t in numbers)
     return Inertia(mass, tuple(com), _upper(np.asarray(tensor)))
+
+
+def total_mass(masses: Iterable[float]) -> float:
+    """The sum of masses (kg) as they are written in decimals, rounded once: of 1.05 and 2.3 it is
+    3.35, where floats add up to 3.3499999999999996."""
+    return float(sum(Fraction(repr(float(m))) for m in masses))
 
 
 def _steiner(m: float, d: np.ndarray) -> np.ndarray:

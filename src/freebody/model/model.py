@@ -30,7 +30,7 @@ from freebody.model.doubts import (
 )
 from freebody.model.families import MemberError, one_family, taken
 from freebody.model.gravity import gravity_of
-from freebody.model.inertia import Inertia
+from freebody.model.inertia import Inertia, total_mass
 from freebody.model.kept_facts import Geometry, geometry_of
 from freebody.model.loops import checked_tolerance
 from freebody.model.named_parts import NamedParts
@@ -194,8 +194,10 @@ class Model(NamedParts, Tabled, ByValue):
         ]
         if missing:
             raise MissingValueError(f"the mass of {self.name!r}", missing)
-        total = sum(VALUES.quantity(a.inertia.mass) for a in self._attached)
-        return np.broadcast_to(total, self.family).copy() if self.family else float(total)
+        masses = [VALUES.quantity(a.inertia.mass) for a in self._attached]
+        if self.family:
+            return np.broadcast_to(sum(masses), self.family).copy()
+        return total_mass(masses)
 
     @property
     def is_estimated(self) -> bool:

@@ -71,6 +71,23 @@ def test_a_tree_is_recognised_by_what_hangs_where():
         assert found.joints["panda_finger_joint2"] == "axis_9"
 
 
+@pytest.mark.parametrize("name", ["panda", "2R", "five_bar"])
+def test_a_base_that_floats_is_one_difference(name, tmp_path):
+    """And what the bases carry is compared: joints are not taken for others because of it."""
+    model, file = fb.load(name, physical="ignore"), tmp_path / "robot.toml"
+    model = model.bind(dict.fromkeys(model.missing, 0.7))
+    fb.save(model, file)
+    other = fb.load(file, base="free", physical="ignore")
+    for one, two in ((model, other), (other, model)):
+        found = fb.same_robot(one, two)
+        assert [x.aspect for x in found.differences] == ["joints"], str(found)
+        assert "and the base of" in found.differences[0].text
+        assert found.joints == {x: x for x in model.joint_names}
+    assert fb.same_robot(other, fb.load(file, base="free", physical="ignore"))
+    loaded = fb.same_robot(model, other.with_payload(0.5))
+    assert [x.aspect for x in loaded.differences][:2] == ["joints", "masses"]
+
+
 TABLES = {
     "ur5e": ("standard", [
         (0, np.pi / 2, 0.1625), (-0.425, 0, 0), (-0.3922, 0, 0), (0, np.pi / 2, 0.1333),

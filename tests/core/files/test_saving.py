@@ -2,6 +2,8 @@
 format cannot hold is told before anything is written."""
 
 import re
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -11,19 +13,31 @@ import pytest
 import freebody as fb
 from support.command import run
 from support.extras import extra
+from support.fuzz import CORPUS
 from support.generate import model as generated
 from support.helpers import all_driven, close, numbers, poses
-from support.real_files import FILES, REFUSED, ROBOTS
+from support.mujoco_server import MujocoServer
+from support.real_files import FILES, REFUSED, ROBOTS, every_robot_file
 
-pytestmark = pytest.mark.usefixtures("numpy_kernels")
+pytestmark = pytest.mark.usefixtures("numpy_kernels", "one_mujoco")
 
 FORMATS = ("urdf", "sdf", "mjcf", "csv")
 RANGES = ("lower", "upper", "velocity", "effort")
 FEW = ("ur5e", "panda", "five_bar", "puma560", "quadrotor")
 
 
-def valued(name: str) -> fb.Model:
-    """A bundled model with a value for every number."""
+@pytest.fixture(name="one_mujoco")
+def one_mujoco_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo is started once for the files of all tests, where one can wait for a process."""
+    if sys.platform != "win32":
+        monkeypatch.setattr(subprocess, "run", _mujoco.run)
+
+
+_mujoco = MujocoServer()
+
+
+def valued(name: str | Path) -> fb.Model:
+    """A model, such as a bundled one, with a value for every number."""
     model = fb.load(name, physical="ignore")
     missing = {name: 0.7 for name, value in model.parameters.items() if value is None}
     return model.bind(**missing) if missing else model
@@ -100,6 +114,14 @@ def renamed(name: str, one: fb.Model, two: fb.Model, lost: list[str]) -> str:
     return f"{found}.{rest}"
 
 
+def floats_last(model: fb.Model, names: tuple[str, ...], lost: list[str]) -> list[int]:
+    """Where each coordinate of a model is after a file that may have those of free joints last."""
+    free = tuple(f"{body.joint.name}." for body in model.bodies if body.joint.kind == "free")
+    moved = [said(lost, "the last") and name.startswith(free) for name in names]
+    order = sorted(range(len(names)), key=lambda k: moved[k])
+    return [order.index(k) for k in range(len(names))]
+
+
 def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
     """The same mass matrix, bias and limits, coordinate by coordinate, and frames at the same
     places."""
@@ -108,7 +130,7 @@ def same_motion(one: fb.Model, two: fb.Model, lost: list[str]) -> None:
     if said(lost, "joints of one coordinate"):
         # rates of the joints that were taken apart are others
         assert (one.nq, one.nv) == (two.nq, two.nv)
-        place, at = list(range(one.nq)), list(range(one.nv))
+        place, at = (floats_last(one, x, lost) for x in (one.position_names, one.velocity_names))
         if said(lost, "order of its coordinates"):
             return
     else:
@@ -173,6 +195,17 @@ def test_bundled_models_through_every_pair_of_formats(name, tmp_path):
     every_pair(valued(name), tmp_path)
 
 
+@pytest.mark.parametrize(
+    "file",
+    ["dh/table.csv", "mjcf/loop.xml", "mjcf/tree.xml", "sdf/loop.sdf", "urdf/kinds.urdf",
+     "xacro/arm.xacro"],
+)  # fmt: skip
+def test_files_of_every_format_through_every_pair(file, tmp_path):
+    if file.startswith("mjcf"):
+        extra("mujoco", name="mjcf")
+    every_pair(valued(CORPUS / file), tmp_path)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("name", [name for name in fb.models() if name not in FEW])
 def test_all_bundled_models_through_every_pair_of_formats(name, tmp_path):
@@ -184,6 +217,18 @@ def test_all_bundled_models_through_every_pair_of_formats(name, tmp_path):
 @pytest.mark.parametrize("name", [name for name in FILES if name not in REFUSED])
 def test_real_files_through_every_pair_of_formats(name, tmp_path):
     every_pair(fb.load(ROBOTS / name, physical="ignore"), tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("file", list(every_robot_file()))
+def test_robots_of_data_wheels_through_every_pair_of_formats(file, tmp_path):
+    """Those of the wheels that are on the path; what is refused is skipped with the refusal."""
+    try:
+        model = fb.load(file, physical="ignore")
+    except fb.FreebodyError as refusal:
+        pytest.skip(f"refused: {refusal}")
+    every_pair(model, tmp_path)
 
 
 @pytest.mark.sample(1)
@@ -360,6 +405,21 @@ def arm(several: bool = False) -> fb.Model:
         joints[-1] += "mimic = { joints = { j1 = -1, j2 = 0.5 }, offset = 0.2 }"
     links = "\n".join(LINK.format(k=k) for k in range(1, 6))
     return fb.load(text=ARM.format(links=links, joints="\n".join(joints)), format="toml")
+
+
+def test_masses_add_up_in_the_digits_that_were_given(tmp_path):
+    """The sum of the floats 2.3 and 1.05 is 3.3499999999999996."""
+    link = LINK.format(k=1).replace("mass = 2", "mass = 2.3")
+    hinge = HINGE.format(k=1, axis="z", parent="base")
+    text = (
+        ARM.format(links=link, joints=hinge).replace("l3", "l1").replace("mass = 0.3", "mass = 0")
+    )
+    model = fb.load(text=text, format="toml").with_payload(1.05, frame="l1")
+    assert model.mass == 3.35
+    for kind in ("urdf", "sdf", "mjcf"):
+        file = tmp_path / f"arm.{kind}"
+        fb.save(model, file, lossy=True)
+        assert re.search(r"\b3\.35\b", file.read_text(encoding="utf-8")), kind
 
 
 def strutted(model: fb.Model) -> fb.Model:

@@ -122,8 +122,10 @@ def test_a_follower_of_a_follower_and_its_leader():
         ("mimic = { joints = { } }", "", "mimic: joints is empty; give each leader its ratio."),
         ("mimic = { joints = { shoulder = -1 }, ratio = 2 }", "", "no key 'ratio'"),
         (f"{MIMIC}\nfriction = {{ viscous = 1 }}", "",
-         "joint 'wrist' follows shoulder and elbow: friction, rotors and springs of a joint that "
-         "follows several are not known; give them to these joints, or load with mimic='free'."),
+         "joint 'wrist' follows shoulder and elbow, and has viscous friction of its own: these "
+         "would act on the sum of their motions, and a model knows them on the motion of one "
+         "joint. Remove them from the joint, or load with mimic='free' (--mimic free): each joint "
+         "then moves by itself."),
     ],
 )  # fmt: skip
 def test_refused(mimic, more, told):
