@@ -20,8 +20,9 @@ IdentificationOutcome = Literal["predicts", "fails", "not validated"]
 @dataclass(frozen=True)
 class IdentifiedParameter:
     """A base parameter or a number of a joint's friction. value: of the regression, before prior
-    and constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical
-    model. told: whether the interval says more than that the parameter is small or unknown.
+    and constraints, with its interval of 95 %, lower … upper; of base parameters, where friction
+    may be any odd function of the rate with a slope of its own in each direction. in_model: the
+    value in the physical model, whose friction follows the laws. told: whether the interval says more than that the parameter is small or unknown.
     withdrawn: why it has no interval, or ""."""
 
     name: str
@@ -40,8 +41,8 @@ class JointFit:
     """How well a joint's torque is predicted while it moves. torque: its RMS, N m (N). regression,
     model: RMS of what is left, over it, of the regression and of the physical model. validation:
     the same of the model on logs that it has not seen, or None. independent: by which the variance
-    of estimates is larger than with independent samples. law_fits: whether what is left does not
-    depend on the rate."""
+    of estimates is larger than with independent samples. law_fits: whether friction by the rate
+    differs from the laws by no more than noise."""
 
     joint: str
     torque: float

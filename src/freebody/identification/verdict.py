@@ -90,7 +90,8 @@ def notices_of(
     if wrong:
         found.append(
             f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
-            f"rate; intervals of their friction are withdrawn."
+            f"rate; intervals of their friction are withdrawn, those of base parameters hold "
+            f"whatever odd function of the rate it is."
         )
     coloured = [x.joint for x in joints if x.independent > _NOISY]
     if coloured:
