@@ -22,8 +22,8 @@ class IdentifiedParameter:
     """A base parameter or a number of a joint's friction. value: of the regression, before prior
     and constraints, with its interval of 95 %, lower … upper; of base parameters, where friction
     may be any odd function of the rate with a slope of its own in each direction. in_model: the
-    value in the physical model, whose friction follows the laws. told: whether the interval says more than that the parameter is small or unknown.
-    withdrawn: why it has no interval, or ""."""
+    value in the physical model, whose friction follows the laws. told: whether the interval says
+    more than that the parameter is small or unknown. withdrawn: why it has no interval, or ""."""
 
     name: str
     kind: Literal["inertial", "friction"]
