@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from freebody.arrays import Array
+from freebody.identification.first_gains import inverse_products
 from freebody.identification.regression import (
     JointEquations,
     LogEquations,
@@ -36,9 +37,6 @@ _ROUNDS = 2
 """Solutions one after the other, each with the noise of the last."""
 _TOLD = 1e-6
 """Part of a column of the spline (squared) that the laws must lack for it to count against them."""
-_SAME = 1e-10
-"""Part of the largest eigenvalue of a joint's scaled equations of friction below which columns are
-the same combination."""
 
 
 class BaseEstimate(NamedTuple):
@@ -132,21 +130,13 @@ def _without_friction(
     local = np.concatenate([rows.x[:, ~is_kept], spline], axis=1)
     weighted = local * weights[:, None]
     across, own = weighted.T @ kept, weighted.T @ local
-    inverse = _inverse(own)
+    inverse = inverse_products(own)
     whole = kept.T @ (kept * weights[:, None])
     unknowns = rows.unknowns[is_kept]
     unknowns = np.where(unknowns < b, unknowns, unknowns - found.size + b)
     normal = whole - across.T @ inverse @ across
     laws = local.shape[1] - spline.shape[1]
     return _Joint(kept, unknowns, local, laws, own, across, inverse, normal, np.diag(whole))
-
-
-def _inverse(own: Array) -> Array:
-    """The inverse of products of columns, without combinations that are 0."""
-    size = np.sqrt(np.diag(own))
-    size[size == 0.0] = 1.0
-    inverse = np.linalg.pinv(own / np.outer(size, size), rcond=_SAME, hermitian=True)
-    return np.asarray(inverse / np.outer(size, size))
 
 
 def _change(
@@ -179,7 +169,7 @@ def _accident(
     """The probability that what friction is beyond the laws is due to noise as often: Wald's test
     of the coefficients of the spline's part that the laws lack."""
     k = x.laws
-    of_laws = x.own[k:, :k] @ _inverse(x.own[:k, :k])
+    of_laws = x.own[k:, :k] @ inverse_products(x.own[:k, :k])
     own = x.own[k:, k:] - of_laws @ x.own[:k, k:]
     size = np.sqrt(np.diag(x.own)[k:])
     eigenvalues, vectors = np.linalg.eigh(own / np.outer(size, size))

@@ -104,7 +104,8 @@ class Physical(Keeps):
         of_bodies += np.einsum("bij,bji->", self._prior, P)
         m = P[:, -1, -1] / self.bodies[:, 0]
         of_bodies += self.of_masses * (m - np.log(m)).sum()
-        barriers = (s[positive] / self.scalars[positive] - np.log(s[positive])).sum()
+        parts = s[positive] / self.scalars[positive]
+        barriers = (parts - np.log(parts)).sum()
         barriers -= np.log(1.0 - s[bounded] / self.below[bounded]).sum()
         return float(weight * of_bodies + _barrier(weight) * barriers)
 

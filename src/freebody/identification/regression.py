@@ -14,6 +14,7 @@ from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.columns import WIDTHS, Columns
 from freebody.identification.decimation import Decimation, decimation
+from freebody.identification.first_gains import first_gains
 from freebody.identification.logs.log import Log, LogStates
 
 REST = 0.02
@@ -36,8 +37,6 @@ _LONGEST = 2.0
 _OF_GAINS = 40.0
 """Weight, in equations of the noise's size, of the gains that were held at first: it counts where
 bodies hardly load a joint, so that its friction alone tells no gain."""
-_SURE = 10.0
-"""Standard deviations above which a first gain is taken from a joint's own current."""
 _LEAST_NOISE = 1e-6
 """Part of a joint's torque that its noise is at least: no sensor is better."""
 _TRIED = 30.0
@@ -207,10 +206,10 @@ def regressed(
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
-    round to round until none does. held: base parameters that gains are found from at first.
+    round to round until none does. held: base parameters by which gains are scaled at first.
     start: unknowns of which transmitted torques are near the right ones, so that fewer rounds do.
     """
-    gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
+    gains = np.ones(len(found.rows)) if held is None else first_gains(found.rows, held)
     first = gains
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
@@ -365,25 +364,6 @@ def solved(
     inverse = (kept / eigenvalues[told]) @ kept.T
     hidden = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
     return inverse @ moment, inverse, hidden
-
-
-def _first_gains(found: LogEquations, held: Array) -> Array:
-    """Gains with which currents agree best with base parameters that are held beforehand, friction
-    being free; of joints that bodies hardly load the mean of the others'."""
-    gains, sure = np.ones(len(found.rows)), np.zeros(len(found.rows), dtype=bool)
-    for j, rows in enumerate(found.rows):
-        of_base = rows.unknowns < found.columns.base
-        of_friction = (rows.unknowns < found.size) & ~of_base
-        rigid = rows.x[:, of_base] @ held[rows.unknowns[of_base]]
-        x = np.column_stack([rigid, rows.x[:, of_friction]])
-        inverse = np.linalg.pinv(x.T @ x, hermitian=True)
-        fitted = inverse @ (x.T @ rows.y)
-        variance = _SURE * np.mean((rows.y - x @ fitted) ** 2) * inverse[0, 0]
-        sure[j] = fitted[0] > _SURE * np.sqrt(variance)
-        gains[j] = 1.0 / fitted[0] if sure[j] else 1.0
-    if sure.any():
-        gains[~sure] = np.exp(np.log(gains[sure]).mean())
-    return gains
 
 
 def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> float:
