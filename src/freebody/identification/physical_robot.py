@@ -35,7 +35,7 @@ _OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
 estimated shape tells where they are."""
 _LEAST_FRICTION, _LEAST_LOSS = 0.01, 0.005
 """Friction that is looked for near 0: as part of a joint's torque, and of what it transmits."""
-_SCALES, _SCALE_TOLD = 1.0, 3e-3
+_SCALES, _SCALE_TOLD, _STEP = 3.0, 3e-3, 0.2
 """Logarithms of the common factor of gains: the farthest from what suits the prior's torques, and
 the distance to which it is found."""
 
@@ -74,9 +74,9 @@ def fit_physical(
         own = information / np.outer(factors, factors)
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
-    unsure = 0.0
+    unsure, shaped = 0.0, prior.source == "masses"
     if scale is None:
-        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x))))
+        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x)), shaped)[0])
         scale *= first
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
@@ -99,8 +99,8 @@ def _found_scale(misfit: Callable[[float], float]) -> tuple[float, float]:
         misfit, bounds=(-_SCALES, _SCALES), method="bounded", options=options
     )
     best = float(found.x)
-    around = [misfit(best + x) for x in (-_SCALES / 5, 0.0, _SCALES / 5)]
-    curvature = (around[0] - 2.0 * around[1] + around[2]) / (_SCALES / 5) ** 2
+    around = [misfit(best + x) for x in (-_STEP, 0.0, _STEP)]
+    curvature = (around[0] - 2.0 * around[1] + around[2]) / (_STEP) ** 2
     return float(np.exp(best)), float(1.0 / np.sqrt(max(curvature, 1.0)))
 
 
