@@ -13,6 +13,10 @@ from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import weighted_sum
+
+_ROUNDING = 1e-9
+"""Part of the largest weight of a sum below which a weight is rounding."""
 
 IdentificationOutcome = Literal["predicts", "fails", "not validated"]
 
@@ -101,6 +105,12 @@ class Identification(Tabled, ByValue):
         row = self.combinations[bases.index(name)]
         return {other: float(w) for other, w in zip(self.inertial_names, row, strict=True) if w}
 
+    def written(self, name: str) -> str:
+        """A base parameter as a sum of inertial parameters, such as link2.hx + 0.4 link3.m."""
+        weights = self.combination(name).items()
+        least = _ROUNDING * max(abs(w) for _, w in weights)
+        return weighted_sum([(other, w) for other, w in weights if abs(w) > least], 4)
+
     def _title(self) -> str:
         count = sum(x.kind == "inertial" for x in self.parameters)
         what = counted(count, "base parameter")
@@ -132,7 +142,11 @@ class Identification(Tabled, ByValue):
             (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
             for x in self.parameters
         ]
-        return [*lines, *_aligned([head, *rows]), "", self.verdict, *self.notices]
+        sums = [
+            (x.name, f"= {self.written(x.name)}") for x in self.parameters if x.kind == "inertial"
+        ]
+        lines += [*_aligned([head, *rows]), "", "Base parameters are sums:", *_aligned(sums), ""]
+        return [*lines, self.verdict, *self.notices]
 
 
 def _interval(x: IdentifiedParameter) -> str:

@@ -28,7 +28,7 @@ from freebody.identification.identification import (
 )
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
-from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
+from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
     LogEquations,
@@ -39,6 +39,7 @@ from freebody.identification.regression import (
 )
 from freebody.identification.verdict import (
     QUANTILE,
+    definiteness,
     mass_doubts,
     notices_of,
     outcome_of,
@@ -139,6 +140,7 @@ def identify(
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
     notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
+    notices.append(definiteness(near_edge(model, fit)))
     return Identification(
         made,
         parameters,

@@ -159,6 +159,7 @@ def test_the_model_is_physical_and_predicts_what_it_has_not_seen():
         drive = body.joint.drive
         assert min(drive.viscous, drive.coulomb, drive.cube_root, drive.quadratic, drive.rotor) >= 0
         assert 0.0 <= drive.load_friction < 1.0
+    assert any("mass matrix is positive definite in every posture" in x for x in found.notices)
     assert np.all(np.linalg.eigvalsh(fb.mass_matrix(found.model, q)) > 0.0)
 
 
@@ -240,6 +241,10 @@ def test_one_parameter_and_the_report():
     rng = np.random.default_rng(11)
     found = fb.identify(ARM, log(with_random_numbers(ARM, rng), rng), friction=FRICTION)
     assert found.combination("link3.Izz") == {"link3.Izz": 1.0}
+    assert found.written("link3.Izz") == "link3.Izz"
+    terms = found.written("link2.hx").split(" + ")
+    assert terms[0] == "link2.hx"
+    assert "0.4 link3.m" in terms or "0.4 link2.m" in terms
     text = str(found)
     assert "joint2.coulomb" in text
     assert found.verdict in text
