@@ -49,7 +49,7 @@ class BaseEstimate(NamedTuple):
     accident: Array
 
 
-class _Joint(NamedTuple):
+class _FrictionlessRows(NamedTuple):
     """A joint's equations without its friction. kept: columns of bodies and of the gain, with the
     unknowns that they multiply; local: all columns of friction, those of the laws first. own,
     across: weighted products of the local columns with themselves and with the kept ones; inverse:
@@ -123,7 +123,7 @@ def _spline(found: LogEquations, p: Prepared, knots: Array) -> Array:
 
 def _without_friction(
     found: LogEquations, rows: JointEquations, spline: Array, weights: Array
-) -> _Joint:
+) -> _FrictionlessRows:
     b = found.columns.base
     is_kept = (rows.unknowns < b) | (rows.unknowns >= found.size)
     kept = rows.x[:, is_kept]
@@ -136,11 +136,13 @@ def _without_friction(
     unknowns = np.where(unknowns < b, unknowns, unknowns - found.size + b)
     normal = whole - across.T @ inverse @ across
     laws = local.shape[1] - spline.shape[1]
-    return _Joint(kept, unknowns, local, laws, own, across, inverse, normal, np.diag(whole))
+    return _FrictionlessRows(
+        kept, unknowns, local, laws, own, across, inverse, normal, np.diag(whole)
+    )
 
 
 def _change(
-    joints: list[_Joint], first: Regressed, scale: Array, found: LogEquations, b: int
+    joints: list[_FrictionlessRows], first: Regressed, scale: Array, found: LogEquations, b: int
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
     """What base parameters and gains change by, the covariance, and what is not told."""
     size = b + len(joints) * found.currents
@@ -157,14 +159,19 @@ def _change(
     return solved(normal, moment, before)
 
 
-def _left(x: _Joint, residual: Array, weights: Array, change: Array) -> Array:
+def _left(x: _FrictionlessRows, residual: Array, weights: Array, change: Array) -> Array:
     """What is left of a joint's residual after a change of what is kept, friction following."""
     left = residual - x.kept @ change[x.unknowns]
     return left - x.local @ (x.inverse @ (x.local.T @ (weights * left)))
 
 
 def _accident(
-    x: _Joint, residual: Array, weights: Array, change: Array, covariance: Array, noise: float
+    x: _FrictionlessRows,
+    residual: Array,
+    weights: Array,
+    change: Array,
+    covariance: Array,
+    noise: float,
 ) -> float:
     """The probability that what friction is beyond the laws is due to noise as often: Wald's test
     of the coefficients of the spline's part that the laws lack."""
