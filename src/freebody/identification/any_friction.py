@@ -144,7 +144,7 @@ def _without_friction(
 def _change(
     joints: list[_FrictionlessRows], first: Regressed, scale: Array, found: LogEquations, b: int
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """What base parameters and gains change by, the covariance, and what is not told."""
+    """Changes of base parameters and gains, the covariance, and which are not told."""
     size = b + len(joints) * found.currents
     normal, moment, before = np.zeros((size, size)), np.zeros(size), np.zeros(size)
     pairs = zip(joints, first.residuals, first.weights, scale, strict=True)
@@ -160,7 +160,7 @@ def _change(
 
 
 def _left(x: _FrictionlessRows, residual: Array, weights: Array, change: Array) -> Array:
-    """What is left of a joint's residual after a change of what is kept, friction following."""
+    """The rest of a joint's residual after a change of what is kept, friction following."""
     left = residual - x.kept @ change[x.unknowns]
     return left - x.local @ (x.inverse @ (x.local.T @ (weights * left)))
 

@@ -262,9 +262,9 @@ def noise_of(
     gains: Array,
     unknowns: int,
 ) -> tuple[Array, Array, Array]:
-    """Of each joint's residual (n,) the standard deviation, the factor by which its samples'
-    dependence raises variances, and the variance of an independent sample, `unknowns` of them being
-    fitted."""
+    """The standard deviation of each joint's residual (n,), the factor by which its samples'
+    dependence raises variances, and the variance of an independent sample, where `unknowns` numbers
+    are fitted."""
     inflation = np.array(
         [
             max(found.inflation, _dependence(e, rows.places, found.spacing))
