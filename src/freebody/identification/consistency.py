@@ -10,7 +10,7 @@ and it is infinite where a body ceases to exist, so that no constraint is left t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,8 @@ is tried to the next, which starts where the last has ended; and the least, with
 is asked than that bodies exist."""
 _HALVINGS = 3
 """Further trials by which the prior's weight is found, to a sixth of its size."""
+_SIZES, _SIZED = 8, 1e-3
+"""Most changes of the size of estimated shapes, and the part by which the last one changes it."""
 _SINGULAR = 1e-7
 """Ratio of the smallest to the largest entry of a pseudo-inertia's Cholesky factor below which a
 body counts as one that cannot be."""
@@ -104,9 +106,20 @@ class Physical(Keeps):
         of_bodies += np.einsum("bij,bji->", self._prior, P)
         m = P[:, -1, -1] / self.bodies[:, 0]
         of_bodies += self.of_masses * (m - np.log(m)).sum()
-        barriers = (s[positive] / self.scalars[positive] - np.log(s[positive])).sum()
+        parts = s[positive] / self.scalars[positive]
+        barriers = (parts - np.log(parts)).sum()
         barriers -= np.log(1.0 - s[bounded] / self.below[bounded]).sum()
         return float(weight * of_bodies + _barrier(weight) * barriers)
+
+    @property
+    def dim(self) -> int:
+        """2 in the plane, 3 in space."""
+        return len(self.basis[0]) - 1
+
+    @property
+    def lengths(self) -> int:
+        """How many rows of a pseudo-inertia, the first ones, grow with lengths."""
+        return 1 if self.dim == 2 else 3
 
     @cached_property
     def _prior(self) -> Array:
@@ -163,8 +176,7 @@ def nearest_physical(
     well as the estimate does, within its noise; it is added to what physics alone cost.
     """
     x, found = physical.start(), []
-    gap = combine @ x - estimate
-    weight = max(_STRONGEST, float(gap @ information @ gap))
+    weight = _first_weight(estimate, information, combine, x)
     while weight >= _WEAKEST:
         found.append(_newton(estimate, information, combine, physical, weight, x))
         x, weight = found[-1].x, weight / _FALL
@@ -187,15 +199,52 @@ def nearest_physical(
     return closest
 
 
-def closest(estimate: Array, information: Array, combine: Array, physical: Physical) -> float:
-    """The least sum of half the misfit and the penalty with a prior of weight 1."""
-    x, weight = physical.start(), _STRONGEST
+def _first_weight(estimate: Array, information: Array, combine: Array, x: Array) -> float:
+    """A weight with which the prior outweighs the data: data that pull from the start end Newton's
+    steps at the edge of what is physical."""
+    gap = combine @ x - estimate
+    return max(_STRONGEST, float(gap @ information @ gap))
+
+
+def closest(
+    estimate: Array, information: Array, combine: Array, physical: Physical, any_size: bool
+) -> tuple[float, Physical]:
+    """The least sum of half the misfit and the penalty with a prior of weight 1, above that of the
+    prior itself, and the conditions that it is of.
+
+    any_size: whether bodies of the prior may be as much larger or smaller as suits the data, at no
+    cost: an estimated shape tells proportions.
+    """
+    x = physical.start()
+    weight = _first_weight(estimate, information, combine, x)
     while weight > 1.0:
         x = _newton(estimate, information, combine, physical, weight, x).x
         weight /= _FALL
-    x = _newton(estimate, information, combine, physical, 1.0, x).x
+    for _ in range(_SIZES if any_size else 1):
+        x = _newton(estimate, information, combine, physical, 1.0, x).x
+        found = _of_size(physical, x) if any_size else physical
+        settled = np.allclose(found.bodies, physical.bodies, rtol=_SIZED)
+        physical = found
+        if settled:
+            break
     gap = combine @ x - estimate
-    return 0.5 * float(gap @ information @ gap) + physical.penalty(x, 1.0)
+    above = physical.penalty(x, 1.0) - physical.penalty(physical.start(), 1.0)
+    return 0.5 * float(gap @ information @ gap) + above, physical
+
+
+def _of_size(physical: Physical, x: Array) -> Physical:
+    """The conditions with bodies of the prior as large as suits those of x best: with lengths α
+    times as large the divergence is A / α² + 2 B / α + 2 d log α and a constant."""
+    inverse = np.linalg.inv(physical.pseudo_inertias(physical.start()))
+    P, k = physical.pseudo_inertias(x), physical.lengths
+    A = np.einsum("bij,bji->b", inverse[:, :k, :k], P[:, :k, :k])
+    B = np.einsum("bij,bij->b", inverse[:, :k, k:], P[:, :k, k:])
+    alpha = (B + np.sqrt(B**2 + 4.0 * k * A)) / (2.0 * k)
+    bodies = physical.bodies.copy()
+    first = 1 + physical.dim
+    bodies[:, 1:first] *= alpha[:, None]
+    bodies[:, first:] *= alpha[:, None] ** 2
+    return replace(physical, bodies=bodies)
 
 
 def _newton(

@@ -17,8 +17,8 @@ from scipy.signal import butter, sosfilt
 from freebody.arrays import Array
 from freebody.identification.filters import ORDER, SETTLES, require_cutoff
 
-_NEGLIGIBLE = 1e-9
-"""Part of its largest weight below which the filter's window ends."""
+_NEGLIGIBLE = 1e-6
+"""Part of its largest weight below which the filter's window ends, of columns and torques alike."""
 _PER_INDEPENDENT = 1.5
 """Samples kept for each independent one (of which there are twice the cutoff a second)."""
 _AT_ONCE = 32
@@ -54,17 +54,24 @@ class Decimation:
         """(which of the places, filtered columns (k, c) there), part by part, `columns` being a
         function of a range of samples -> (samples, c)."""
         span = _AT_ONCE * self.step
-        start = 0
+        start, weights, weighted = 0, np.empty((0, 0)), np.empty(0, dtype=np.intp)
         while start < len(places):
             first = places[start]
             end = int(np.searchsorted(places, first + span))
             last = places[end - 1]
             x = columns(slice(first - self.reach, last + self.reach + 1))
-            weights = np.zeros((end - start, len(x)))
-            for k, place in enumerate(places[start:end] - first):
-                weights[k, place : place + len(self.window)] = self.window
+            at = places[start:end] - first
+            if weights.shape != (len(at), len(x)) or not np.array_equal(at, weighted):
+                weights, weighted = self._weights(at, len(x)), at
             yield slice(start, end), weights @ x
             start = end
+
+    def _weights(self, places: NDArray[np.intp], count: int) -> Array:
+        """The weights (k, count) of samples in filtered ones, whose windows begin at places."""
+        weights = np.zeros((len(places), count))
+        for k, place in enumerate(places):
+            weights[k, place : place + len(self.window)] = self.window
+        return weights
 
 
 def decimation(rate: float, cutoff: float) -> Decimation:

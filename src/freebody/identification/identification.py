@@ -13,6 +13,10 @@ from freebody.by_value import ByValue
 from freebody.errors import UnknownNameError
 from freebody.model.model import Model
 from freebody.outputs.display import Tabled, TextTable, counted
+from freebody.outputs.number_text import weighted_sum
+
+_ROUNDING = 1e-9
+"""Part of the largest weight of a sum below which a weight is rounding."""
 
 IdentificationOutcome = Literal["predicts", "fails", "not validated"]
 
@@ -20,9 +24,10 @@ IdentificationOutcome = Literal["predicts", "fails", "not validated"]
 @dataclass(frozen=True)
 class IdentifiedParameter:
     """A base parameter or a number of a joint's friction. value: of the regression, before prior
-    and constraints, with its interval of 95 %, lower … upper. in_model: the value in the physical
-    model. told: whether the interval says more than that the parameter is small or unknown.
-    withdrawn: why it has no interval, or ""."""
+    and constraints, with its interval of 95 %, lower … upper; of base parameters, where friction
+    may be any odd function of the rate with a slope of its own in each direction. in_model: the
+    value in the physical model, whose friction follows the laws. told: whether the interval says
+    more than that the parameter is small or unknown. withdrawn: why it has no interval, or ""."""
 
     name: str
     kind: Literal["inertial", "friction"]
@@ -40,8 +45,8 @@ class JointFit:
     """How well a joint's torque is predicted while it moves. torque: its RMS, N m (N). regression,
     model: RMS of what is left, over it, of the regression and of the physical model. validation:
     the same of the model on logs that it has not seen, or None. independent: by which the variance
-    of estimates is larger than with independent samples. law_fits: whether what is left does not
-    depend on the rate."""
+    of estimates is larger than with independent samples. law_fits: whether friction by the rate
+    differs from the laws by no more than noise."""
 
     joint: str
     torque: float
@@ -100,6 +105,12 @@ class Identification(Tabled, ByValue):
         row = self.combinations[bases.index(name)]
         return {other: float(w) for other, w in zip(self.inertial_names, row, strict=True) if w}
 
+    def written(self, name: str) -> str:
+        """A base parameter as a sum of inertial parameters, such as link2.hx + 0.4 link3.m."""
+        weights = self.combination(name).items()
+        least = _ROUNDING * max(abs(w) for _, w in weights)
+        return weighted_sum([(other, w) for other, w in weights if abs(w) > least], 4)
+
     def _title(self) -> str:
         count = sum(x.kind == "inertial" for x in self.parameters)
         what = counted(count, "base parameter")
@@ -131,7 +142,11 @@ class Identification(Tabled, ByValue):
             (x.name, f"{x.value:.4g}", _interval(x), f"{x.in_model:.4g}", x.unit, _remark(x))
             for x in self.parameters
         ]
-        return [*lines, *_aligned([head, *rows]), "", self.verdict, *self.notices]
+        sums = [
+            (x.name, f"= {self.written(x.name)}") for x in self.parameters if x.kind == "inertial"
+        ]
+        lines += [*_aligned([head, *rows]), "", "Base parameters are sums:", *_aligned(sums), ""]
+        return [*lines, self.verdict, *self.notices]
 
 
 def _interval(x: IdentifiedParameter) -> str:

@@ -12,6 +12,7 @@ import numpy as np
 from freebody.any_chain.dynamics import inverse_dynamics
 from freebody.arrays import Array
 from freebody.errors import FreebodyError, KindError
+from freebody.identification.any_friction import BaseEstimate, with_any_friction
 from freebody.identification.columns import (
     LOST_ROTOR,
     USUAL_LAWS,
@@ -27,18 +28,18 @@ from freebody.identification.identification import (
 )
 from freebody.identification.logs.log import Log
 from freebody.identification.logs.read_log import read_log
-from freebody.identification.physical_robot import PhysicalFit, fit_physical, robot
+from freebody.identification.physical_robot import PhysicalFit, fit_physical, near_edge, robot
 from freebody.identification.priors import Prior, prior_of
 from freebody.identification.regression import (
     LogEquations,
     Regressed,
     equations,
-    misfit_by_rate,
     regressed,
     suited,
 )
 from freebody.identification.verdict import (
     QUANTILE,
+    definiteness,
     mass_doubts,
     notices_of,
     outcome_of,
@@ -131,13 +132,15 @@ def identify(
         found.put_loads(fit.values)
     gains = _gains(found, fit) if by_current else None
     checked = _validated(columns, model, unseen, gains, fit, cutoff)
-    joints = _joint_fits(found, first, fit, gains, checked)
-    parameters = _parameters(model, columns, first, fit, joints)
+    base = with_any_friction(found, first)
+    joints = _joint_fits(found, first, fit, gains, checked, base.accident)
+    parameters = _parameters(model, columns, first, base, fit, joints)
     made = robot(model, columns, fit, mass_doubts(held, scaled))
     outcome = outcome_of(joints)
     untold = tuple(x.name for x in parameters if x.kind == "inertial" and not x.told)
     notices = [f"{log.source or 'log'}: {text}" for log in (*used, *unseen) for text in log.notices]
     notices += notices_of(held, scaled, joints, untold, gains, fit.unsure)
+    notices.append(definiteness(near_edge(model, fit)))
     return Identification(
         made,
         parameters,
@@ -273,13 +276,13 @@ def _joint_fits(
     fit: PhysicalFit,
     gains: Array | None,
     checked: Sequence[float | None],
+    accident: Array,
 ) -> tuple[JointFit, ...]:
     fits = []
     totals = found.sums(fit.values)
     known = first.gains if gains is None else gains
     for j, rows in enumerate(found.rows):
         y, residual = first.gains[j] * rows.y, first.residuals[j]
-        accident = misfit_by_rate(rows, residual, first.spread[j], found.inflation)
         fits.append(
             JointFit(
                 found.columns.joints[j],
@@ -288,7 +291,7 @@ def _joint_fits(
                 _rms(known[j] * rows.y - totals[j]) / (known[j] * _rms(rows.y)),
                 checked[j],
                 float(first.inflation[j] / found.inflation),
-                accident > _UNLIKELY,
+                bool(accident[j] > _UNLIKELY),
             )
         )
     return tuple(fits)
@@ -298,17 +301,20 @@ def _parameters(
     model: Model,
     columns: Columns,
     first: Regressed,
+    base: BaseEstimate,
     fit: PhysicalFit,
     joints: Sequence[JointFit],
 ) -> tuple[IdentifiedParameter, ...]:
-    """All unknowns with their intervals."""
+    """All unknowns with their intervals, those of bodies whatever the friction."""
     scale = np.full(len(first.values), fit.scale)
     for row in columns.rows:
         if row.load is not None:
             scale[row.load] = 1.0
-    value = scale * first.values
-    half = QUANTILE * scale * np.sqrt(np.maximum(np.diag(first.covariance), 0.0))
-    half[first.untold] = np.nan
+    value = scale * np.concatenate([base.values, first.values[columns.base :]])
+    variance = np.diag(first.covariance).copy()
+    variance[: columns.base] = np.diag(base.covariance)
+    half = QUANTILE * scale * np.sqrt(np.maximum(variance, 0.0))
+    half[np.concatenate([base.untold, first.untold[columns.base :]])] = np.nan
     kinds = _kinds(model, columns)
     largest = {
         kind: max(abs(v) for v, k in zip(value, kinds, strict=True) if k == kind)

@@ -35,7 +35,9 @@ _OF_MASSES = {"model": 10.0, "masses": 10.0, "geometry": 0.0}
 estimated shape tells where they are."""
 _LEAST_FRICTION, _LEAST_LOSS = 0.01, 0.005
 """Friction that is looked for near 0: as part of a joint's torque, and of what it transmits."""
-_SCALES, _SCALE_TOLD = 1.0, 3e-3
+_EDGE = 1e-9
+"""Ratio of the eigenvalues of a pseudo-inertia below which a body is nearly none."""
+_SCALES, _SCALE_TOLD, _STEP = 3.0, 3e-3, 0.2
 """Logarithms of the common factor of gains: the farthest from what suits the prior's torques, and
 the distance to which it is found."""
 
@@ -74,9 +76,9 @@ def fit_physical(
         own = information / np.outer(factors, factors)
         return values - constant, own, combine, _physical(model, found, values, scale, prior)
 
-    unsure = 0.0
+    unsure, shaped = 0.0, prior.source == "masses"
     if scale is None:
-        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x))))
+        scale, unsure = _found_scale(lambda x: closest(*problem(first * np.exp(x)), shaped)[0])
         scale *= first
     fitted: Fitted = nearest_physical(*problem(scale), _PART_OF_NOISE * columns.base)
     if columns.by_load:
@@ -99,8 +101,8 @@ def _found_scale(misfit: Callable[[float], float]) -> tuple[float, float]:
         misfit, bounds=(-_SCALES, _SCALES), method="bounded", options=options
     )
     best = float(found.x)
-    around = [misfit(best + x) for x in (-_SCALES / 5, 0.0, _SCALES / 5)]
-    curvature = (around[0] - 2.0 * around[1] + around[2]) / (_SCALES / 5) ** 2
+    around = [misfit(best + x) for x in (-_STEP, 0.0, _STEP)]
+    curvature = (around[0] - 2.0 * around[1] + around[2]) / (_STEP) ** 2
     return float(np.exp(best)), float(1.0 / np.sqrt(max(curvature, 1.0)))
 
 
@@ -196,6 +198,16 @@ def _rotors(columns: Columns, values: Array) -> Array:
     if largest <= 0.0:
         largest = 1e-2 * float(np.abs(values[: columns.base]).max())
     return np.where(known > 1e-3 * largest, known, np.where(known > -1.0, 1e-3, 1.0) * largest)
+
+
+def near_edge(model: Model, fit: PhysicalFit) -> list[str]:
+    """Names of the bodies that are at the edge of what exists; the pseudo-inertias of the others
+    are positive definite by a margin."""
+    basis = pseudo_inertia_basis(model.dim)
+    bodies = fit.inertial[: len(basis) * len(model.bodies)].reshape(-1, len(basis))
+    eigenvalues = np.linalg.eigvalsh(np.einsum("bk,kij->bij", bodies, basis))
+    thin = eigenvalues[:, 0] <= _EDGE * eigenvalues[:, -1]
+    return [body.name for body, is_thin in zip(model.bodies, thin, strict=True) if is_thin]
 
 
 def robot(model: Model, columns: Columns, fit: PhysicalFit, doubts: Sequence[str]) -> Model:

@@ -9,12 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from freebody.arrays import Array
 from freebody.errors import FreebodyError
 from freebody.identification.columns import WIDTHS, Columns
 from freebody.identification.decimation import Decimation, decimation
+from freebody.identification.first_gains import first_gains
 from freebody.identification.logs.log import Log, LogStates
 
 REST = 0.02
@@ -37,16 +37,10 @@ _LONGEST = 2.0
 _OF_GAINS = 40.0
 """Weight, in equations of the noise's size, of the gains that were held at first: it counts where
 bodies hardly load a joint, so that its friction alone tells no gain."""
-_SURE = 10.0
-"""Standard deviations above which a first gain is taken from a joint's own current."""
 _LEAST_NOISE = 1e-6
 """Part of a joint's torque that its noise is at least: no sensor is better."""
-_EXACT = 1e-9
-"""Part of a joint's torque below which what is left is rounding."""
 _TRIED = 30.0
 """Time (s) of each log by which the width of the sign of rates is chosen."""
-_BINS = 12
-"""Ranges of the rate, of equally many samples, in which residuals are compared."""
 
 
 class Prepared(NamedTuple):
@@ -130,8 +124,8 @@ class Regressed(NamedTuple):
     values: of the unknowns. information: XᵀWX in units of the noise, with the samples' dependence
     counted. covariance: (unknowns, unknowns) of the values. spread: (n,) standard deviation of each
     joint's residual. inflation: (n,) by which its samples' dependence raises variances. residuals:
-    of each joint's rows. untold: (k, unknowns) combinations of unknowns that no equation tells.
-    gains: (n,) of currents, up to a common factor, or 1.
+    of each joint's rows, with the weights that make it robust. untold: which unknowns no equation
+    tells. gains: (n,) of currents, up to a common factor, or 1; first_gains: those held at first.
     """
 
     values: Array
@@ -140,8 +134,10 @@ class Regressed(NamedTuple):
     spread: Array
     inflation: Array
     residuals: list[Array]
+    weights: list[Array]
     untold: NDArray[np.bool_]
     gains: Array
+    first_gains: Array
 
 
 def equations(
@@ -210,10 +206,10 @@ def regressed(
     """The weighted least squares of the equations, of currents with the gains of the drives.
 
     Gains are found by Gauss's and Newton's method, as factors of the currents that change from
-    round to round until none does. held: base parameters that gains are found from at first.
+    round to round until none does. held: base parameters by which gains are scaled at first.
     start: unknowns of which transmitted torques are near the right ones, so that fewer rounds do.
     """
-    gains = np.ones(len(found.rows)) if held is None else _first_gains(found, held)
+    gains = np.ones(len(found.rows)) if held is None else first_gains(found.rows, held)
     first = gains
     weights = [np.ones(len(rows.y)) for rows in found.rows]
     spread = np.array([_size(k * rows.y, 1.0) for rows, k in zip(found.rows, gains, strict=True)])
@@ -223,11 +219,11 @@ def regressed(
         if 0 < k <= _LOADED + more and found.columns.by_load:
             found.put_loads(values)
         normal, moment = _normal(found, weights, spread**-2, gains, first)
-        solved, _, _ = _solved(normal, moment)
-        values = solved[: found.size]
+        solution, _, _ = solved(normal, moment)
+        values = solution[: found.size]
         sums = found.sums(values)
         if found.currents:
-            changed = gains * np.exp(np.clip(solved[found.size :], -1.0, 1.0))
+            changed = gains * np.exp(np.clip(solution[found.size :], -1.0, 1.0))
             spread, gains = spread * changed / gains, changed
             for rows, total in zip(found.rows, sums, strict=True):
                 rows.x[:, -1] = -total
@@ -237,18 +233,9 @@ def regressed(
             np.minimum(1.0, _OUTLYING * s / np.maximum(np.abs(e), 1e-300))
             for e, s in zip(residuals, spread, strict=True)
         ]
-    inflation = np.array(
-        [
-            max(found.inflation, _dependence(e, rows.places, found.spacing))
-            for e, rows in zip(residuals, found.rows, strict=True)
-        ]
-    )
-    samples = np.array([w.sum() for w in weights]) / inflation
-    spread = spread / np.sqrt(max(1.0 - found.size / samples.sum(), 0.1))
-    least = [_LEAST_NOISE * k * np.std(r.y) for r, k in zip(found.rows, gains, strict=True)]
-    noise = inflation * np.maximum(spread, least) ** 2
+    spread, inflation, noise = noise_of(found, residuals, weights, gains, found.size)
     normal, moment = _normal(found, weights, 1.0 / noise, gains, first)
-    _, covariance, untold = _solved(normal, moment)
+    _, covariance, untold = solved(normal, moment)
     size = found.size
     information = normal[:size, :size]
     if found.currents:  # what is left once the gains are free
@@ -261,9 +248,34 @@ def regressed(
         spread,
         inflation,
         residuals,
+        weights,
         untold[:size],
         gains,
+        first,
     )
+
+
+def noise_of(
+    found: LogEquations,
+    residuals: Sequence[Array],
+    weights: Sequence[Array],
+    gains: Array,
+    unknowns: int,
+) -> tuple[Array, Array, Array]:
+    """The standard deviation of each joint's residual (n,), the factor by which its samples'
+    dependence raises variances, and the variance of an independent sample, where `unknowns` numbers
+    are fitted."""
+    inflation = np.array(
+        [
+            max(found.inflation, _dependence(e, rows.places, found.spacing))
+            for e, rows in zip(residuals, found.rows, strict=True)
+        ]
+    )
+    samples = np.array([w.sum() for w in weights]) / inflation
+    spread = np.array([_size(e, w) for e, w in zip(residuals, weights, strict=True)])
+    spread = spread / np.sqrt(max(1.0 - unknowns / samples.sum(), 0.1))
+    least = [_LEAST_NOISE * k * np.std(r.y) for r, k in zip(found.rows, gains, strict=True)]
+    return spread, inflation, inflation * np.maximum(spread, least) ** 2
 
 
 def suited(
@@ -325,18 +337,26 @@ def _normal(
         normal[np.ix_(rows.unknowns, rows.unknowns)] += rows.x.T @ weighted
         moment[rows.unknowns] += weighted.T @ (gain * rows.y)
     if found.currents:
-        of_gains = slice(found.size, size)
-        normal[of_gains, of_gains] += max(np.trace(normal[of_gains, of_gains]), 1.0)
-        places = np.arange(found.size, size)
-        normal[places, places] += _OF_GAINS
-        moment[places] += _OF_GAINS * np.log(first / gains)
+        hold_gains(normal, moment, found.size, gains, first)
     return normal, moment
 
 
-def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def hold_gains(normal: Array, moment: Array, start: int, gains: Array, first: Array) -> None:
+    """Adds what is held of changes of gains, the last unknowns from `start` on, to normal
+    equations: their sum is 0, and the gains are near the first ones."""
+    of_gains, places = slice(start, len(normal)), np.arange(start, len(normal))
+    normal[of_gains, of_gains] += max(np.trace(normal[of_gains, of_gains]), 1.0)
+    normal[places, places] += _OF_GAINS
+    moment[places] += _OF_GAINS * np.log(first / gains)
+
+
+def solved(
+    normal: Array, moment: Array, scale: Array | None = None
+) -> tuple[Array, Array, NDArray[np.bool_]]:
     """The solution of normal equations, the inverse of their matrix, both without the combinations
-    of unknowns that are not told, and which unknowns are part of such."""
-    size = np.sqrt(np.diag(normal))
+    of unknowns that are not told, and which unknowns are part of such. scale: the diagonal that the
+    equations are compared with, by default their own."""
+    size = np.sqrt(np.diag(normal) if scale is None else scale)
     size[size == 0.0] = 1.0
     eigenvalues, vectors = np.linalg.eigh(normal / np.outer(size, size))
     told = eigenvalues > _RANK * eigenvalues[-1]
@@ -344,25 +364,6 @@ def _solved(normal: Array, moment: Array) -> tuple[Array, Array, NDArray[np.bool
     inverse = (kept / eigenvalues[told]) @ kept.T
     hidden = (vectors[:, ~told] ** 2).sum(axis=1) > _PART
     return inverse @ moment, inverse, hidden
-
-
-def _first_gains(found: LogEquations, held: Array) -> Array:
-    """Gains with which currents agree best with base parameters that are held beforehand, friction
-    being free; of joints that bodies hardly load the mean of the others'."""
-    gains, sure = np.ones(len(found.rows)), np.zeros(len(found.rows), dtype=bool)
-    for j, rows in enumerate(found.rows):
-        of_base = rows.unknowns < found.columns.base
-        of_friction = (rows.unknowns < found.size) & ~of_base
-        rigid = rows.x[:, of_base] @ held[rows.unknowns[of_base]]
-        x = np.column_stack([rigid, rows.x[:, of_friction]])
-        inverse = np.linalg.pinv(x.T @ x, hermitian=True)
-        fitted = inverse @ (x.T @ rows.y)
-        variance = _SURE * np.mean((rows.y - x @ fitted) ** 2) * inverse[0, 0]
-        sure[j] = fitted[0] > _SURE * np.sqrt(variance)
-        gains[j] = 1.0 / fitted[0] if sure[j] else 1.0
-    if sure.any():
-        gains[~sure] = np.exp(np.log(gains[sure]).mean())
-    return gains
 
 
 def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> float:
@@ -380,14 +381,3 @@ def _dependence(residual: Array, places: NDArray[np.intp], spacing: float) -> fl
             break
         total += 2.0 * likeness
     return float(total)
-
-
-def misfit_by_rate(rows: JointEquations, residual: Array, spread: float, inflation: float) -> float:
-    """The probability that a residual with noise alone depends on the joint's rate as much as this
-    one does: whether the law of friction fits."""
-    if spread <= _EXACT * np.std(rows.y):
-        return 1.0
-    order = np.argsort(rows.rate)
-    bins = np.array_split(residual[order], _BINS)
-    total = sum(len(x) * x.mean() ** 2 for x in bins) / (inflation * spread**2)
-    return float(chi2.sf(total, _BINS))

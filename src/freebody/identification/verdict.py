@@ -48,6 +48,26 @@ def verdict_of(outcome: str, joints: Sequence[JointFit], scaled: bool, held: Pri
     return f"{said}; single masses are near {source}, which logs do not tell."
 
 
+def definiteness(thin: Sequence[str]) -> str:
+    """The sentence on whether the mass matrix is positive definite, and why. thin: bodies at the
+    edge of what exists.
+
+    M is the sum of Jᵀ I J over the bodies, and rotors that are not negative. Where a joint moves,
+    so does the first body behind it, and a body with a positive definite pseudo-inertia has a
+    positive definite spatial inertia I; so no rates have a kinetic energy of 0.
+    """
+    if thin:
+        return (
+            f"The base values lie at the edge of what bodies can be: {', '.join(thin)} is or are "
+            f"nearly without extent in some direction. Look for a wrong sign or unit, or too "
+            f"little motion."
+        )
+    return (
+        "The mass matrix is positive definite in every posture, since the pseudo-inertia of every "
+        "body is, and no rotor's inertia is negative."
+    )
+
+
 def mass_doubts(held: Prior, scaled: bool) -> list[str]:
     """Doubts on its masses that the model itself carries, wherever it is saved and used."""
     if held.source == "model":
@@ -90,7 +110,8 @@ def notices_of(
     if wrong:
         found.append(
             f"The law of friction does not fit at {', '.join(wrong)}: what is left depends on the "
-            f"rate; intervals of their friction are withdrawn."
+            f"rate; intervals of their friction are withdrawn, those of base parameters hold "
+            f"whatever odd function of the rate it is."
         )
     coloured = [x.joint for x in joints if x.independent > _NOISY]
     if coloured:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from itertools import combinations
 
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -97,3 +97,13 @@ def signed(digits: str) -> str:
 def superscript(exponent: int) -> str:
     """An exponent in raised digits."""
     return str(exponent).translate(_RAISED)
+
+
+def weighted_sum(terms: Iterable[tuple[str, float]], digits: int) -> str:
+    """A sum of names with weights as text, such as vx + 0.309 vy - 2 w."""
+    text = ""
+    for name, weight in terms:
+        size = f"{abs(weight):.{digits}g}"
+        sign = (" - " if weight < 0.0 else " + ") if text else ("-" if weight < 0.0 else "")
+        text += f"{sign}{'' if size == '1' else f'{size} '}{name}"
+    return text

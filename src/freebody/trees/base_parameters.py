@@ -18,6 +18,7 @@ from freebody.model.losses import require_lossless
 from freebody.model.model import Model
 from freebody.model.tree import Tree
 from freebody.outputs.display import InWords, counted
+from freebody.outputs.number_text import weighted_sum
 from freebody.trees.positions import generic_state
 from freebody.trees.regressors import inertial_parameters
 
@@ -56,11 +57,8 @@ class BaseParameters(InWords, ByValue):
     def __str__(self) -> str:
         lines = []
         for name, value in zip(self.names, self.values, strict=True):
-            terms = " ".join(
-                f"{'-' if w < 0 else '+'} {'' if abs(w) == 1 else f'{abs(w):.6g} '}{other}"
-                for other, w in self.combination(name).items()
-            )
-            lines.append(f"{name}: {value:.6g} = {terms.removeprefix('+ ')}")
+            terms = weighted_sum(self.combination(name).items(), 6)
+            lines.append(f"{name}: {value:.6g} = {terms}")
         return "\n".join(lines)
 
 

@@ -43,6 +43,20 @@ def joint_state() -> list[str]:
     return rows
 
 
+def listed_cells(opening: str, closing: str, quote: str, separator: str) -> list[str]:
+    """JointState in a table of messages, a list in each cell."""
+
+    def cell(values: list[str]) -> str:
+        return f"{quote}{opening}{', '.join(values)}{closing}{quote}"
+
+    rows = [separator.join(["Time", "header.stamp", "name", "position", "velocity", "effort"])]
+    for n, t in enumerate(T):
+        cells = [f"{1.6e9 + t:.4f}", f"{1.6e9 + t:.4f}", cell([f"'{NAMES[k]}'" for k in SORTED])]
+        cells += [cell([f"{x[n, k]:.9f}" for k in SORTED]) for x in (Q, QD, TAU)]
+        rows.append(separator.join(cells))
+    return rows
+
+
 def rtde() -> list[str]:
     """A log as Universal Robots' recorder writes it."""
     head = ["timestamp", *(f"target_q_{k}" for k in range(6))]
@@ -87,6 +101,8 @@ FORMS = {
         [T, Q, QD, TAU], ["time", *(f"{x}{k}" for x in ("q", "dq", "tau") for k in K)]
     ),
     "ROS JointState": joint_state(),
+    "ROS JointState, lists in cells": listed_cells("[", "]", '"', ","),
+    "ROS JointState, tuples between semicolons": listed_cells("(", ")", "", ";"),
     "PlotJuggler": plotted(),
     "stamps in two parts": lines(
         [1.6e9 + np.floor(T), 1e9 * (T % 1.0), Q, QD, TAU],
@@ -124,7 +140,7 @@ def test_forms_of_logs(form: str, tmp_path: Path) -> None:
     log = fb.read_log(written(tmp_path, FORMS[form]), ARM)
 
     check(log)
-    assert form == "ROS JointState" or not log.notices
+    assert form.startswith("ROS JointState") or not log.notices
     assert log.rates_measured
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from freebody.arrays import Array
 from freebody.errors import FileError, FreebodyError, KindError, MissingPackageError, shown
 from freebody.formats import read_file
+from freebody.identification.logs.list_cells import has_lists, lists_as_cells, without_lists
 from freebody.outputs.harmless_text import as_meant
 
 _LARGEST = 1024 * 2**20
@@ -232,6 +233,8 @@ def _of_text(path: Path) -> LogText:
     lines = read_file.lines(read_file.decoded(str(path), read_file.read(path, _LARGEST, "a log")))
     while lines and not lines[-1].strip(" \t,;\0"):
         lines.pop()
+    if has_lists(lines[:_LOOKED_AT]):
+        lines = lists_as_cells(lines, _separator(without_lists(lines[:_LOOKED_AT])))
     head = [(k, x) for k, x in enumerate(lines[:_LOOKED_AT]) if x.strip(" \t,;")]
     separator = _separator([text for _, text in head])
     rows = [

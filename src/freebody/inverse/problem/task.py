@@ -13,6 +13,7 @@ from freebody.arrays import Array, as_floats, refuse_not_finite
 from freebody.errors import FreebodyError, ShapeError, UnknownNameError
 from freebody.kernels.formula_variants import motion_rows
 from freebody.model.model import Model
+from freebody.outputs.number_text import weighted_sum
 
 TASKS = ("position", "orientation", "pose")
 _ROTATION = 1e-6  # how far a target's rotation may be from orthogonal
@@ -77,13 +78,8 @@ def row_names(dim: int) -> tuple[str, ...]:
 
 def combined_rates(factors: Array, names: Sequence[str]) -> str:
     """A combination of rates as text, such as vx + 0.309 vy - 2 w, from factors and names."""
-    text = ""
-    for factor, name in zip(factors, names, strict=True):
-        if abs(factor) > 1e-9:
-            size = "" if f"{abs(factor):.3g}" == "1" else f"{abs(factor):.3g} "
-            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
-            text += f"{sign}{size}{name}"
-    return text
+    terms = zip(names, np.asarray(factors).tolist(), strict=True)
+    return weighted_sum([(name, x) for name, x in terms if abs(x) > 1e-9], 3)
 
 
 def rows_of(function: str, model: Model, task: str | Sequence[str]) -> tuple[int, ...]:

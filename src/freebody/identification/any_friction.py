@@ -1,0 +1,190 @@
+"""Base parameters whatever the friction: what logs tell of bodies and rotors where a joint's
+friction may be any function of its rate that is odd but for its slope.
+
+Friction that the laws do not describe is no noise: it goes with the motion, and a regression with
+these laws hands part of it to masses, in the same way in every period. No residual shows that, as
+it is orthogonal to the columns. So beside the laws each joint gets columns that add up to any odd
+function of its rate, a spline with knots where the joint moves, and to a slope of its own in each
+direction; what bodies have in common with these is taken from the bodies (a partially linear
+regression: Robinson 1988). Where a law fits, the intervals become a few per cent wider; where none
+does, they hold.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from freebody.arrays import Array
+from freebody.identification.first_gains import inverse_products
+from freebody.identification.regression import (
+    JointEquations,
+    LogEquations,
+    Prepared,
+    Regressed,
+    hold_gains,
+    noise_of,
+    solved,
+)
+
+_KNOTS = (0.08, 0.2, 0.4, 0.7, 1.0)
+"""Parts of a joint's samples that are slower than each knot of the spline, denser where friction
+changes most."""
+_ROUNDS = 2
+"""Solutions one after the other, each with the noise of the last."""
+_TOLD = 1e-6
+"""Part of a column of the spline (squared) that the laws must lack for it to count against them."""
+
+
+class BaseEstimate(NamedTuple):
+    """Base parameters (b,), their covariance, which of them the logs do not tell, and of each joint
+    the probability that noise alone makes its friction differ from the laws as much as it does."""
+
+    values: Array
+    covariance: Array
+    untold: NDArray[np.bool_]
+    accident: Array
+
+
+class _FrictionlessRows(NamedTuple):
+    """A joint's equations without its friction. kept: columns of bodies and of the gain, with the
+    unknowns that they multiply; local: all columns of friction, those of the laws first. own,
+    across: weighted products of the local columns with themselves and with the kept ones; inverse:
+    of the first. normal: the kept unknowns' normal equations, friction being eliminated; before:
+    their diagonal without that."""
+
+    kept: Array
+    unknowns: NDArray[np.intp]
+    local: Array
+    laws: int
+    own: Array
+    across: Array
+    inverse: Array
+    normal: Array
+    before: Array
+
+
+def with_any_friction(found: LogEquations, first: Regressed) -> BaseEstimate:
+    """The base parameters of the equations, friction being any function of each joint's rate that
+    is odd but for its slope, besides what the laws make of it; from the regression with the laws
+    alone."""
+    b, n = found.columns.base, len(found.rows)
+    joints = [
+        _without_friction(found, rows, spline, w)
+        for rows, spline, w in zip(found.rows, _splines(found), first.weights, strict=True)
+    ]
+    size = b + n * found.currents
+    fitted = size + sum(x.local.shape[1] for x in joints)
+    residuals = first.residuals
+    _, _, noise = noise_of(found, residuals, first.weights, first.gains, fitted)
+    for _ in range(_ROUNDS):
+        change, _, _ = _change(joints, first, 1.0 / noise, found, b)
+        residuals = [
+            _left(x, e, w, change)
+            for x, e, w in zip(joints, first.residuals, first.weights, strict=True)
+        ]
+        _, _, noise = noise_of(found, residuals, first.weights, first.gains, fitted)
+    change, covariance, untold = _change(joints, first, 1.0 / noise, found, b)
+    accident = [
+        _accident(x, e, w, change, covariance, variance)
+        for x, e, w, variance in zip(joints, first.residuals, first.weights, noise, strict=True)
+    ]
+    values = first.values[:b] + change[:b]
+    return BaseEstimate(values, covariance[:b, :b], untold[:b], np.array(accident))
+
+
+def _splines(found: LogEquations) -> list[Array]:
+    """Filtered columns of each joint's rows that add up to any odd function of its rate,
+    and to its size."""
+    n, count = len(found.rows), 2 + len(_KNOTS)
+    knots = np.array([np.quantile(np.abs(rows.rate), _KNOTS) for rows in found.rows]).T
+    parts = [_spline(found, p, knots) for p in found.prepared]
+    whole = np.concatenate(parts).reshape(-1, count, n)
+    return [whole[rows.places, :, j] for j, rows in enumerate(found.rows)]
+
+
+def _spline(found: LogEquations, p: Prepared, knots: Array) -> Array:
+    """Columns (samples, count n) of a log: the size of rates, their sign, and this times their
+    size up to each of the knots (count - 2, n)."""
+
+    def samples(part: slice) -> Array:
+        qd = p.states.qd[part]
+        size, sign = np.abs(qd), found.columns.sign(qd)
+        return np.concatenate([size, sign, *(sign * np.minimum(size, k) for k in knots)], axis=1)
+
+    filtered = np.empty((len(p.places), knots.shape[1] * (2 + len(knots))))
+    for where, x in p.filter.filtered(p.places, samples):
+        filtered[where] = x
+    return filtered
+
+
+def _without_friction(
+    found: LogEquations, rows: JointEquations, spline: Array, weights: Array
+) -> _FrictionlessRows:
+    b = found.columns.base
+    is_kept = (rows.unknowns < b) | (rows.unknowns >= found.size)
+    kept = rows.x[:, is_kept]
+    local = np.concatenate([rows.x[:, ~is_kept], spline], axis=1)
+    weighted = local * weights[:, None]
+    across, own = weighted.T @ kept, weighted.T @ local
+    inverse = inverse_products(own)
+    whole = kept.T @ (kept * weights[:, None])
+    unknowns = rows.unknowns[is_kept]
+    unknowns = np.where(unknowns < b, unknowns, unknowns - found.size + b)
+    normal = whole - across.T @ inverse @ across
+    laws = local.shape[1] - spline.shape[1]
+    return _FrictionlessRows(
+        kept, unknowns, local, laws, own, across, inverse, normal, np.diag(whole)
+    )
+
+
+def _change(
+    joints: list[_FrictionlessRows], first: Regressed, scale: Array, found: LogEquations, b: int
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Changes of base parameters and gains, the covariance, and which are not told."""
+    size = b + len(joints) * found.currents
+    normal, moment, before = np.zeros((size, size)), np.zeros(size), np.zeros(size)
+    pairs = zip(joints, first.residuals, first.weights, scale, strict=True)
+    for x, e, w, factor in pairs:
+        of_local = x.inverse @ (x.local.T @ (w * e))
+        normal[np.ix_(x.unknowns, x.unknowns)] += factor * x.normal
+        moment[x.unknowns] += factor * (x.kept.T @ (w * e) - x.across.T @ of_local)
+        before[x.unknowns] += factor * x.before
+    if found.currents:
+        hold_gains(normal, moment, b, first.gains, first.first_gains)
+        before[b:] = np.diag(normal)[b:]
+    return solved(normal, moment, before)
+
+
+def _left(x: _FrictionlessRows, residual: Array, weights: Array, change: Array) -> Array:
+    """The rest of a joint's residual after a change of what is kept, friction following."""
+    left = residual - x.kept @ change[x.unknowns]
+    return left - x.local @ (x.inverse @ (x.local.T @ (weights * left)))
+
+
+def _accident(
+    x: _FrictionlessRows,
+    residual: Array,
+    weights: Array,
+    change: Array,
+    covariance: Array,
+    noise: float,
+) -> float:
+    """The probability that what friction is beyond the laws is due to noise as often: Wald's test
+    of the coefficients of the spline's part that the laws lack."""
+    k = x.laws
+    of_laws = x.own[k:, :k] @ inverse_products(x.own[:k, :k])
+    own = x.own[k:, k:] - of_laws @ x.own[:k, k:]
+    size = np.sqrt(np.diag(x.own)[k:])
+    eigenvalues, vectors = np.linalg.eigh(own / np.outer(size, size))
+    lacking = eigenvalues > _TOLD
+    directions = (vectors[:, lacking] / np.sqrt(eigenvalues[lacking])).T / size
+    beyond = np.concatenate([-of_laws, np.eye(len(own))], axis=1)
+    found = directions @ beyond @ (x.local.T @ (weights * (residual - x.kept @ change[x.unknowns])))
+    across = directions @ beyond @ x.across
+    spread = across @ covariance[np.ix_(x.unknowns, x.unknowns)] @ across.T
+    spread[np.diag_indices(len(found))] += noise
+    return float(chi2.sf(found @ np.linalg.solve(spread, found), len(found)))
